@@ -1,0 +1,2 @@
+"""Grid worlds as files."""
+__version__ = "0.1.0"

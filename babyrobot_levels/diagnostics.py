@@ -1,0 +1,100 @@
+"""Diagnostics: what is wrong with a level, where, and what to do about it. Frozen values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from babyrobot_levels.source import Position, SourceFile, Span
+
+
+class Severity(StrEnum):
+    """How bad a finding is: an `error` keeps a level from loading, the others do not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace the text of `span` by `text`."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """Edits that mend a finding. `safe` says that they leave the game as it is."""
+
+    message: str
+    edits: tuple[Edit, ...]
+    safe: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding.
+
+    `line` and `column` count from 1 and `end` is the place just behind the faulty text.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    file: str
+    line: int
+    column: int
+    end: Position
+    fix: Fix | None = None
+    help: str | None = None
+    source: SourceFile | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def span(self) -> Span:
+        """Where the fault stands."""
+        return Span(Position(self.line, self.column), self.end)
+
+    @property
+    def location(self) -> str:
+        """The place as editors and terminals link it: `file:line:column`."""
+        return f"{self.file}:{self.line}:{self.column}"
+
+    def excerpt(self) -> tuple[str, str] | None:
+        """Return the source line and its carets, or None where there is no text to show."""
+        if self.source is None or not self.source.line(self.line):
+            return None
+        return self.source.excerpt(self.span)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the finding as plain data, the shape of `--format json`."""
+        return {
+            "code": self.code,
+            "severity": str(self.severity),
+            "message": self.message,
+            "file": self.file,
+            "line": self.line,
+            "column": self.column,
+            "end_line": self.end.line,
+            "end_column": self.end.column,
+            "help": self.help,
+            "fix": None if self.fix is None else self.fix.message,
+        }
+
+    def __str__(self) -> str:
+        """Return the whole finding as plain text: place, message, source line, caret, help."""
+        lines = [f"{self.location}: {self.severity} {self.code}: {self.message}"]
+        excerpt = self.excerpt()
+        if excerpt is not None:
+            number = str(self.line)
+            gutter = " " * len(number)
+            lines += [
+                f"  {gutter} |",
+                f"  {number} | {excerpt[0]}",
+                f"  {gutter} | {excerpt[1]}",
+            ]
+        if self.help:
+            lines.append(f"  help: {self.help}")
+        return "\n".join(lines)

@@ -1,0 +1,265 @@
+"""The ASCII drawing of a level, both ways: text to `Drawing` and back.
+
+Corners are `+`; `---` and `|` are walls, `- -` and `:` walls of glass; a cell is three characters
+wide, and its middle one says what it is. Composing and parsing are each other's inverse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
+RESERVED = frozenset("#SEoO+-|: ")
+"""Characters that a legend cannot define."""
+
+SOLID, GLASS, OPEN = "|", ":", " "
+"""The marks of a side, in both directions."""
+
+_HORIZONTAL = {"---": SOLID, "- -": GLASS, "   ": OPEN}
+_HORIZONTAL_TEXT = {mark: text for text, mark in _HORIZONTAL.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """A drawing without its lines and corners.
+
+    `cells[y][x]` is the middle character of a cell; `east[y][x]` is the mark between (x, y) and
+    its eastern neighbour, `south[y][x]` the one below it: `SOLID`, `GLASS` or `OPEN`.
+    """
+
+    cells: tuple[str, ...]
+    east: tuple[str, ...]
+    south: tuple[str, ...]
+
+    @property
+    def width(self) -> int:
+        """The number of columns."""
+        return len(self.cells[0])
+
+    @property
+    def height(self) -> int:
+        """The number of rows."""
+        return len(self.cells)
+
+    def find(self, character: str) -> list[tuple[int, int]]:
+        """Return the cells `(x, y)` that show the character, in reading order."""
+        return [
+            (x, y)
+            for y, row in enumerate(self.cells)
+            for x, shown in enumerate(row)
+            if shown == character
+        ]
+
+    def row_runs(self, character: str) -> Iterator[tuple[tuple[int, int], int]]:
+        """Yield the cells that show the character, those side by side as one with a length."""
+        for y, row in enumerate(self.cells):
+            for x, length in _runs(row, character):
+                yield (x, y), length
+
+    def runs(self, mark: str) -> Iterator[tuple[tuple[int, int], str, int]]:
+        """Yield the walls of one mark as `(cell, side, length)`: S walls by row, E by column."""
+        for y, row in enumerate(self.south):
+            for x, length in _runs(row, mark):
+                yield (x, y), "S", length
+        for x in range(self.width - 1):
+            for y, length in _runs("".join(row[x] for row in self.east), mark):
+                yield (x, y), "E", length
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingProblem:
+    """A fault of a drawing: line and character of the text (from 0), how many, and what to say."""
+
+    row: int
+    column: int
+    length: int
+    message: str
+    help: str | None = None
+
+
+def compose(drawing: Drawing) -> str:
+    """Return the drawing as text; each line ends with a newline."""
+    border = "+" + "---+" * drawing.width
+    lines = [border]
+    for y, cells in enumerate(drawing.cells):
+        shown = ["###" if cell == BLOCKED else f" {cell} " for cell in cells]
+        marks = drawing.east[y] + SOLID
+        lines.append(
+            SOLID + "".join(cell + mark for cell, mark in zip(shown, marks, strict=True))
+        )
+        if y < drawing.height - 1:
+            lines.append("+" + "".join(_HORIZONTAL_TEXT[mark] + "+" for mark in drawing.south[y]))
+    return "\n".join([*lines, border, ""])
+
+
+def parse(
+    text: str, is_known: Callable[[str], bool], max_size: int
+) -> tuple[Drawing | None, list[DrawingProblem]]:
+    """Return the drawing that `text` shows, or None and what is wrong with it.
+
+    `is_known` tells whether the legend defines a character. Blank lines around the drawing,
+    blanks at the ends of its lines and a common indentation do not count.
+    """
+    return _Parser(text, is_known, max_size).parse()
+
+
+def _runs(marks: str, mark: str) -> Iterator[tuple[int, int]]:
+    """Yield start and length of each run of the mark."""
+    start = None
+    for index, found in enumerate(marks + "\0"):
+        if found == mark and start is None:
+            start = index
+        elif found != mark and start is not None:
+            yield start, index - start
+            start = None
+
+
+class _Parser:
+    def __init__(self, text: str, is_known: Callable[[str], bool], max_size: int):
+        rows = [row.rstrip() for row in text.split("\n")]
+        self.first = next((number for number, row in enumerate(rows) if row), 0)
+        while rows and not rows[-1]:
+            rows.pop()
+        rows = rows[self.first :]
+        self.indent = min((len(row) - len(row.lstrip(" ")) for row in rows if row), default=0)
+        self.rows = [row[self.indent :] for row in rows]
+        self.is_known = is_known
+        self.max_size = max_size
+        self.problems: list[DrawingProblem] = []
+
+    def parse(self) -> tuple[Drawing | None, list[DrawingProblem]]:
+        if not self._check_frame():
+            return None, self.problems
+        width = len(self.rows[0]) // 4
+        cells, east, south = [], [], []
+        for number, row in enumerate(self.rows):
+            if number % 2:
+                shown, marks = self._cell_row(number, row, width)
+                cells.append(shown)
+                east.append(marks)
+            else:
+                line = self._wall_row(number, row, width)
+                if 0 < number < len(self.rows) - 1:
+                    south.append(line)
+        if self.problems:
+            return None, self.problems
+        return Drawing(tuple(cells), tuple(east), tuple(south)), []
+
+    def _report(
+        self, row: int, column: int, length: int, message: str, help_text: str | None = None
+    ) -> None:
+        self.problems.append(
+            DrawingProblem(
+                self.first + row, self.indent + column, max(length, 1), message, help_text
+            )
+        )
+
+    def _check_frame(self) -> bool:
+        """Check the outline: odd numbers of lines, of one length, that fit whole cells."""
+        if not self.rows:
+            self._report(0, 0, 1, "the drawing is empty", "draw at least one cell, as in `| S |`")
+            return False
+        length = len(self.rows[0])
+        if length < 5 or length % 4 != 1:
+            self._report(
+                0,
+                0,
+                length,
+                "the drawing's first line is not the top of a row of cells",
+                "it is `+---` for each cell and a last `+`: `+---+---+` for two",
+            )
+            return False
+        for number, row in enumerate(self.rows):
+            if len(row) != length:
+                more = len(row) > length
+                self._report(
+                    number,
+                    length if more else len(row),
+                    len(row) - length if more else 1,
+                    f"this line of the drawing has {len(row)} characters, the first has {length}",
+                    "each cell is three characters wide, with one between two cells",
+                )
+        if len(self.rows) < 3 or len(self.rows) % 2 == 0:
+            self._report(
+                len(self.rows) - 1,
+                0,
+                len(self.rows[-1]),
+                "the drawing ends in the middle of a row of cells",
+                "below each line of cells stands a line of `+` and walls",
+            )
+        height = len(self.rows) // 2
+        if max(length // 4, height) > self.max_size:
+            self._report(
+                0, 0, length, f"a level is at most {self.max_size} cells wide and high"
+            )
+        return not self.problems
+
+    def _wall_row(self, number: int, row: str, width: int) -> str:
+        marks = []
+        outer = number in (0, len(self.rows) - 1)
+        for x in range(width + 1):
+            if row[4 * x] != "+":
+                self._report(number, 4 * x, 1, f"a corner is `+`, not `{row[4 * x]}`")
+        for x in range(width):
+            text = row[4 * x + 1 : 4 * x + 4]
+            mark = _HORIZONTAL.get(text)
+            if mark is None:
+                self._report(
+                    number,
+                    4 * x + 1,
+                    3,
+                    f"`{text}` is no wall",
+                    "`---` is a wall, `- -` a wall of glass, three blanks are none",
+                )
+            elif outer and mark != SOLID:
+                self._report_outer(number, 4 * x + 1, 3)
+            marks.append(mark or OPEN)
+        return "".join(marks)
+
+    def _cell_row(self, number: int, row: str, width: int) -> tuple[str, str]:
+        cells, marks = [], []
+        for x in range(width + 1):
+            mark = row[4 * x]
+            if mark not in (SOLID, GLASS, OPEN):
+                self._report(
+                    number,
+                    4 * x,
+                    1,
+                    f"`{mark}` stands between two cells, where only a wall can",
+                    "`|` is a wall, `:` a wall of glass, a blank is none",
+                )
+                mark = SOLID
+            elif x in (0, width) and mark != SOLID:
+                self._report_outer(number, 4 * x, 1)
+            marks.append(mark)
+        for x in range(width):
+            cells.append(self._cell(number, 4 * x + 1, row[4 * x + 1 : 4 * x + 4]))
+        return "".join(cells), "".join(marks[1:-1])
+
+    def _cell(self, number: int, column: int, text: str) -> str:
+        if text == "###":
+            return BLOCKED
+        middle = text[1]
+        if text[0] != " " or text[2] != " ":
+            self._report(
+                number,
+                column,
+                3,
+                f"`{text}` is no cell",
+                "a cell is `###`, or one character between two blanks",
+            )
+        elif middle not in (PLAIN, START, EXIT, SMALL, LARGE) and not self.is_known(middle):
+            self._report(
+                number,
+                column + 1,
+                1,
+                f"the legend does not say what `{middle}` is",
+                "known without a legend: S start, E exit, o small puddle, O large puddle, ### blocked",
+            )
+        return middle
+
+    def _report_outer(self, number: int, column: int, length: int) -> None:
+        self._report(
+            number, column, length, "the wall around the level is solid and cannot be left out"
+        )

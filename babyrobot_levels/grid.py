@@ -1,0 +1,190 @@
+"""Walls and cells after the maze: the first half of compiling. Plain Python, no NumPy needed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.errors import LevelError
+from babyrobot_levels.maze import carve
+from babyrobot_levels.spec.base import SIDES
+from babyrobot_levels.spec.level import LevelFields
+from babyrobot_levels.spec.walls import Opening, sides_of
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+BIT = {side: 1 << index for index, side in enumerate(SIDES)}
+OPPOSITE = {"N": "S", "S": "N", "E": "W", "W": "E"}
+ALL_SIDES = 15
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Walls and cells. Cells are numbered row by row: `y * width + x`.
+
+    `wall_bits` has a byte for each cell, a bit set of its walls: 1 north, 2 east, 4 south,
+    8 west; walls of glass count. `blocked_cells` has 1 for each blocked cell. `glass` maps cell
+    and side to the probability of getting through.
+    """
+
+    width: int
+    height: int
+    wall_bits: bytes
+    blocked_cells: bytes
+    glass: dict[tuple[int, str], float]
+
+    @cached_property
+    def open_bits(self) -> bytes:
+        """For each cell a bit set of the sides that nothing closes: no wall, nothing blocked."""
+        open_bits = bytearray(ALL_SIDES & ~walls for walls in self.wall_bits)
+        for cell, blocked in enumerate(self.blocked_cells):
+            if blocked:
+                open_bits[cell] = 0
+                for side in SIDES:
+                    other = self.neighbour(cell, side)
+                    if other is not None:
+                        open_bits[other] &= ~BIT[OPPOSITE[side]]
+        return bytes(open_bits)
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """Whether a side is open, `[height, width, 4]`: north, east, south, west.
+
+        A wall of glass is not open; see `pass_probability`.
+        """
+        import numpy as np
+
+        bits = np.frombuffer(self.open_bits, np.uint8).reshape(self.height, self.width, 1)
+        return (bits & np.array([1, 2, 4, 8], np.uint8)) != 0
+
+    @property
+    def blocked(self) -> NDArray[np.bool_]:
+        """Whether a cell is blocked, `[height, width]`."""
+        import numpy as np
+
+        cells = np.frombuffer(self.blocked_cells, np.uint8)
+        return cells.reshape(self.height, self.width) != 0
+
+    @property
+    def pass_probability(self) -> NDArray[np.float64]:
+        """The probability that a side lets the robot through, `[height, width, 4]`.
+
+        1 for an open side, 0 for a wall, between them for a wall of glass.
+        """
+        import numpy as np
+
+        table = self.open.astype(np.float64).reshape(-1, 4)
+        for (cell, side), probability in self.glass.items():
+            table[cell, SIDES.index(side)] = probability
+        return table.reshape(self.height, self.width, 4)
+
+    def neighbour(self, cell: int, side: str) -> int | None:
+        """Return the cell on that side of a cell, or None where the grid ends."""
+        return neighbour(cell, side, self.width, self.height)
+
+
+def neighbour(cell: int, side: str, width: int, height: int) -> int | None:
+    """Return the cell on that side of a cell, or None where the grid ends."""
+    if side == "N":
+        return cell - width if cell >= width else None
+    if side == "S":
+        return cell + width if cell < width * (height - 1) else None
+    if side == "W":
+        return cell - 1 if cell % width else None
+    return cell + 1 if (cell + 1) % width else None
+
+
+def build_grid(level: LevelFields) -> Grid:
+    """Grow the maze, add the walls, take away the openings, in this order.
+
+    Raises:
+        LevelError: the level's maze has no seed yet (`seed: random`).
+    """
+    width, height = level.size
+    blocked = _blocked(level)
+    walls = _maze_walls(level, blocked)
+    glass: dict[tuple[int, str], float] = {}
+    for wall in level.walls:
+        for cell, side in _both_sides(wall, width, height):
+            is_new = not walls[cell] & BIT[side]
+            walls[cell] |= BIT[side]
+            if is_new or "pass_" in wall.model_fields_set:
+                glass[cell, side] = wall.pass_
+    for opening in level.openings:
+        for cell, side in _both_sides(opening, width, height):
+            walls[cell] &= ~BIT[side]
+            glass.pop((cell, side), None)
+    _drop_hidden_walls(walls, blocked, width, height)
+    real_glass = {
+        (cell, side): probability
+        for (cell, side), probability in glass.items()
+        if probability > 0 and _joins_free_cells(cell, side, blocked, width, height)
+    }
+    return Grid(width, height, bytes(walls), bytes(blocked), real_glass)
+
+
+def _blocked(level: LevelFields) -> bytearray:
+    width, height = level.size
+    blocked = bytearray(width * height)
+    for rectangle in level.blocked:
+        (x, y), (columns, rows) = rectangle.at, rectangle.size
+        for row in range(y, y + rows):
+            blocked[row * width + x : row * width + x + columns] = b"\1" * columns
+    return blocked
+
+
+def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
+    """Return the walls to begin with: those of the maze, or only the one around the level."""
+    width, height = level.size
+    maze = level.maze
+    if maze is not None:
+        if isinstance(maze.seed, str):
+            raise LevelError(
+                message="the level grows another maze at each reset (`seed: random`); "
+                "`level.with_maze_seed(n)` gives one of them"
+            )
+        x, y = level.starts[0]
+        open_sides = carve(
+            width, height, bytes(blocked), y * width + x, maze.seed, maze.algorithm, maze.loops
+        )
+        return bytearray(ALL_SIDES & ~sides for sides in open_sides)
+    walls = bytearray(width * height)
+    for x in range(width):
+        walls[x] |= BIT["N"]
+        walls[(height - 1) * width + x] |= BIT["S"]
+    for y in range(height):
+        walls[y * width] |= BIT["W"]
+        walls[(y + 1) * width - 1] |= BIT["E"]
+    return walls
+
+
+def _both_sides(entry: Opening, width: int, height: int) -> list[tuple[int, str]]:
+    """Return the sides that a wall or an opening covers, each from both of its cells."""
+    sides = []
+    for x, y in sides_of(entry):
+        cell = y * width + x
+        sides.append((cell, str(entry.side)))
+        other = neighbour(cell, entry.side, width, height)
+        if other is not None:
+            sides.append((other, OPPOSITE[entry.side]))
+    return sides
+
+
+def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height: int) -> None:
+    """Take away the walls between two blocked cells: nobody sees or meets them."""
+    for cell, is_blocked in enumerate(blocked):
+        if is_blocked:
+            for side in SIDES:
+                other = neighbour(cell, side, width, height)
+                if other is not None and blocked[other]:
+                    walls[cell] &= ~BIT[side]
+
+
+def _joins_free_cells(
+    cell: int, side: str, blocked: bytearray, width: int, height: int
+) -> bool:
+    other = neighbour(cell, side, width, height)
+    return other is not None and not blocked[cell] and not blocked[other]

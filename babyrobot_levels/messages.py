@@ -1,0 +1,147 @@
+"""Pydantic's complaints in the words of people who write levels."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from babyrobot_levels.suggest import did_you_mean
+
+Complaint = tuple[str, str, str | None]
+"""Code, message, help."""
+
+TYPES = {
+    "int_type": "a whole number",
+    "float_type": "a number",
+    "string_type": "a text",
+    "bool_type": "`true` or `false`",
+    "tuple_type": "a list",
+    "dict_type": "a mapping",
+    "model_type": "a mapping",
+    "model_attributes_type": "a mapping",
+}
+
+
+def complaint(error: Any, fields: list[str]) -> Complaint:
+    """Return code, message and help for one of pydantic's error details.
+
+    `fields` are the names that the mapping around the fault knows.
+    """
+    kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
+    field = str(error["loc"][-1]) if error["loc"] else ""
+    if kind == "extra_forbidden":
+        return "BR201", f"there is no field `{field}` here{did_you_mean(field, fields)}", _list(fields)
+    if kind == "missing":
+        return "BR202", f"the field `{field}` is missing", _missing_help(field)
+    if kind in TYPES:
+        return "BR203", f"must be {TYPES[kind]}, not {show(value)}", _type_help(field, value)
+    if kind == "pair":
+        return "BR203", f"must be {context['what']}, not {show(value)}", None
+    if kind in ("literal_error", "enum"):
+        return _choice(field, context["expected"], value)
+    if kind in ("greater_than_equal", "greater_than", "less_than_equal", "less_than"):
+        return "BR205", f"must be {_bound(kind, context)}, not {show(value)}", None
+    if kind == "finite_number":
+        return "BR205", f"must be a finite number, not {show(value)}", None
+    if kind in ("too_short", "too_long"):
+        return _length(kind, context)
+    if kind == "string_pattern_mismatch":
+        return _pattern(context["pattern"], value)
+    if kind == "string_too_long":
+        return "BR205", f"is longer than {context['max_length']} characters", None
+    return "BR203", str(error["msg"]), None
+
+
+def show(value: Any) -> str:
+    """Return a value as it would stand in a file, shortened."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return f"`{str(value).lower()}`"
+    if isinstance(value, dict):
+        return "a mapping"
+    if isinstance(value, list | tuple):
+        if len(value) <= 3 and all(isinstance(item, int | float | str) for item in value):
+            return "`[" + ", ".join(_short(item) for item in value) + "]`"
+        return f"a list of {len(value)}" if value else "an empty list"
+    if isinstance(value, str):
+        return f"the text `{_short(value)}`" if value else "an empty text"
+    return f"`{_short(value)}`"
+
+
+def _short(value: Any) -> str:
+    text = str(value).replace("\n", " ")
+    return text if len(text) <= 40 else text[:37] + "…"
+
+
+def _list(names: list[str]) -> str | None:
+    if not names:
+        return None
+    return ("known here: " + ", ".join(names)) if len(names) <= 8 else None
+
+
+def _missing_help(field: str) -> str | None:
+    return "a level begins with `version: 1`" if field == "version" else None
+
+
+def _type_help(field: str, value: Any) -> str | None:
+    if value is None:
+        if field == "exit":
+            return "for a level without an exit, write `exit: none`"
+        return "give it a value, or leave the field out"
+    if isinstance(value, str) and value.strip().lower() in ("yes", "no", "on", "off"):
+        return "write `true` or `false`"
+    return None
+
+
+def _choice(field: str, expected: str, value: Any) -> Complaint:
+    # pydantic lists the choices as `'a', 'b' or 'c'`.
+    names = [part.strip().strip("'") for part in expected.replace(" or ", ", ").split(", ")]
+    if field == "version":
+        return "BR204", f"this is version 1 of the language, not {show(value)}", "write `version: 1`"
+    guess = did_you_mean(value, names) if isinstance(value, str) else ""
+    shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
+    return "BR204", f"must be {shown}, not {show(value)}{guess}", None
+
+
+def _bound(kind: str, context: dict[str, Any]) -> str:
+    words = {
+        "greater_than_equal": ("ge", "at least"),
+        "greater_than": ("gt", "above"),
+        "less_than_equal": ("le", "at most"),
+        "less_than": ("lt", "below"),
+    }
+    key, text = words[kind]
+    bound = context[key]
+    return f"{text} {int(bound) if float(bound).is_integer() else bound}"
+
+
+def _length(kind: str, context: dict[str, Any]) -> Complaint:
+    if kind == "too_short":
+        return "BR203", "must not be an empty list", None
+    return "BR205", f"must be a list of at most {context['max_length']}", None
+
+
+def _pattern(pattern: str, value: Any) -> Complaint:
+    from babyrobot_levels.spec.base import SLUG
+    from babyrobot_levels.spec.color import NAMES, PATTERN
+    from babyrobot_levels.spec.looks import THEME_NAME
+
+    if pattern == PATTERN:
+        return (
+            "BR403",
+            f"{show(value)} is no colour{did_you_mean(str(value), NAMES)}",
+            "a CSS name in small letters, `#rrggbb`, `rgb(…)`, `rgba(…)` or `hsl(…)`",
+        )
+    if pattern == SLUG:
+        return (
+            "BR207",
+            f"must be small letters and digits, joined by `-`, not {show(value)}",
+            "for example `first-maze`; a `title` may hold anything",
+        )
+    if pattern == THEME_NAME:
+        return "BR401", f"{show(value)} is no theme's name", "a theme is named, not given as a path"
+    return (
+        "BR207",
+        f"{show(value)} cannot be a key of the legend",
+        "one printable ASCII character that the drawing does not use already (# S E o O + - | :)",
+    )

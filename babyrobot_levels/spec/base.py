@@ -1,0 +1,127 @@
+"""The building blocks of all models: strict scalars, cells, sides, and the frozen base."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    StrictBool,
+    StrictFloat,
+    StrictInt,
+    StrictStr,
+    StringConstraints,
+    Tag,
+    WithJsonSchema,
+)
+from pydantic_core import PydanticCustomError
+
+MAX_SIZE = 1024
+"""The most cells that a level is wide or high."""
+
+SLUG = r"^[a-z0-9]+(-[a-z0-9]+)*$"
+FORM_PREFIX = "form:"
+"""Marks the segment that pydantic puts into a fault's location for the form of a union."""
+
+
+class Model(BaseModel):
+    """A frozen model that refuses fields that it does not know."""
+
+    model_config = ConfigDict(
+        frozen=True,
+        extra="forbid",
+        allow_inf_nan=False,
+        populate_by_name=True,
+        use_attribute_docstrings=True,
+    )
+
+
+def _whole(value: Any) -> Any:
+    """Take `3.0` for `3`, as JSON Schema does."""
+    return int(value) if isinstance(value, float) and value.is_integer() else value
+
+
+Integer = Annotated[StrictInt, BeforeValidator(_whole, json_schema_input_type=int)]
+
+
+def _number(value: Any) -> Any:
+    """Keep numbers finite: an integer beyond the range of a float would overflow later."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise PydanticCustomError("float_type", "must be a number")
+    try:
+        # Adding 0.0 turns -0.0 into 0.0: there is one zero.
+        return float(value) + 0.0
+    except OverflowError:
+        raise PydanticCustomError("finite_number", "must be a finite number") from None
+
+
+Number = Annotated[StrictFloat, BeforeValidator(_number, json_schema_input_type=float)]
+Probability = Annotated[Number, Field(ge=0, le=1)]
+Text = StrictStr
+Flag = StrictBool
+Slug = Annotated[StrictStr, StringConstraints(pattern=SLUG, max_length=100)]
+
+Coordinate = Annotated[Integer, Field(ge=0, lt=MAX_SIZE)]
+
+
+def _pair(what: str) -> Callable[[Any], Any]:
+    def check(value: Any) -> Any:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise PydanticCustomError("pair", "must be {what}", {"what": what})
+        return value
+
+    return check
+
+
+def _pair_schema(item: dict[str, Any]) -> WithJsonSchema:
+    # `items` with two bounds, and not `prefixItems`, which most editors do not know yet.
+    return WithJsonSchema({"type": "array", "items": item, "minItems": 2, "maxItems": 2})
+
+
+Cell = Annotated[
+    tuple[Coordinate, Coordinate],
+    BeforeValidator(_pair("a cell, `[x, y]`")),
+    _pair_schema({"type": "integer", "minimum": 0, "exclusiveMaximum": MAX_SIZE}),
+]
+"""A cell, `(x, y)`: x grows to the east, y to the south, `(0, 0)` is the top-left cell."""
+
+_Extent = Annotated[Integer, Field(ge=1, le=MAX_SIZE)]
+Size = Annotated[
+    tuple[_Extent, _Extent],
+    BeforeValidator(_pair("a size, `[width, height]`")),
+    _pair_schema({"type": "integer", "minimum": 1, "maximum": MAX_SIZE}),
+]
+
+SIDES = ("N", "E", "S", "W")
+"""The four sides of a cell, in the order that arrays over sides use."""
+
+SIDE_NAMES = {"north": "N", "east": "E", "south": "S", "west": "W"}
+Side = Annotated[
+    Literal["N", "E", "S", "W"],
+    BeforeValidator(lambda value: SIDE_NAMES.get(value, value) if isinstance(value, str) else value),
+    WithJsonSchema({"enum": [*SIDES, *SIDE_NAMES]}),
+]
+
+
+def form(name: str) -> Tag:
+    """Name one form of a field that can be written in several ways."""
+    return Tag(FORM_PREFIX + name)
+
+
+def forms(choose: Callable[[Any], str]) -> Discriminator:
+    """Choose the form of a value by `choose`, so that faults speak of that form only."""
+    return Discriminator(lambda value: FORM_PREFIX + choose(value))
+
+
+def cell_or_cells(value: Any) -> str:
+    """Tell `[x, y]` from `[[x, y], …]`."""
+    is_list = isinstance(value, list | tuple)
+    return "cells" if is_list and value and isinstance(value[0], list | tuple) else "cell"
+
+
+Cells = Annotated[tuple[Cell, ...], Field(min_length=1)]

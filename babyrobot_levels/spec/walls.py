@@ -1,0 +1,77 @@
+"""Walls, openings, and the maze that they begin with."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from babyrobot_levels.spec.base import (
+    MAX_SIZE,
+    Cell,
+    Flag,
+    Integer,
+    Model,
+    Number,
+    Probability,
+    Side,
+    form,
+    forms,
+)
+from babyrobot_levels.spec.color import Color
+
+
+class Maze(Model):
+    """A maze grown from a seed: the same seed gives the same maze, for ever."""
+
+    seed: Annotated[
+        Annotated[Integer, form("number")] | Annotated[Literal["random"], form("word")],
+        forms(lambda value: "word" if isinstance(value, str) else "number"),
+    ]
+    """The seed, or `random` for another maze at each reset."""
+    algorithm: Literal["depth-first"] = "depth-first"
+    """How the maze is grown."""
+    loops: Probability = 0.0
+    """The share of the dead ends that are opened up."""
+
+
+class Opening(Model):
+    """A wall that is taken away."""
+
+    at: Cell
+    """The cell."""
+    side: Side
+    """The side of the cell: N, E, S or W."""
+    length: Annotated[Integer, Field(ge=1, le=MAX_SIZE)] = 1
+    """For how many cells it goes on: to the east on N and S, to the south on E and W."""
+
+
+class Wall(Opening):
+    """A wall that is added."""
+
+    pass_: Probability = Field(default=0.0, alias="pass")
+    """The probability of getting through: above 0 it is a wall of glass."""
+    color: Color | None = None
+    """The wall's colour, if it is not the theme's."""
+    width: Annotated[Number, Field(ge=0, le=100)] | None = None
+    """The wall's width in pixels, if it is not the theme's."""
+    fit: Flag = False
+    """Whether the wall is shortened so as not to stick out into its neighbours."""
+
+
+def wall_is_plain(wall: Wall) -> bool:
+    """Tell whether a wall has no property beyond its place: it is wholly told by a drawing."""
+    return not wall.model_fields_set & {"pass_", "color", "width", "fit"}
+
+
+def sides_of(opening: Opening) -> list[tuple[int, int]]:
+    """Return the cells `(x, y)` at whose `side` the wall or opening stands, one for its length."""
+    x, y = opening.at
+    if opening.side in ("N", "S"):
+        return [(x + step, y) for step in range(opening.length)]
+    return [(x, y + step) for step in range(opening.length)]
+
+
+def dump_seed(maze: Maze) -> dict[str, Any]:
+    """Return the maze as it is written in a file."""
+    return maze.model_dump(exclude_defaults=True)

@@ -1,0 +1,374 @@
+"""Text to data with positions: YAML 1.2's core schema, safely and within limits.
+
+The only user of PyYAML. It walks the parser's events once and without recursion, so that neither
+depth nor aliases can hurt, and it keeps a tree of nodes beside the data, so that every later
+message can point at a line and a column.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import yaml
+
+from babyrobot_levels.source import START, Position, SourceFile, Span
+from babyrobot_levels.suggest import did_you_mean
+
+MAX_BYTES = 1 << 20
+MAX_DEPTH = 64
+MAX_NODES = 100_000
+MAX_DIGITS = 40
+
+Route = Sequence[str | int]
+"""The way to a value: keys and indices from the top, as in `("walls", 2, "side")`."""
+
+_Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_CORE = "tag:yaml.org,2002:"
+_INT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_SPECIAL_FLOAT = re.compile(r"([-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+_WORDS: dict[str, bool | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class YamlProblem:
+    """A fault of the text itself: its code, its place, and what to say."""
+
+    code: str
+    span: Span
+    message: str
+    help: str | None = None
+
+
+class YamlFault(Exception):
+    """The text cannot be read as data at all. Carries the one problem that says why."""
+
+    def __init__(self, problem: YamlProblem):
+        self.problem = problem
+        super().__init__(problem.message)
+
+
+@dataclass(slots=True)
+class Node:
+    """A value of the document with its place. `children` and `keys` fill the containers."""
+
+    data: Any
+    span: Span
+    block: bool = False
+    """True for a literal block (`|`), whose lines stand in the file as they are in the data."""
+    keys: dict[Any, Node] = field(default_factory=dict)
+    """A mapping's key nodes, by key."""
+    children: dict[Any, Node] = field(default_factory=dict)
+    """A container's value nodes, by key or index."""
+    size: int = 1
+    """How many nodes it holds, aliases expanded."""
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A text that was read: `data` is plain Python, `problems` are faults that did not stop it."""
+
+    source: SourceFile
+    root: Node
+    problems: tuple[YamlProblem, ...]
+
+    @property
+    def data(self) -> Any:
+        """The document as dicts, lists, texts, numbers, booleans and None."""
+        return self.root.data
+
+    def node(self, route: Route) -> tuple[Node, int]:
+        """Return the deepest node on the route, and how many of its segments lead there."""
+        node = self.root
+        for count, segment in enumerate(route):
+            if segment not in node.children:
+                return node, count
+            node = node.children[segment]
+        return node, len(route)
+
+    def span(self, route: Route, *, key: bool = False) -> Span:
+        """Return where the route's value stands, or its key if `key` is set.
+
+        A route that goes deeper than the file gives the deepest part that is there.
+        """
+        node, depth = self.node(route)
+        if key and route and depth == len(route):
+            parent, _ = self.node(route[:-1])
+            if route[-1] in parent.keys:
+                return parent.keys[route[-1]].span
+        return node.span
+
+
+def read(source: SourceFile) -> Document:
+    """Read one YAML document.
+
+    Raises:
+        YamlFault: the text is not YAML, or breaks a limit.
+    """
+    return _Builder(source).build()
+
+
+def is_plain_string(text: str) -> bool:
+    """Tell whether YAML reads `text`, written without quotes, as that very text's scalar type."""
+    return isinstance(_plain(text, Span(START, START), []), str)
+
+
+def _plain(text: str, span: Span, problems: list[YamlProblem]) -> Any:
+    """Return what a scalar without quotes means under YAML 1.2's core schema."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if text[0] not in "+-.0123456789":
+        return text
+    if _INT.fullmatch(text):
+        if len(text) > MAX_DIGITS:
+            problems.append(
+                YamlProblem("BR111", span, f"a number of {len(text)} characters is too long")
+            )
+            return 0
+        prefix = text[:2]
+        return int(text, 8 if prefix == "0o" else 16 if prefix == "0x" else 10)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    special = _SPECIAL_FLOAT.fullmatch(text)
+    if special:
+        return float("nan") if special[3] else float(special[1] + "inf")
+    return text
+
+
+@dataclass(slots=True)
+class _Open:
+    """A container whose end has not come yet."""
+
+    node: Node
+    is_mapping: bool
+    key: Node | None = None
+
+
+class _Builder:
+    def __init__(self, source: SourceFile):
+        self.source = source
+        self.problems: list[YamlProblem] = []
+        self.anchors: dict[str, Node | None] = {}
+        self.stack: list[tuple[_Open, str | None]] = []
+        self.root: Node | None = None
+        self.nodes = 0
+
+    def build(self) -> Document:
+        # The parser counts a byte order mark as a character of line 1; editors do not.
+        text = self.source.text.removeprefix("\ufeff")
+        try:
+            parser = _Parser(text)
+        except yaml.YAMLError as error:
+            raise YamlFault(self._syntax_problem(error)) from None
+        try:
+            documents = 0
+            while True:
+                event = parser.get_event()
+                if isinstance(event, yaml.StreamEndEvent):
+                    break
+                if isinstance(event, yaml.DocumentStartEvent):
+                    documents += 1
+                    if documents > 1:
+                        raise YamlFault(
+                            YamlProblem(
+                                "BR106",
+                                self._span(event),
+                                "a level file holds one document, and here a second one begins",
+                                "remove the `---`, or put the second level into a file of its own",
+                            )
+                        )
+                else:
+                    self._take(event)
+        except yaml.YAMLError as error:
+            raise YamlFault(self._syntax_problem(error)) from None
+        finally:
+            parser.dispose()
+        root = self.root or Node(None, Span(START, START))
+        return Document(self.source, root, tuple(self.problems))
+
+    def _take(self, event: Any) -> None:
+        if isinstance(event, yaml.ScalarEvent):
+            span = self._span(event)
+            value = self._scalar(event, span)
+            self._add(Node(value, span, block=event.style == "|"), event.anchor)
+        elif isinstance(event, yaml.AliasEvent):
+            self._add_alias(event)
+        elif isinstance(event, yaml.CollectionStartEvent):
+            is_mapping = isinstance(event, yaml.MappingStartEvent)
+            self._check_tag(event, "map" if is_mapping else "seq")
+            if len(self.stack) >= MAX_DEPTH:
+                raise YamlFault(
+                    YamlProblem(
+                        "BR109",
+                        self._span(event),
+                        f"lists and mappings are nested more than {MAX_DEPTH} deep",
+                    )
+                )
+            node = Node({} if is_mapping else [], self._span(event))
+            if event.anchor:
+                self.anchors[event.anchor] = None
+            self.stack.append((_Open(node, is_mapping), event.anchor))
+        elif isinstance(event, yaml.CollectionEndEvent):
+            opened, anchor = self.stack.pop()
+            end = self._span(event).end if event.end_mark.index > event.start_mark.index else None
+            last = next(reversed(opened.node.children.values()), None)
+            stop = end or (last.span.end if last else opened.node.span.end)
+            opened.node.span = Span(opened.node.span.start, stop)
+            self._add(opened.node, anchor)
+
+    def _add(self, node: Node, anchor: str | None) -> None:
+        """Put a finished node into the container that is open, or at the top."""
+        self.nodes += 1
+        if self.nodes > MAX_NODES:
+            raise YamlFault(
+                YamlProblem("BR108", node.span, f"the file holds more than {MAX_NODES:,} values")
+            )
+        if anchor:
+            self.anchors[anchor] = node
+        if not self.stack:
+            self.root = node
+            return
+        parent = self.stack[-1][0]
+        parent.node.size += node.size
+        if parent.node.size > MAX_NODES:
+            raise YamlFault(
+                YamlProblem("BR108", node.span, f"aliases expand to more than {MAX_NODES:,} values")
+            )
+        if not parent.is_mapping:
+            parent.node.children[len(parent.node.data)] = node
+            parent.node.data.append(node.data)
+        elif parent.key is None:
+            parent.key = node
+        else:
+            self._add_pair(parent.node, parent.key, node)
+            parent.key = None
+
+    def _add_pair(self, mapping: Node, key: Node, value: Node) -> None:
+        name = key.data
+        if isinstance(name, dict | list):
+            self.problems.append(
+                YamlProblem("BR203", key.span, "a field's name is a text, not a list or a mapping")
+            )
+            return
+        if not isinstance(name, str):
+            # `1: …` in a legend and `no: …` mean the characters that stand there.
+            first, last = key.span
+            name = self.source.line(first.line)[first.column - 1 : last.column - 1] or str(name)
+        if name in mapping.keys:
+            first = mapping.keys[name].span.start
+            self.problems.append(
+                YamlProblem(
+                    "BR105",
+                    key.span,
+                    f"`{name}` stands here a second time; line {first.line} has it already",
+                    "keep one of the two",
+                )
+            )
+            return
+        mapping.keys[name] = key
+        mapping.children[name] = value
+        mapping.data[name] = value.data
+
+    def _add_alias(self, event: Any) -> None:
+        span = self._span(event)
+        if event.anchor not in self.anchors:
+            raise YamlFault(
+                YamlProblem(
+                    "BR108",
+                    span,
+                    f"the alias `*{event.anchor}` refers to an anchor that is not above it"
+                    + did_you_mean(event.anchor, self.anchors),
+                )
+            )
+        target = self.anchors[event.anchor]
+        if target is None:
+            raise YamlFault(
+                YamlProblem("BR108", span, f"the alias `*{event.anchor}` would contain itself")
+            )
+        node = Node(target.data, span, target.block, target.keys, target.children, target.size)
+        self._add(node, None)
+
+    def _scalar(self, event: Any, span: Span) -> Any:
+        self._check_tag(event, None)
+        if event.tag is None or event.tag == "!":
+            quoted = event.style or event.tag == "!"
+            return event.value if quoted else _plain(event.value, span, self.problems)
+        kind = event.tag.removeprefix(_CORE)
+        value = event.value if kind == "str" else _plain(event.value, span, self.problems)
+        types = {"str": str, "int": int, "float": (int, float), "bool": bool, "null": type(None)}
+        if not isinstance(value, types[kind]):  # type: ignore[arg-type]
+            self.problems.append(
+                YamlProblem("BR107", span, f"`{event.value}` cannot be read as a `!!{kind}`")
+            )
+        return value
+
+    def _check_tag(self, event: Any, kind: str | None) -> None:
+        tag = event.tag
+        if tag is None or tag == "!":
+            return
+        allowed = [kind] if kind else ["str", "int", "float", "bool", "null"]
+        if tag not in [_CORE + name for name in allowed]:
+            shown = tag.replace(_CORE, "!!")
+            raise YamlFault(
+                YamlProblem(
+                    "BR107",
+                    self._span(event),
+                    f"the tag `{shown}` is not allowed: a level is plain data",
+                    "remove the tag",
+                )
+            )
+
+    @staticmethod
+    def _span(event: Any) -> Span:
+        start, end = event.start_mark, event.end_mark
+        return Span(
+            Position(start.line + 1, start.column + 1), Position(end.line + 1, end.column + 1)
+        )
+
+    def _syntax_problem(self, error: yaml.YAMLError) -> YamlProblem:
+        if isinstance(error, yaml.reader.ReaderError):
+            before = self.source.text.removeprefix("\ufeff")[: error.position]
+            line = before.count("\n") + 1
+            column = len(before) - (before.rfind("\n") + 1) + 1
+            span = Span(Position(line, column), Position(line, column + 1))
+            character = error.character
+            code = ord(character) if isinstance(character, str) else int(character)
+            return YamlProblem(
+                "BR104", span, f"the character U+{code:04X} cannot stand in a YAML file"
+            )
+        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
+        start = Position(mark.line + 1, mark.column + 1) if mark else START
+        problem = getattr(error, "problem", None) or "the text is not YAML"
+        context = getattr(error, "context", None)
+        text, help_text = _plain_words(problem, context, self.source.line(start.line))
+        return YamlProblem("BR104", Span(start, Position(start.line, start.column + 1)), text, help_text)
+
+
+def _plain_words(problem: str, context: str | None, line: str) -> tuple[str, str | None]:
+    """Say a parser's complaint as a person would, with what to do about it."""
+    if "\t" in line and ("token" in problem or "indentation" in problem):
+        return "a tab cannot indent YAML", "indent with spaces"
+    if "mapping values are not allowed" in problem:
+        return (
+            "a `:` cannot stand here",
+            "check the indentation, or put quotes around a text that holds `: `",
+        )
+    if "could not find expected ':'" in problem:
+        return "a field's name must be followed by `:` and a value", None
+    if "',' or ']'" in problem:
+        return "a `[` is not closed, or a `,` is missing", "close the list with `]`"
+    if "',' or '}'" in problem:
+        return "a `{` is not closed, or a `,` is missing", "close the mapping with `}`"
+    if "block end" in problem or "block mapping" in (context or ""):
+        return (
+            f"this line does not fit the indentation above it ({problem})",
+            "fields of one mapping begin in one column",
+        )
+    return f"this is not YAML: {problem}" + (f" {context}" if context else ""), None
