@@ -1,2 +1,3 @@
 """Grid worlds as files."""
+
 __version__ = "0.1.0"

@@ -85,9 +85,7 @@ def compose(drawing: Drawing) -> str:
     for y, cells in enumerate(drawing.cells):
         shown = ["###" if cell == BLOCKED else f" {cell} " for cell in cells]
         marks = drawing.east[y] + SOLID
-        lines.append(
-            SOLID + "".join(cell + mark for cell, mark in zip(shown, marks, strict=True))
-        )
+        lines.append(SOLID + "".join(cell + mark for cell, mark in zip(shown, marks, strict=True)))
         if y < drawing.height - 1:
             lines.append("+" + "".join(_HORIZONTAL_TEXT[mark] + "+" for mark in drawing.south[y]))
     return "\n".join([*lines, border, ""])
@@ -190,9 +188,7 @@ class _Parser:
             )
         height = len(self.rows) // 2
         if max(length // 4, height) > self.max_size:
-            self._report(
-                0, 0, length, f"a level is at most {self.max_size} cells wide and high"
-            )
+            self._report(0, 0, length, f"a level is at most {self.max_size} cells wide and high")
         return not self.problems
 
     def _wall_row(self, number: int, row: str, width: int) -> str:

@@ -183,8 +183,6 @@ def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height:
                     walls[cell] &= ~BIT[side]
 
 
-def _joins_free_cells(
-    cell: int, side: str, blocked: bytearray, width: int, height: int
-) -> bool:
+def _joins_free_cells(cell: int, side: str, blocked: bytearray, width: int, height: int) -> bool:
     other = neighbour(cell, side, width, height)
     return other is not None and not blocked[cell] and not blocked[other]

@@ -29,7 +29,11 @@ def complaint(error: Any, fields: list[str]) -> Complaint:
     kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
     field = str(error["loc"][-1]) if error["loc"] else ""
     if kind == "extra_forbidden":
-        return "BR201", f"there is no field `{field}` here{did_you_mean(field, fields)}", _list(fields)
+        return (
+            "BR201",
+            f"there is no field `{field}` here{did_you_mean(field, fields)}",
+            _list(fields),
+        )
     if kind == "missing":
         return "BR202", f"the field `{field}` is missing", _missing_help(field)
     if kind in TYPES:
@@ -97,7 +101,11 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
     # pydantic lists the choices as `'a', 'b' or 'c'`.
     names = [part.strip().strip("'") for part in expected.replace(" or ", ", ").split(", ")]
     if field == "version":
-        return "BR204", f"this is version 1 of the language, not {show(value)}", "write `version: 1`"
+        return (
+            "BR204",
+            f"this is version 1 of the language, not {show(value)}",
+            "write `version: 1`",
+        )
     guess = did_you_mean(value, names) if isinstance(value, str) else ""
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     return "BR204", f"must be {shown}, not {show(value)}{guess}", None

@@ -348,7 +348,9 @@ class _Builder:
         problem = getattr(error, "problem", None) or "the text is not YAML"
         context = getattr(error, "context", None)
         text, help_text = _plain_words(problem, context, self.source.line(start.line))
-        return YamlProblem("BR104", Span(start, Position(start.line, start.column + 1)), text, help_text)
+        return YamlProblem(
+            "BR104", Span(start, Position(start.line, start.column + 1)), text, help_text
+        )
 
 
 def _plain_words(problem: str, context: str | None, line: str) -> tuple[str, str | None]:

@@ -103,7 +103,9 @@ SIDES = ("N", "E", "S", "W")
 SIDE_NAMES = {"north": "N", "east": "E", "south": "S", "west": "W"}
 Side = Annotated[
     Literal["N", "E", "S", "W"],
-    BeforeValidator(lambda value: SIDE_NAMES.get(value, value) if isinstance(value, str) else value),
+    BeforeValidator(
+        lambda value: SIDE_NAMES.get(value, value) if isinstance(value, str) else value
+    ),
     WithJsonSchema({"enum": [*SIDES, *SIDE_NAMES]}),
 ]
 

@@ -7,7 +7,17 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from babyrobot_levels.spec.base import Cell, Flag, Model, Number, Probability, Size, Text, form, forms
+from babyrobot_levels.spec.base import (
+    Cell,
+    Flag,
+    Model,
+    Number,
+    Probability,
+    Size,
+    Text,
+    form,
+    forms,
+)
 from babyrobot_levels.spec.color import Color
 
 

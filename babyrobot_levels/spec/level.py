@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, StringConstraints, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    StringConstraints,
+    WithJsonSchema,
+    model_validator,
+)
 
 from babyrobot_levels.drawing import RESERVED
 from babyrobot_levels.spec.base import (
@@ -42,7 +49,11 @@ def _exit_form(value: Any) -> str:
 
 
 def _version(value: Any) -> Any:
-    return 1 if isinstance(value, int | float) and not isinstance(value, bool) and value == 1 else value
+    return (
+        1
+        if isinstance(value, int | float) and not isinstance(value, bool) and value == 1
+        else value
+    )
 
 
 class LevelFields(Model):
@@ -145,4 +156,3 @@ class LevelFields(Model):
 
 def _as_cells(value: Any) -> tuple[tuple[int, int], ...]:
     return value if isinstance(value[0], tuple) else (value,)
-

@@ -24,7 +24,9 @@ def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
     """Return the fields that the level's drawing gives, or the faults that it has."""
     if level.map is None:
         return {}, [
-            Problem("BR206", ("legend",), "a `legend` explains a `map`, and there is none", key=True)
+            Problem(
+                "BR206", ("legend",), "a `legend` explains a `map`, and there is none", key=True
+            )
         ]
     problems = [
         Problem(

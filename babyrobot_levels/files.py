@@ -1,0 +1,116 @@
+"""Files: read within limits, and written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+from pathlib import Path
+
+from babyrobot_levels.diagnostics import Diagnostic, Severity
+from babyrobot_levels.source import Position, SourceFile
+from babyrobot_levels.yaml_reader import MAX_BYTES
+
+SUFFIXES = (".yaml", ".yml")
+
+
+class ReadFault(Exception):
+    """A file that cannot be read as a text. Carries the diagnostic that says why."""
+
+    def __init__(self, code: str, name: str, message: str, help_text: str | None = None):
+        start = Position(1, 1)
+        self.diagnostic = Diagnostic(
+            code, Severity.ERROR, message, name, 1, 1, start, help=help_text
+        )
+        super().__init__(message)
+
+
+def read_source(path: Path, name: str | None = None) -> SourceFile:
+    """Read a level's text. `name` is what messages call it, the path as given if left out.
+
+    Raises:
+        ReadFault: there is no such file, it is not a regular one, too large, or not UTF-8.
+    """
+    shown = name or str(path)
+    try:
+        # Not blocking, so that a pipe without a writer cannot hold us up.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        with open(descriptor, "rb") as file:
+            status = os.fstat(file.fileno())
+            if stat.S_ISDIR(status.st_mode):
+                raise ReadFault("BR101", shown, "this is a folder, not a level file")
+            if not stat.S_ISREG(status.st_mode):
+                raise ReadFault("BR101", shown, "this is not a regular file")
+            data = file.read(MAX_BYTES + 1)
+    except IsADirectoryError:
+        raise ReadFault("BR101", shown, "this is a folder, not a level file") from None
+    except FileNotFoundError:
+        raise ReadFault("BR101", shown, "there is no such file") from None
+    except PermissionError:
+        raise ReadFault("BR101", shown, "the file may not be read (permission denied)") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ReadFault("BR101", shown, f"the file cannot be read ({reason})") from None
+    return decode(data, shown)
+
+
+def decode(data: bytes, name: str) -> SourceFile:
+    """Return bytes as a text.
+
+    Raises:
+        ReadFault: they are too many, or not UTF-8.
+    """
+    if len(data) > MAX_BYTES:
+        raise ReadFault("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
+    try:
+        return SourceFile(name, data.decode("utf-8-sig"))
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        fault = ReadFault(
+            "BR102",
+            name,
+            f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8",
+            "save the file as UTF-8",
+        )
+        column = error.start - (data.rfind(b"\n", 0, error.start) + 1) + 1
+        place = Position(line, column)
+        old = fault.diagnostic
+        fault.diagnostic = Diagnostic(
+            old.code, old.severity, old.message, name, line, column, place, help=old.help
+        )
+        raise fault from None
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file under a temporary name beside it, and rename it when it is whole.
+
+    The folder is made if it is not there. An existing file's permissions are kept.
+    """
+    write_bytes(path, text.encode("utf-8"))
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write bytes as `write_text` does."""
+    path = path.resolve()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        mode = stat.S_IMODE(path.stat().st_mode)
+    except FileNotFoundError:
+        mode = 0o666 & ~_umask()
+    descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    try:
+        with open(descriptor, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(temporary, mode)
+        os.replace(temporary, path)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

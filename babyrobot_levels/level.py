@@ -1,0 +1,223 @@
+"""The level as users hold it: the validated fields, and what can be done with them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
+
+from pydantic import PrivateAttr
+
+from babyrobot_levels.emitter import emit
+from babyrobot_levels.errors import LevelError
+from babyrobot_levels.grid import Grid, build_grid
+from babyrobot_levels.spec.level import LevelFields
+from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
+from babyrobot_levels.spec.walls import Maze
+
+if TYPE_CHECKING:
+    import gymnasium
+
+    from babyrobot_levels.mdp import Mdp
+    from babyrobot_levels.source import SourceFile
+
+
+class Level(LevelFields):
+    """A level: what a file says, validated and frozen.
+
+    Its attributes are the fields of the language, with what a drawing says filled in. Levels are
+    made by `brl.load`, `brl.loads`, or from the fields themselves: `Level(version=1, size=(4, 4))`.
+    """
+
+    _origin: SourceFile | None = PrivateAttr(default=None)
+    _theme: Theme | None = PrivateAttr(default=None)
+
+    # -- what it comes to ------------------------------------------------------------------
+
+    def grid(self) -> Grid:
+        """Return walls and cells after the maze. The grid is made once and shared.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        return self._grid
+
+    def compile(self) -> Mdp:
+        """Return the exact tables. They are made once, shared, and read-only.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        return self._mdp
+
+    @property
+    def digest(self) -> str:
+        """`sha256:…` of the compiled level: equal for equal games, however they are written.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        from babyrobot_levels.digest import digest
+
+        return digest(self.grid(), self.compile())
+
+    @property
+    def has_random_maze(self) -> bool:
+        """Whether the level grows another maze at each reset."""
+        return self.maze is not None and self.maze.seed == "random"
+
+    @property
+    def colors_and_widths(self) -> Theme:
+        """The theme, also where the level only names it."""
+        if self._theme is not None:
+            return self._theme
+        if isinstance(self.theme, Theme):
+            return self.theme
+        return BUILTIN_THEMES.get(self.theme, BUILTIN_THEMES["default"])
+
+    @cached_property
+    def _grid(self) -> Grid:
+        return build_grid(self)
+
+    @cached_property
+    def _mdp(self) -> Mdp:
+        from babyrobot_levels.compiler import compile_mdp
+
+        return compile_mdp(self, self.grid())
+
+    # -- other levels ----------------------------------------------------------------------
+
+    def replace(self, **fields: Any) -> Self:
+        """Return a level with other values for some fields; None takes a field away.
+
+        Raises:
+            LevelError: the level would not be valid.
+        """
+        data = {**self.to_dict(), **{name: _plain(value) for name, value in fields.items()}}
+        given = {name: value for name, value in data.items() if value is not None}
+        other = from_mapping(
+            given, cls=type(self), name=self.name if "name" not in fields else None
+        )
+        other._origin = self._origin
+        if "theme" not in fields:
+            other._theme = self._theme
+        return other
+
+    def with_maze_seed(self, seed: int) -> Self:
+        """Return the level with the maze that grows from `seed`.
+
+        Raises:
+            LevelError: the level has no maze.
+        """
+        if self.maze is None:
+            raise LevelError(message="the level has no maze that could have a seed")
+        maze = Maze.model_validate({**self.maze.model_dump(exclude_unset=True), "seed": seed})
+        other = self.model_copy(update={"maze": maze})
+        for name in ("_grid", "_mdp"):
+            other.__dict__.pop(name, None)
+        return other
+
+    # -- as text ---------------------------------------------------------------------------
+
+    def draw(self) -> str:
+        """Return the level as the language's ASCII drawing. A `map` may hold what it returns.
+
+        A drawing shows size, starts, exits, walls, puddles and blocked cells, and the characters
+        of the level's legend. A cell shows one thing: a start or an exit hides a puddle.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        from babyrobot_levels.render.text import drawing_of
+        from babyrobot_levels.drawing import compose
+
+        return compose(drawing_of(self, self.grid()))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the level as plain data, as a file would say it: what was given, in order."""
+        data = _plain(self.model_dump(by_alias=True, exclude_unset=True))
+        for field, drawn in self._drawn.items():
+            # The drawing says these itself.
+            if field in data:
+                data[field] = data[field][drawn:]
+                if not data[field]:
+                    del data[field]
+        return {name: data[name] for name in type(self).model_fields if name in data}
+
+    def to_yaml(self) -> str:
+        """Return the level as canonical YAML: fields in order, one way of writing each."""
+        return emit(self.to_dict())
+
+    def save(self, path: str | Path) -> None:
+        """Write the level to a file, whole or not at all.
+
+        A level that was loaded from a text keeps its comments and its layout; only the lines
+        of changed fields are new.
+        """
+        from babyrobot_levels.files import write_text
+        from babyrobot_levels.splice import splice
+
+        text = None
+        if self._origin is not None:
+            text = splice(self._origin.text, self.to_dict(), list(type(self).model_fields))
+        write_text(Path(path), text if text is not None else self.to_yaml())
+
+    # -- as an environment -----------------------------------------------------------------
+
+    def make(self, **kwargs: Any) -> gymnasium.Env[Any, Any]:
+        """Return the level as a Gymnasium environment; `max_steps` becomes its time limit.
+
+        Args:
+            kwargs: what `gymnasium.make("babyrobot/Level-v0", …)` takes beside `level`:
+                `observation`, `actions`, `render_mode`, `image_size`, `grayscale`,
+                `max_episode_steps`.
+        """
+        import gymnasium
+
+        import babyrobot_levels  # noqa: F401  (registers the environments)
+
+        return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
+
+
+def from_mapping(
+    data: Mapping[str, Any], *, cls: type[Level] = Level, name: str | None = None
+) -> Any:
+    """Return the level that a mapping says.
+
+    Raises:
+        LevelError: the mapping is not a valid level.
+    """
+    from babyrobot_levels.loader import validate
+
+    level, problems = validate(dict(data), cls)
+    if level is None:
+        told = (f"{_show_route(problem.route)}{problem.message}" for problem in problems)
+        raise LevelError(message="the level is not valid:\n" + "\n".join(f"  {t}" for t in told))
+    if level.name is None and name is not None:
+        level.__dict__["name"] = name
+    return level
+
+
+def slug(text: str) -> str | None:
+    """Return a file's stem as a level's name, or None where nothing of it is left."""
+    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None
+
+
+def _show_route(route: tuple[str | int, ...]) -> str:
+    text = ""
+    for segment in route:
+        text += f"[{segment}]" if isinstance(segment, int) else f".{segment}" if text else segment
+    return f"{text}: " if text else ""
+
+
+def _plain(value: Any) -> Any:
+    """Return pydantic's data as a file holds it: lists for tuples, no models."""
+    if hasattr(value, "model_dump"):
+        value = value.model_dump(by_alias=True, exclude_unset=True)
+    if isinstance(value, dict):
+        return {key: _plain(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(inner) for inner in value]
+    return value

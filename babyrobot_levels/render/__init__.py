@@ -1,0 +1,1 @@
+"""Painters: each makes a picture of a level in its own medium."""
