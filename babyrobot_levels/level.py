@@ -34,6 +34,10 @@ class Level(LevelFields):
     _origin: SourceFile | None = PrivateAttr(default=None)
     _theme: Theme | None = PrivateAttr(default=None)
 
+    def remember_origin(self, origin: SourceFile, theme: Theme | None) -> None:
+        """Note the text that the level was read from, and the theme that it names."""
+        self._origin, self._theme = origin, theme
+
     # -- what it comes to ------------------------------------------------------------------
 
     def grid(self) -> Grid:
@@ -135,9 +139,18 @@ class Level(LevelFields):
 
         return compose(drawing_of(self, self.grid()))
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the level as plain data, as a file would say it: what was given, in order."""
+    def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
+        """Return the level as plain data, as a file would say it: what was given, in order.
+
+        Args:
+            whole: whether to add what the file did not say itself but stood beside it, the name
+                and a theme of its own, so that the data alone makes the same level.
+        """
         data = _plain(self.model_dump(by_alias=True, exclude_unset=True))
+        if whole and self.name is not None:
+            data["name"] = self.name
+        if whole and self._theme is not None:
+            data["theme"] = _plain(self._theme)
         for field, drawn in self._drawn.items():
             # The drawing says these itself.
             if field in data:

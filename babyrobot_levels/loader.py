@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -21,8 +21,15 @@ _GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit"}
 """Where one of these is faulty, a check of the geometry would only report what follows from it."""
 
 
-def parse(source: SourceFile, model: type[ModelT]) -> tuple[ModelT | None, list[Diagnostic]]:
-    """Read a text as a model: the model, or None and every fault that was found."""
+def parse(
+    source: SourceFile,
+    model: type[ModelT],
+    checks: Iterable[Callable[[ModelT], Iterable[Problem]]] = (),
+) -> tuple[ModelT | None, list[Diagnostic]]:
+    """Read a text as a model: the model, or None and every fault that was found.
+
+    `checks` look at a model that is valid by itself and may find more.
+    """
     try:
         document = read(source)
     except YamlFault as fault:
@@ -33,6 +40,8 @@ def parse(source: SourceFile, model: type[ModelT]) -> tuple[ModelT | None, list[
         problem = Problem("BR110", (), f"the file {what}", "a level begins with `version: 1`")
         return None, [*found, _diagnostic(problem, document)]
     value, problems = validate(document.data, model)
+    if value is not None:
+        problems = [problem for check in checks for problem in check(value)]
     found += [_diagnostic(problem, document) for problem in problems]
     found.sort(key=lambda diagnostic: (diagnostic.line, diagnostic.column))
     return (None if found else value), found

@@ -1,0 +1,1 @@
+"""Environments that play compiled levels: the only users of Gymnasium."""

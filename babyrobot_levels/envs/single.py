@@ -1,0 +1,369 @@
+"""One robot in one level: the Gymnasium environment."""
+
+from __future__ import annotations
+
+import operator
+import os
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+import numpy as np
+from gymnasium import error, logger
+from gymnasium.wrappers import TimeLimit
+from numpy.typing import NDArray
+
+from babyrobot_levels.actions import NUM_ACTIONS
+from babyrobot_levels.catalogue import load
+from babyrobot_levels.envs.observations import OBSERVATIONS, make_observer
+from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
+from babyrobot_levels.level import Level
+from babyrobot_levels.mdp import GLASS, REFUSED
+from babyrobot_levels.suggest import did_you_mean
+
+if TYPE_CHECKING:
+    from gymnasium.envs.registration import EnvSpec
+
+    from babyrobot_levels.mdp import Mdp, Outcome
+    from babyrobot_levels.render.frames import FramePainter
+
+LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
+
+_Outcome = tuple[float, int, float, bool, bool, bool]
+"""Cumulated probability, next state, reward, terminal, target reached, skidded."""
+
+_Cell = tuple[
+    dict[int, tuple[_Outcome, ...]], Callable[[], Any], Callable[[], NDArray[np.int8]], Any
+]
+"""What a step needs to know of a state: outcomes by action, makers of observation and mask, mask."""
+
+MAX_MAZE_SEED = 2**31
+"""Mazes of `seed: random` levels have seeds below this."""
+
+
+class LevelEnv(gymnasium.Env[Any, Any]):
+    """A robot walks a level to an exit.
+
+    Observations are, by `observation`:
+
+    - `"position"`: `[x, y]`, int64, in a `MultiDiscrete([width, height])`;
+    - `"index"`: the state `y * width + x`, in a `Discrete`;
+    - `"walls"`: `[x, y, north, east, south, west]`, int64, the sides 1 where they are open;
+    - `"image"`: uint8 `[height, width, 3]`, or `[…, 1]` with `grayscale`.
+
+    Actions are 0 stay, 1 north, 2 east, 3 south, 4 west, or with `actions="moves"` 0 north, 1 east,
+    2 south, 3 west. `info["action_mask"]` (int8 `[actions]`) says which are possible;
+    one that is not is refused. An episode is `terminated` at an exit or a cell that ends it, and
+    truncated only by the `TimeLimit` that a level's `max_steps` gives it.
+
+    Attributes:
+        level: the level that is played. Of a level with `seed: random`, the one of this episode.
+    """
+
+    metadata = {"render_modes": ["rgb_array", "ansi", "svg"], "render_fps": 4}  # noqa: RUF012
+
+    def __init__(
+        self,
+        level: LevelLike,
+        *,
+        observation: str = "position",
+        actions: str = "valid",
+        render_mode: str | None = None,
+        image_size: tuple[int, int] | None = None,
+        grayscale: bool = False,
+    ):
+        """Make the environment of a level.
+
+        Args:
+            level: a name, a path, a mapping or a `Level`.
+            observation: `"position"`, `"index"`, `"walls"` or `"image"`.
+            actions: `"valid"`: five actions, of which `action_space.sample()` gives only those
+                that are possible; `"all"`: five actions; `"moves"`: four, without stay.
+            render_mode: None, `"rgb_array"`, `"ansi"` or `"svg"`.
+            image_size: `(height, width)` in pixels of image observations.
+            grayscale: whether image observations are grey.
+
+        Raises:
+            LevelNotFoundError: there is no such level.
+            LevelError: the level is not valid.
+            ValueError: another argument has a value that it cannot have.
+        """
+        _check_choice("observation", observation, OBSERVATIONS)
+        _check_choice("actions", actions, ACTION_SETS)
+        if render_mode is not None:
+            _check_choice("render_mode", render_mode, self.metadata["render_modes"])
+        if observation != "image" and (image_size is not None or grayscale):
+            raise ValueError("image_size and grayscale go with observation='image'")
+        self.render_mode = render_mode
+        self._given = load(level)
+        self._observation = observation
+        self._image = (_check_size(image_size), bool(grayscale))
+        space, self._first_action = make_action_space(actions)
+        self.action_space = space
+        self._valid = space if isinstance(space, ValidActions) else None
+        self._spec: EnvSpec | None = None
+        self._state = -1
+        # Until the first reset, a level with random mazes shows the one of seed 0.
+        self._enter(self._given.with_maze_seed(0) if self._given.has_random_maze else self._given)
+        self.observation_space = self._observer.space
+
+    def _enter(self, level: Level) -> None:
+        """Make ready to play a level."""
+        self.level = level
+        self._mdp: Mdp = level.compile()
+        self._observer = make_observer(level, self._observation, *self._image)
+        self._starts: list[int] = self._mdp.start.nonzero()[0].tolist()
+        self._cells: list[_Cell | None] = [None] * self._mdp.num_states
+        self._frames: FramePainter | None = None
+        self._table: dict[int, dict[int, list[Outcome]]] | None = None
+
+    # -- playing ---------------------------------------------------------------------------
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[Any, dict[str, Any]]:
+        """Begin an episode.
+
+        Args:
+            seed: for the environment's own generator, from which everything is drawn.
+            options: `{"start": [x, y]}` begins at that cell. Of a level with `seed: random`,
+                `{"maze_seed": n}` asks for the maze of that seed.
+
+        Returns:
+            The observation, and an info with `action_mask` and, for a level with `seed: random`,
+            `maze_seed`.
+
+        Raises:
+            ValueError: the robot cannot start at that cell.
+        """
+        super().reset(seed=seed)
+        options = options or {}
+        rng = self.np_random
+        info: dict[str, Any] = {}
+        if self._given.has_random_maze:
+            maze_seed = options.get("maze_seed")
+            if maze_seed is None:
+                maze_seed = int(rng.integers(MAX_MAZE_SEED))
+            self._enter(self._given.with_maze_seed(maze_seed))
+            info["maze_seed"] = maze_seed
+        elif "maze_seed" in options:
+            raise ValueError("maze_seed is for levels that say `maze: {seed: random}`")
+        if options.get("start") is not None:
+            self._state = self._checked_start(options["start"])
+        elif len(self._starts) == 1:
+            self._state = self._starts[0]
+        else:
+            self._state = self._starts[int(rng.integers(len(self._starts)))]
+        _, observe, copy_mask, mask = self._cells[self._state] or self._look_up(self._state)
+        if self._valid is not None:
+            self._valid.mask = mask
+        info["action_mask"] = copy_mask()
+        return observe(), info
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """Take an action.
+
+        Returns:
+            Observation, reward, terminated, False (truncating is the TimeLimit's), and an info with
+            `action_mask` (int8 `[actions]`, a copy), `target_reached` (the robot stands where the
+            action leads when chance does not interfere, and was not refused) and `skidded`.
+
+        Raises:
+            ResetNeeded: no episode has begun.
+            InvalidAction: the action space does not contain the action.
+        """
+        cell = self._cells[self._state]
+        if cell is None or self._state < 0:
+            # Every state of a running episode was looked up when the robot came to it.
+            raise error.ResetNeeded("call `reset()` before the first `step()`")
+        try:
+            outcomes = cell[0][action]
+        except (KeyError, TypeError):
+            outcomes = cell[0][self._checked_action(action)]
+        outcome = outcomes[0]
+        if len(outcomes) > 1:
+            draw = self._np_random.random()  # type: ignore[union-attr]
+            for outcome in outcomes:
+                if draw < outcome[0]:
+                    break
+        _, state, reward, terminal, target_reached, skidded = outcome
+        self._state = state
+        _, observe, copy_mask, mask = self._cells[state] or self._look_up(state)
+        if self._valid is not None:
+            self._valid.mask = mask
+        info = {
+            "action_mask": copy_mask(),
+            "target_reached": target_reached,
+            "skidded": skidded,
+        }
+        return observe(), reward, terminal, False, info
+
+    def action_masks(self) -> NDArray[np.int8]:
+        """Return which actions are possible now, int8 `[actions]`, as sb3-contrib asks for it."""
+        cell = self._cells[self._state] if self._state >= 0 else None
+        if cell is None:
+            raise error.ResetNeeded("call `reset()` before asking for the action mask")
+        return cell[2]()
+
+    def _look_up(self, state: int) -> _Cell:
+        """Copy a state's rows out of the compiled tables, the first time that the robot is there.
+
+        Lists are several times faster than arrays for one step at a time; a large level costs
+        only for the cells that are visited.
+        """
+        mdp, first = self._mdp, self._first_action
+        actions = range(first, NUM_ACTIONS)
+        mask = mdp.possible[state, first:].copy()
+        cell = (
+            {action - first: self._outcomes(state, action) for action in actions},
+            self._observer.at(state),
+            mask.copy,
+            mask,
+        )
+        self._cells[state] = cell
+        return cell
+
+    def _outcomes(self, state: int, action: int) -> tuple[_Outcome, ...]:
+        mdp = self._mdp
+        target, hindered = int(mdp.target[state, action]), int(mdp.hindered[state, action])
+        outcomes: list[_Outcome] = []
+        total = 0.0
+        for probability, next_state, reward, terminal in mdp.outcomes(state, action):
+            total += probability
+            at_target = next_state == target or (
+                target == mdp.num_states and next_state in self._starts
+            )
+            reached = at_target and hindered != REFUSED
+            skidded = not at_target and hindered != GLASS
+            outcomes.append((total, next_state, reward, terminal, reached, skidded))
+        # The last one takes what rounding leaves over.
+        outcomes[-1] = (2.0, *outcomes[-1][1:])
+        return tuple(outcomes)
+
+    def _checked_action(self, action: Any) -> int:
+        try:
+            number = operator.index(action)
+        except TypeError:
+            number = -1
+        if not 0 <= number < NUM_ACTIONS - self._first_action:
+            raise error.InvalidAction(
+                f"{action!r} is no action; the actions are 0 to {self.action_space.n - 1}"  # type: ignore[attr-defined]
+            )
+        return number
+
+    def _checked_start(self, start: Any) -> int:
+        mdp = self._mdp
+        try:
+            x, y = (operator.index(number) for number in start)
+        except (TypeError, ValueError):
+            raise ValueError(f"options['start'] must be a cell, [x, y], not {start!r}") from None
+        if not (0 <= x < mdp.width and 0 <= y < mdp.height):
+            raise ValueError(f"the start [{x}, {y}] is off the grid")
+        if mdp.over[y * mdp.width + x]:
+            raise ValueError(f"at the start [{x}, {y}] the episode would be over: "
+                             "it is an exit, blocked, or ends the episode")
+        if any(warp.at == (x, y) and warp.when == "enter" for warp in self.level.warps):
+            raise ValueError(f"the start [{x}, {y}] is a warp, and nobody can stand there")
+        return y * mdp.width + x
+
+    # -- what it is ------------------------------------------------------------------------
+
+    @property
+    def P(self) -> dict[int, dict[int, list[Outcome]]]:  # noqa: N802  (Gymnasium's name for it)
+        """The tables as `{state: {action: [(probability, next state, reward, terminal)]}}`."""
+        if self._table is None:
+            self._table = self._mdp.to_toy_text(self._first_action)
+        return self._table
+
+    @property
+    def initial_state_distrib(self) -> NDArray[np.float64]:
+        """The probability of each state at reset, `[states]`, under toy_text's name for it."""
+        return self._mdp.start.copy()
+
+    @property
+    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+        """The spec by which Gymnasium made the environment; it can be written as JSON."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, spec: EnvSpec | None) -> None:
+        level = spec.kwargs.get("level") if spec is not None else None
+        if spec is not None and level is not None and not isinstance(level, str):
+            # A model or a path is not JSON; what the level says is.
+            spec.kwargs["level"] = self._given.to_dict(whole=True)
+        self._spec = spec
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_cells": None, "_frames": None, "_table": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._cells = [None] * self._mdp.num_states
+        if self._state >= 0:
+            self._look_up(self._state)
+
+    # -- pictures --------------------------------------------------------------------------
+
+    def render(self) -> Any:
+        """Return a picture of the level as it stands; before the first reset, of its start.
+
+        Returns:
+            By `render_mode`: uint8 `[height, width, 3]` (`"rgb_array"`), a text (`"ansi"`), or
+            an SVG document as a text (`"svg"`).
+        """
+        if self.render_mode is None:
+            name = self._spec.id if self._spec is not None else "babyrobot/Level-v0"
+            logger.warn(
+                "render() needs a render_mode, given when the environment is made: "
+                f'gymnasium.make("{name}", render_mode="rgb_array")'
+            )
+            return None
+        state = self._state if self._state >= 0 else self._starts[0]
+        if self.render_mode == "rgb_array":
+            if self._frames is None:
+                from babyrobot_levels.render.frames import FramePainter
+
+                self._frames = FramePainter(self.level)
+            return self._frames.frame(state)
+        if self.render_mode == "svg":
+            from babyrobot_levels.render.svg import to_svg
+            from babyrobot_levels.scene.build import build_scene
+
+            return to_svg(build_scene(self.level, state=state))
+        from babyrobot_levels.render.text import unicode_drawing
+
+        return unicode_drawing(self.level, self.level.grid(), state=state)
+
+
+def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
+    """Return a level's environment under the time limit that its `max_steps` gives it.
+
+    The entry point of `babyrobot/Level-v0`: Gymnasium cannot know the limit before it has the level.
+    """
+    loaded = load(level)
+    env = LevelEnv(loaded, **kwargs)
+    return env if loaded.max_steps is None else TimeLimit(env, loaded.max_steps)
+
+
+make_level.metadata = LevelEnv.metadata  # type: ignore[attr-defined]
+
+
+def _check_choice(name: str, value: str, choices: Any) -> None:
+    if value not in choices:
+        known = ", ".join(map(repr, choices))
+        guess = did_you_mean(value, choices) if isinstance(value, str) else ""
+        raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
+
+
+def _check_size(image_size: Any) -> tuple[int, int] | None:
+    if image_size is None:
+        return None
+    try:
+        height, width = (operator.index(number) for number in image_size)
+    except (TypeError, ValueError):
+        height = width = 0
+    if not (1 <= height <= 4096 and 1 <= width <= 4096):
+        raise ValueError(
+            f"image_size must be (height, width) in pixels, 1 to 4096 each, not {image_size!r}"
+        )
+    return height, width

@@ -1,0 +1,46 @@
+"""Action spaces: what a robot may be told, and what of it is possible where it stands."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from babyrobot_levels.actions import NUM_ACTIONS, NUM_MOVES, Action
+
+ACTION_SETS = ("valid", "all", "moves")
+
+
+class ValidActions(spaces.Discrete[Any]):
+    """A `Discrete` whose `sample()` gives only actions that are possible where the robot stands.
+
+    It equals a plain `Discrete` of its size, and contains all its actions: an impossible one can
+    be taken too and is refused. The environment keeps `mask` up to date.
+    """
+
+    mask: NDArray[np.int8] | None = None
+    """The possible actions, int8 `[actions]`; None before the environment has begun."""
+
+    def sample(self, mask: Any = None, probability: Any = None) -> Any:
+        """Return a possible action, each with equal probability.
+
+        A `mask` or `probability` that is given is used in the place of the robot's.
+        """
+        if mask is not None or probability is not None or self.mask is None:
+            return super().sample(mask, probability)
+        possible = self.mask.nonzero()[0]
+        return possible[self.np_random.integers(possible.size)]
+
+
+def make_action_space(actions: str) -> tuple[spaces.Discrete[Any], int]:
+    """Return the space of an action set, and the action that is its number 0.
+
+    Args:
+        actions: `"valid"`, `"all"` or `"moves"`.
+    """
+    if actions == "moves":
+        return spaces.Discrete(NUM_MOVES), Action.NORTH
+    space = ValidActions(NUM_ACTIONS) if actions == "valid" else spaces.Discrete(NUM_ACTIONS)
+    return space, Action.STAY

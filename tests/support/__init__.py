@@ -1,0 +1,1 @@
+"""What several test modules share: random worlds, and the rules of the language once more."""
