@@ -54,6 +54,17 @@ class LevelInfo:
     source: str | None
     path: Path
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return {
+            "name": self.name,
+            "title": self.title,
+            "size": list(self.size),
+            "tags": list(self.tags),
+            "source": self.source,
+            "path": str(self.path),
+        }
+
 
 def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     """Return a level, however it is told.
@@ -69,8 +80,7 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     if isinstance(level, Level):
         return level
     if isinstance(level, Mapping):
-        loaded: Level = from_mapping(level)
-        return loaded
+        return from_mapping(level)
     if not isinstance(level, str):
         return _load_path(Path(level))
     if "\n" in level:
@@ -104,17 +114,25 @@ def find(name: str) -> Path:
 
 def levels() -> list[LevelInfo]:
     """Return what the catalogue knows of each level that is valid, by name."""
-    found = {}
+    return catalogue()[0]
+
+
+def catalogue() -> tuple[list[LevelInfo], list[Path]]:
+    """Return what is known of each level, by name, and the files that are no valid levels."""
+    found: dict[str, LevelInfo] = {}
+    broken = []
     for file in level_files():
         try:
             level = load_file(file.path)
         except LevelError:
+            broken.append(file.path)
             continue
+        # The first place in which a name stands wins, as in `find`.
         found.setdefault(
             file.name,
             LevelInfo(file.name, level.title, level.size, level.tags, level.source, file.path),
         )
-    return sorted(found.values(), key=lambda info: info.name)
+    return sorted(found.values(), key=lambda info: info.name), broken
 
 
 def level_files() -> Iterator[LevelFile]:
@@ -142,21 +160,22 @@ def yaml_files(folder: Path) -> Iterator[Path]:
 
 
 def places() -> list[Place]:
-    """Return where levels are looked for, in this order: the gallery, the user's own folder,
-    `levels/` of the current folder, the folders of `BABYROBOT_LEVELS`, installed packs.
+    """Return where levels are looked for, the first that has a name winning.
+
+    In this order: the gallery, the user's own folder, `levels/` of the current folder, the
+    folders of `BABYROBOT_LEVELS`, the user's packs, the packs of installed packages.
     """
     found = [Place(gallery_folder(), "gallery"), Place(user_folder() / "levels", "user")]
     found.append(Place(Path("levels"), "levels/"))
-    for folder in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
-        if folder:
-            found.append(Place(Path(folder), PATH_VARIABLE))
+    listed = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
+    found += [Place(Path(name), PATH_VARIABLE) for name in listed if name]
     packs = user_folder() / "packs"
     if packs.is_dir():
         found += [Place(path, "pack", path.name) for path in sorted(packs.iterdir())]
     for entry in entry_points(group=PACK_GROUP):
-        folder = _package_folder(entry.module)
-        if folder is not None:
-            found.append(Place(folder, "pack", entry.name))
+        carried = _package_folder(entry.module)
+        if carried is not None:
+            found.append(Place(carried, "pack", entry.name))
     real: dict[Path, Place] = {}
     for place in found:
         if place.folder.is_dir():
@@ -165,7 +184,7 @@ def places() -> list[Place]:
 
 
 def gallery_folder() -> Path:
-    """Return the folder of the gallery: inside the installed package, or beside it in a checkout."""
+    """Return the gallery's folder: inside the installed package, or beside it in a checkout."""
     package = Path(__file__).parent
     inside = package / "data" / "levels"
     return inside if inside.is_dir() else package.parent / "levels"

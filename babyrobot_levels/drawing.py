@@ -214,7 +214,7 @@ class _Parser:
         return "".join(marks)
 
     def _cell_row(self, number: int, row: str, width: int) -> tuple[str, str]:
-        cells, marks = [], []
+        marks = []
         for x in range(width + 1):
             mark = row[4 * x]
             if mark not in (SOLID, GLASS, OPEN):
@@ -229,8 +229,7 @@ class _Parser:
             elif x in (0, width) and mark != SOLID:
                 self._report_outer(number, 4 * x, 1)
             marks.append(mark)
-        for x in range(width):
-            cells.append(self._cell(number, 4 * x + 1, row[4 * x + 1 : 4 * x + 4]))
+        cells = [self._cell(number, 4 * x + 1, row[4 * x + 1 : 4 * x + 4]) for x in range(width)]
         return "".join(cells), "".join(marks[1:-1])
 
     def _cell(self, number: int, column: int, text: str) -> str:
@@ -251,7 +250,7 @@ class _Parser:
                 column + 1,
                 1,
                 f"the legend does not say what `{middle}` is",
-                "known without a legend: S start, E exit, o small puddle, O large puddle, ### blocked",
+                "known without one: S start, E exit, o small puddle, O large puddle, ### blocked",
             )
         return middle
 

@@ -58,7 +58,7 @@ class Grid:
         import numpy as np
 
         bits = np.frombuffer(self.open_bits, np.uint8).reshape(self.height, self.width, 1)
-        return (bits & np.array([1, 2, 4, 8], np.uint8)) != 0
+        return np.not_equal(bits & np.array([1, 2, 4, 8], np.uint8), 0)
 
     @property
     def blocked(self) -> NDArray[np.bool_]:
@@ -66,7 +66,7 @@ class Grid:
         import numpy as np
 
         cells = np.frombuffer(self.blocked_cells, np.uint8)
-        return cells.reshape(self.height, self.width) != 0
+        return np.not_equal(cells.reshape(self.height, self.width), 0)
 
     @property
     def pass_probability(self) -> NDArray[np.float64]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any
 
 from pydantic import PrivateAttr
 
@@ -93,7 +93,7 @@ class Level(LevelFields):
 
     # -- other levels ----------------------------------------------------------------------
 
-    def replace(self, **fields: Any) -> Self:
+    def replace(self, **fields: Any) -> Level:
         """Return a level with other values for some fields; None takes a field away.
 
         Raises:
@@ -101,15 +101,14 @@ class Level(LevelFields):
         """
         data = {**self.to_dict(), **{name: _plain(value) for name, value in fields.items()}}
         given = {name: value for name, value in data.items() if value is not None}
-        other = from_mapping(
-            given, cls=type(self), name=self.name if "name" not in fields else None
-        )
+        name = self.name if "name" not in fields else None
+        other = from_mapping(given, name=name)
         other._origin = self._origin
         if "theme" not in fields:
             other._theme = self._theme
         return other
 
-    def with_maze_seed(self, seed: int) -> Self:
+    def with_maze_seed(self, seed: int) -> Level:
         """Return the level with the maze that grows from `seed`.
 
         Raises:
@@ -134,8 +133,8 @@ class Level(LevelFields):
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
         """
-        from babyrobot_levels.render.text import drawing_of
         from babyrobot_levels.drawing import compose
+        from babyrobot_levels.render.text import drawing_of
 
         return compose(drawing_of(self, self.grid()))
 
@@ -194,9 +193,7 @@ class Level(LevelFields):
         return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
 
 
-def from_mapping(
-    data: Mapping[str, Any], *, cls: type[Level] = Level, name: str | None = None
-) -> Any:
+def from_mapping(data: Mapping[str, Any], *, name: str | None = None) -> Level:
     """Return the level that a mapping says.
 
     Raises:
@@ -204,7 +201,7 @@ def from_mapping(
     """
     from babyrobot_levels.loader import validate
 
-    level, problems = validate(dict(data), cls)
+    level, problems = validate(dict(data), Level)
     if level is None:
         told = (f"{_show_route(problem.route)}{problem.message}" for problem in problems)
         raise LevelError(message="the level is not valid:\n" + "\n".join(f"  {t}" for t in told))

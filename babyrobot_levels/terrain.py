@@ -38,7 +38,7 @@ class Terrain:
 
 
 def build_terrain(level: LevelFields, grid: Grid) -> Terrain:
-    """Paint the level's properties: the whole level, then areas, later ones on top, puddles last."""
+    """Paint the level's properties: those of the whole level, then areas in order, then puddles."""
     shape = (grid.height, grid.width)
     skid, rule = np.zeros(shape), np.zeros(shape, np.int8)
     reward = np.full(shape, level.rewards.step)

@@ -217,7 +217,9 @@ class _Builder:
             self.stack.append((_Open(node, is_mapping), event.anchor))
         elif isinstance(event, yaml.CollectionEndEvent):
             opened, anchor = self.stack.pop()
-            end = self._span(event).end if event.end_mark.index > event.start_mark.index else None
+            start, end_of_event = self._span(event)
+            # Only flow style has a closing bracket; a block ends where its last value does.
+            end = end_of_event if end_of_event > start else None
             last = next(reversed(opened.node.children.values()), None)
             stop = end or (last.span.end if last else opened.node.span.end)
             opened.node.span = Span(opened.node.span.start, stop)

@@ -17,7 +17,9 @@ OBSERVATIONS = ("position", "index", "image", "walls")
 class Observer(Protocol):
     """Shows the states of one level."""
 
-    space: spaces.Space[Any]
+    @property
+    def space(self) -> spaces.Space[Any]:
+        """The space of the observations."""
 
     def at(self, state: int) -> Callable[[], Any]:
         """Return a function that makes a new observation of the state at each call."""

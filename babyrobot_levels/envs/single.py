@@ -35,7 +35,7 @@ _Outcome = tuple[float, int, float, bool, bool, bool]
 _Cell = tuple[
     dict[int, tuple[_Outcome, ...]], Callable[[], Any], Callable[[], NDArray[np.int8]], Any
 ]
-"""What a step needs to know of a state: outcomes by action, makers of observation and mask, mask."""
+"""What a step needs of a state: outcomes by action, makers of observation and mask, the mask."""
 
 MAX_MAZE_SEED = 2**31
 """Mazes of `seed: random` levels have seeds below this."""
@@ -260,8 +260,10 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         if not (0 <= x < mdp.width and 0 <= y < mdp.height):
             raise ValueError(f"the start [{x}, {y}] is off the grid")
         if mdp.over[y * mdp.width + x]:
-            raise ValueError(f"at the start [{x}, {y}] the episode would be over: "
-                             "it is an exit, blocked, or ends the episode")
+            raise ValueError(
+                f"at the start [{x}, {y}] the episode would be over: "
+                "it is an exit, blocked, or ends the episode"
+            )
         if any(warp.at == (x, y) and warp.when == "enter" for warp in self.level.warps):
             raise ValueError(f"the start [{x}, {y}] is a warp, and nobody can stand there")
         return y * mdp.width + x
@@ -338,7 +340,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
 def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
     """Return a level's environment under the time limit that its `max_steps` gives it.
 
-    The entry point of `babyrobot/Level-v0`: Gymnasium cannot know the limit before it has the level.
+    The entry point of `babyrobot/Level-v0`: Gymnasium knows no limit before it has the level.
     """
     loaded = load(level)
     env = LevelEnv(loaded, **kwargs)

@@ -36,7 +36,6 @@ class Model(BaseModel):
         frozen=True,
         extra="forbid",
         allow_inf_nan=False,
-        populate_by_name=True,
         use_attribute_docstrings=True,
     )
 

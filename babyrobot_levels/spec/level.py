@@ -31,7 +31,7 @@ from babyrobot_levels.spec.cells import Area, Puddle, PuddleTypes, Rectangle, Sk
 from babyrobot_levels.spec.looks import Display, ThemeLike
 from babyrobot_levels.spec.map import expand_map
 from babyrobot_levels.spec.moves import Rewards, Warp, Wind
-from babyrobot_levels.spec.problem import SpecProblems
+from babyrobot_levels.spec.problem import Problem, SpecProblems
 from babyrobot_levels.spec.rules import problems_of
 from babyrobot_levels.spec.walls import Maze, Opening, Wall
 
@@ -88,7 +88,7 @@ class LevelFields(Model):
         | Annotated[Cell, form("cell")]
         | Annotated[Cells, form("cells")],
         forms(_exit_form),
-    ] = Field(default="none", json_schema_extra={"default": "the bottom-right cell"})
+    ] = "none"
     """Where the episode ends: a cell, several, or `none`; the bottom-right cell if left out."""
     maze: Maze | None = None
     """A maze grown from a seed."""
@@ -130,7 +130,7 @@ class LevelFields(Model):
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Fill in what the drawing says, and check what only the whole level shows."""
-        problems = []
+        problems: list[Problem] = []
         if "map" in self.model_fields_set or "legend" in self.model_fields_set:
             derived, problems = expand_map(self)
             # The model is frozen for its users; these fields are the drawing's own.

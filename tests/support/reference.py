@@ -318,9 +318,7 @@ class Reference:
     def transitions(self) -> dict[tuple[Cell, str], Outcomes]:
         """Return the outcomes of every cell and action."""
         return {
-            (cell, action): self.outcomes(cell, action)
-            for cell in self.cells
-            for action in ACTIONS
+            (cell, action): self.outcomes(cell, action) for cell in self.cells for action in ACTIONS
         }
 
     def possible(self, cell: Cell) -> list[int]:

@@ -120,8 +120,7 @@ def add_cells(draw: DrawFn, world: World, width: int, height: int, free: list[Ce
             },
         )
         world["areas"] = [
-            draw(rectangles(width, height)) | draw(traits)
-            for _ in range(draw(st.integers(1, 3)))
+            draw(rectangles(width, height)) | draw(traits) for _ in range(draw(st.integers(1, 3)))
         ]
 
 
@@ -190,9 +189,7 @@ def worlds(draw: DrawFn, largest: int = 8) -> World:
         world["skid"] = draw(skids)
     if sometimes(draw):
         kinds = ("step", "exit", "bump", "bounce", "stay", "closer", "farther")
-        world["rewards"] = draw(
-            st.fixed_dictionaries({}, optional=dict.fromkeys(kinds, numbers))
-        )
+        world["rewards"] = draw(st.fixed_dictionaries({}, optional=dict.fromkeys(kinds, numbers)))
     return world
 
 

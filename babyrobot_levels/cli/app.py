@@ -1,0 +1,82 @@
+"""The application: its commands, and what happens when one of them fails."""
+
+from __future__ import annotations
+
+import os
+import sys
+from typing import Annotated
+
+import typer
+
+from babyrobot_levels import __version__
+from babyrobot_levels.cli import (
+    list_levels,
+    new_level,
+    preview,
+    print_schema,
+    show,
+    validate,
+)
+from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note
+
+INTERRUPTED = 130
+
+app = typer.Typer(
+    name="babyrobot",
+    help="Grid worlds as files: make, check, preview and play levels.",
+    epilog="A LEVEL is a name (`babyrobot list` shows them), pack/name, or the path of a file.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+)
+
+app.command("new-level")(new_level.new_level)
+app.command("validate")(validate.validate)
+app.command("preview")(preview.preview)
+app.command("list")(list_levels.list_levels)
+app.command("show")(show.show)
+app.command("schema")(print_schema.print_schema)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"babyrobot-levels {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", "-V", callback=_print_version, is_eager=True, help="Show the version."
+        ),
+    ] = False,
+) -> None:
+    """Grid worlds as files: make, check, preview and play levels."""
+
+
+def main() -> None:
+    """Run the command line. Nothing that a user types or feeds it ends in a traceback."""
+    from babyrobot_levels.errors import BabyRobotError, LevelError
+
+    try:
+        app()
+    except LevelError as error:
+        note(str(error))
+        sys.exit(FINDINGS)
+    except BabyRobotError as error:
+        note(f"error: {error}")
+        sys.exit(WRONG_CALL)
+    except KeyboardInterrupt:
+        note("interrupted")
+        sys.exit(INTERRUPTED)
+    except BrokenPipeError:
+        # The reader has gone, as `head` does. Python would complain at exit about the rest.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(FINDINGS)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,71 @@
+"""What all commands share: output, colour, and how they end."""
+
+from __future__ import annotations
+
+import os
+import sys
+from enum import StrEnum
+from pathlib import Path
+from typing import IO, NoReturn
+
+import typer
+
+FINDINGS = 1
+"""Exit status: the level or levels have findings."""
+WRONG_CALL = 2
+"""Exit status: the call is wrong."""
+
+
+class ReportFormat(StrEnum):
+    """How a command reports."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+def write(text: str) -> None:
+    """Write to standard output, as it is."""
+    sys.stdout.write(text)
+
+
+def note(text: str) -> None:
+    """Write a line to standard error: for what is not the command's result."""
+    sys.stderr.write(text + "\n")
+
+
+def fail(message: str, help_text: str | None = None) -> NoReturn:
+    """End the command because the call is wrong, and say why."""
+    prefix = "\x1b[1;31merror\x1b[0m" if wants_color(sys.stderr) else "error"
+    note(f"{prefix}: {message}")
+    if help_text:
+        note(f"  help: {help_text}")
+    raise typer.Exit(WRONG_CALL)
+
+
+def wants_color(stream: IO[str]) -> bool:
+    """Tell whether to write colour: on a terminal, unless `NO_COLOR` is set."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR"):
+        return True
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def speaks_unicode(stream: IO[str]) -> bool:
+    """Tell whether box-drawing characters can be written to the stream."""
+    encoding = (getattr(stream, "encoding", None) or "ascii").lower().replace("-", "")
+    return encoding.startswith("utf")
+
+
+def save(path: Path, data: str | bytes, *, force: bool) -> None:
+    """Write a file whole, but never over one that is there without `--force`."""
+    from babyrobot_levels.files import write_bytes
+
+    if path.is_dir():
+        fail(f"{path} is a folder", "name a file in it")
+    if path.exists() and not force:
+        fail(f"{path} is there already", "write it anew with --force")
+    try:
+        write_bytes(path, data.encode("utf-8") if isinstance(data, str) else data)
+    except OSError as error:
+        fail(f"{path} cannot be written ({error.strerror or error})")

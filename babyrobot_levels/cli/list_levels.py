@@ -1,0 +1,65 @@
+"""`babyrobot list`: the catalogue."""
+
+from __future__ import annotations
+
+import json
+import sys
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import ReportFormat, note, wants_color, write
+
+if TYPE_CHECKING:
+    from babyrobot_levels.catalogue import LevelInfo
+
+
+def list_levels(
+    tag: Annotated[
+        list[str] | None,
+        typer.Option(metavar="TAG", help="Only levels with this tag; may be repeated."),
+    ] = None,
+    report_format: Annotated[
+        ReportFormat, typer.Option("--format", help="How to report.")
+    ] = ReportFormat.TEXT,
+) -> None:
+    """List the levels that can be loaded by name.
+
+    They are looked for in the gallery, in the user's own folder, in levels/ of the current folder,
+    in the folders of the variable BABYROBOT_LEVELS, and in installed packs.
+
+    Examples:
+
+      babyrobot list --tag maze
+    """
+    from babyrobot_levels.catalogue import catalogue
+
+    infos, broken = catalogue()
+    wanted = set(tag or ())
+    infos = [info for info in infos if wanted <= set(info.tags)]
+    if report_format is ReportFormat.JSON:
+        write(json.dumps([info.to_dict() for info in infos], indent=2, ensure_ascii=False) + "\n")
+    elif infos:
+        write(_table(infos, bold=wants_color(sys.stdout)))
+    else:
+        note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
+    for path in broken:
+        note(f"{path} has errors and is left out (`babyrobot validate {path}` shows them)")
+
+
+def _table(infos: list[LevelInfo], *, bold: bool) -> str:
+    rows = [("NAME", "SIZE", "TITLE", "TAGS")]
+    rows += [
+        (info.name, f"{info.size[0]}x{info.size[1]}", info.title or "", ", ".join(info.tags))
+        for info in infos
+    ]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    lines = [
+        "  ".join(
+            [*(text.ljust(width) for text, width in zip(row[:3], widths, strict=True)), row[3]]
+        )
+        for row in rows
+    ]
+    if bold:
+        lines[0] = f"\x1b[1m{lines[0]}\x1b[0m"
+    return "\n".join(line.rstrip() for line in lines) + "\n"

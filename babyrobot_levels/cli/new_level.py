@@ -1,0 +1,142 @@
+"""`babyrobot new-level`: a file to begin with."""
+
+from __future__ import annotations
+
+import os
+import re
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import fail, save, write
+
+SCHEMA_PATH = Path("schemas", "level.schema.json")
+
+
+class Template(StrEnum):
+    """What a new level begins as."""
+
+    GRID = "grid"
+    MAZE = "maze"
+    DRAWING = "drawing"
+
+
+class Algorithm(StrEnum):
+    """How a maze is grown."""
+
+    DEPTH_FIRST = "depth-first"
+
+
+def new_level(
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="The level's name: small letters, digits and `-`.")
+    ],
+    size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in cells.")] = "8x5",
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="Grow a maze from this seed.", show_default=False),
+    ] = None,
+    algorithm: Annotated[
+        Algorithm, typer.Option(help="How the maze is grown.")
+    ] = Algorithm.DEPTH_FIRST,
+    loops: Annotated[
+        float,
+        typer.Option(min=0, max=1, help="The share of the maze's dead ends that are opened up."),
+    ] = 0.0,
+    puddles: Annotated[int, typer.Option(min=0, metavar="N", help="How many puddles.")] = 0,
+    theme: Annotated[
+        str, typer.Option(metavar="THEME", help="The theme: default, black_orange, …")
+    ] = "default",
+    template: Annotated[
+        Template, typer.Option(help="Begin with fields, with a maze, or with a drawing.")
+    ] = Template.GRID,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Where to write it.  [default: levels/NAME.yaml]",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+) -> None:
+    """Write a commented level file that is valid at once, and say what to type next.
+
+    Examples:
+
+      babyrobot new-level first
+
+      babyrobot new-level wet-maze --size 10x6 --maze-seed 7 --puddles 4
+    """
+    from babyrobot_levels.level import slug
+    from babyrobot_levels.starter import Order, starter
+
+    if slug(name) != name:
+        good = slug(name)
+        fail(
+            f"{name!r} cannot be a level's name: it takes small letters and digits, joined by `-`",
+            f"for example {good!r}" if good else None,
+        )
+    if template is Template.DRAWING and maze_seed is not None:
+        fail("a drawing has no maze", "leave out --maze-seed or --template drawing")
+    if template is Template.GRID and maze_seed is None and loops:
+        fail("--loops is for mazes", "add --maze-seed N or --template maze")
+    path = output or Path("levels", f"{name}.yaml")
+    order = Order(
+        name, str(template), _size(size), maze_seed, str(algorithm), loops, puddles, theme
+    )
+    try:
+        text = starter(order, _schema_for(path))
+    except ValueError as error:
+        fail(str(error), "ask for fewer puddles, or for a larger --size")
+    _check(text, path)
+    save(path, text, force=force)
+    write(
+        f"wrote {path}\n\n"
+        "next:\n"
+        f"  edit it, then check it      babyrobot validate {path}\n"
+        f"  see it                      babyrobot preview {path}\n"
+        "  play it in Python           "
+        "import babyrobot_levels as brl\n"
+        "                              "
+        f'env = brl.load("{path.as_posix()}").make()\n'
+    )
+
+
+def _size(text: str) -> tuple[int, int]:
+    from babyrobot_levels.spec.base import MAX_SIZE
+
+    match = re.fullmatch(r"([0-9]{1,5})[x,]([0-9]{1,5})", text)
+    if not match:
+        fail(f"{text!r} is no size", "write it as width and height: 8x5")
+    width, height = int(match[1]), int(match[2])
+    if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
+        fail(f"a level is 1 to {MAX_SIZE} cells wide and high, not {text}")
+    if width * height == 1:
+        fail("a level of one cell has no room for a start and an exit")
+    return width, height
+
+
+def _schema_for(path: Path) -> str:
+    """Return where editors find the schema: in the project around the file, or as installed."""
+    folder = path.resolve().parent
+    for parent in (folder, *folder.parents):
+        if (parent / SCHEMA_PATH).is_file():
+            return Path(os.path.relpath(parent / SCHEMA_PATH, folder)).as_posix()
+    package = Path(__file__).parents[1]
+    inside = package / "data" / SCHEMA_PATH
+    return (inside if inside.is_file() else package.parent / SCHEMA_PATH).as_uri()
+
+
+def _check(text: str, path: Path) -> None:
+    """Make sure that the file is valid before it is written: a theme may not be known."""
+    from babyrobot_levels.reading import read_level
+    from babyrobot_levels.source import SourceFile
+
+    _, diagnostics = read_level(SourceFile(str(path), text), path)
+    if diagnostics:
+        fail(diagnostics[0].message, diagnostics[0].help)

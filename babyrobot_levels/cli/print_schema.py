@@ -1,0 +1,47 @@
+"""`babyrobot schema`: the JSON schemas, for editors and other tools."""
+
+from __future__ import annotations
+
+import json
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import save, write
+
+
+class SchemaName(StrEnum):
+    """What there is a schema of."""
+
+    LEVEL = "level"
+    THEME = "theme"
+
+
+def print_schema(
+    name: Annotated[SchemaName, typer.Argument(help="Which schema.")] = SchemaName.LEVEL,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+) -> None:
+    """Print the JSON schema of level files or of theme files.
+
+    Examples:
+
+      babyrobot schema level -o schemas/level.schema.json
+    """
+    text = schema_text(name)
+    if output is None:
+        write(text)
+    else:
+        save(output, text, force=force)
+
+
+def schema_text(name: str) -> str:
+    """Return a schema as it stands in a file."""
+    from babyrobot_levels.schema import SCHEMAS
+
+    return json.dumps(SCHEMAS[name](), indent=2, ensure_ascii=False) + "\n"

@@ -1,0 +1,115 @@
+"""`cli.md`, made from the commands themselves: `python -m babyrobot_levels.cli.reference > cli.md`.
+
+It reads the commands' own signatures, so that the version of typer does not show.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any, get_args, get_type_hints
+
+from typer.models import ArgumentInfo, OptionInfo
+
+from babyrobot_levels.cli.app import app
+
+_HEAD = """\
+# The command line
+
+<!-- Generated from the commands: python -m babyrobot_levels.cli.reference > cli.md -->
+
+`babyrobot COMMAND --help` says the same in the terminal. Every command ends with status 0 if all is
+well, 1 if a level has findings, and 2 if the call itself is wrong. Output to a pipe has no colour,
+and `NO_COLOR` is honoured. A LEVEL is a name (`babyrobot list` shows them), `pack/name`, or the
+path of a file.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class _Parameter:
+    """An argument or an option of a command."""
+
+    name: str
+    info: Any
+    kind: Any
+    default: Any
+
+    @property
+    def is_argument(self) -> bool:
+        return isinstance(self.info, ArgumentInfo)
+
+    @property
+    def label(self) -> str:
+        """How it is typed: `LEVEL`, `--format text|json`, `--force`."""
+        if self.is_argument:
+            name = str(self.info.metavar or self.name.upper())
+            return name if self.default is inspect.Parameter.empty else f"[{name}]"
+        # typer keeps the first of an annotated option's names where defaults used to be.
+        names = [self.info.default, *(self.info.param_decls or ())]
+        flags = [name for name in names if isinstance(name, str) and name.startswith("-")]
+        flags = sorted(flags or ["--" + self.name.replace("_", "-")], key=len)
+        value = "" if self.kind is bool else f" {self._value}"
+        return ", ".join(flags) + value
+
+    @property
+    def _value(self) -> str:
+        if isinstance(self.kind, type) and issubclass(self.kind, Enum):
+            return "|".join(str(choice.value) for choice in self.kind)
+        return str(self.info.metavar or self.kind.__name__.upper())
+
+    @property
+    def help(self) -> str:
+        """What it is for, with its default."""
+        text = " ".join((self.info.help or "").split())
+        default = getattr(self.default, "value", self.default)
+        if default in (None, inspect.Parameter.empty) or self.kind is bool:
+            return text
+        return f"{text} [default: {default}]"
+
+
+def reference() -> str:
+    """Return the reference of all commands, as Markdown."""
+    commands = {str(info.name): info.callback for info in app.registered_commands if info.callback}
+    rows = ["| command | what it does |", "|---|---|"]
+    rows += [f"| [`{name}`](#{name}) | {_summary(call)} |" for name, call in commands.items()]
+    parts = [_HEAD, "\n".join(rows) + "\n"]
+    return "\n".join(parts + [_command(name, call) for name, call in commands.items()])
+
+
+def _summary(command: Callable[..., Any]) -> str:
+    return " ".join((inspect.getdoc(command) or "").split("\n\n")[0].split())
+
+
+def _command(name: str, command: Callable[..., Any]) -> str:
+    parameters = sorted(_parameters(command), key=lambda parameter: not parameter.is_argument)
+    arguments = [parameter.label for parameter in parameters if parameter.is_argument]
+    text, _, examples = (inspect.getdoc(command) or "").partition("Examples:")
+    lines = [f"## {name}", "", "```", " ".join(["babyrobot", name, "[OPTIONS]", *arguments]), "```"]
+    for paragraph in text.strip().split("\n\n"):
+        lines += ["", " ".join(paragraph.split())]
+    lines += ["", "| | |", "|---|---|"]
+    lines += [f"| `{_cell(p.label)}` | {_cell(p.help)} |" for p in parameters]
+    shown = [line.strip() for line in examples.splitlines() if line.strip()]
+    lines += ["", "```sh", *shown, "```", ""]
+    return "\n".join(lines)
+
+
+def _parameters(command: Callable[..., Any]) -> Iterator[_Parameter]:
+    hints = get_type_hints(command, include_extras=True)
+    for name, parameter in inspect.signature(command).parameters.items():
+        kind, info = get_args(hints[name])[:2]
+        if isinstance(info, OptionInfo | ArgumentInfo) and not info.hidden:
+            kinds = [inner for inner in get_args(kind) if inner is not type(None)] or [kind]
+            innermost = (get_args(kinds[0]) or (kinds[0],))[0]
+            yield _Parameter(name, info, innermost, parameter.default)
+
+
+def _cell(text: str) -> str:
+    return text.replace("|", "\\|")
+
+
+if __name__ == "__main__":
+    sys.stdout.write(reference())

@@ -1,0 +1,52 @@
+"""CSS colours as numbers, in the forms that levels may use."""
+
+from __future__ import annotations
+
+import re
+from colorsys import hls_to_rgb
+from functools import lru_cache
+
+Rgba = tuple[int, int, int, float]
+"""Red, green, blue in 0..255, and alpha in 0..1."""
+
+
+@lru_cache(maxsize=1024)
+def rgba(color: str) -> Rgba:
+    """Return a CSS colour as numbers.
+
+    Raises:
+        ValueError: it is not a colour.
+    """
+    if color == "transparent":
+        return 0, 0, 0, 0.0
+    if color.startswith("#"):
+        return _hexadecimal(color[1:])
+    if color.startswith("rgb"):
+        red, green, blue, *alpha = (float(number) for number in re.findall(r"[\d.]+", color))
+        return int(red), int(green), int(blue), alpha[0] if alpha else 1.0
+    if color.startswith("hsl"):
+        hue, saturation, lightness = (int(number) for number in re.findall(r"\d+", color))
+        shares = hls_to_rgb(hue / 360, lightness / 100, saturation / 100)
+        return *(round(255 * share) for share in shares), 1.0  # type: ignore[return-value]
+    # Pillow has the table of names; what only needs numbers shall not wait for it.
+    from PIL.ImageColor import colormap
+
+    if color not in colormap:
+        raise ValueError(f"{color!r} is not a colour")
+    return _hexadecimal(str(colormap[color])[1:])
+
+
+def over(color: str, ground: tuple[int, int, int]) -> tuple[int, int, int]:
+    """Return what is seen of an opaque ground that a colour lies on."""
+    *front, alpha = rgba(color)
+    red, green, blue = (
+        round(alpha * top + (1 - alpha) * below) for top, below in zip(front, ground, strict=True)
+    )
+    return red, green, blue
+
+
+def _hexadecimal(digits: str) -> Rgba:
+    if len(digits) < 6:
+        digits = "".join(2 * digit for digit in digits)
+    red, green, blue, *alpha = bytes.fromhex(digits)
+    return red, green, blue, alpha[0] / 255 if alpha else 1.0

@@ -1,0 +1,101 @@
+"""The SVG painter: one text, self-contained, the same for the same scene."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from xml.sax.saxutils import escape, quoteattr
+
+from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
+
+_FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
+_NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that no XML document may hold, not even escaped."""
+
+
+def to_svg(scene: Scene) -> str:
+    """Return the scene as an SVG document; numbers have at most two decimals."""
+    width, height = number(scene.width), number(scene.height)
+    lines = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
+        f'viewBox="0 0 {width} {height}" role="img">',
+        f"<title>{_escape(scene.title)}</title>",
+        *(_element(shape) for shape in scene.shapes),
+        "</svg>",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def number(value: float) -> str:
+    """Return a number with at most two decimals, and no more characters than it needs."""
+    text = f"{value:.2f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def path_data(commands: tuple[Command, ...]) -> str:
+    """Return a path in SVG's own notation."""
+    return "".join(letter + " ".join(map(number, numbers)) for letter, numbers in commands)
+
+
+def _element(shape: Shape) -> str:
+    name, content = type(shape).__name__.lower(), ""
+    if isinstance(shape, Text):
+        content = _escape(shape.text)
+    attributes = " ".join(f"{key}={quoteattr(value)}" for key, value in _attributes(shape))
+    return f"<{name} {attributes}>{content}</{name}>" if content else f"<{name} {attributes}/>"
+
+
+def _attributes(shape: Shape) -> Iterator[tuple[str, str]]:
+    match shape:
+        case Rect():
+            yield "x", number(shape.x)
+            yield "y", number(shape.y)
+            yield "width", number(shape.width)
+            yield "height", number(shape.height)
+            if shape.radius:
+                yield "rx", number(shape.radius)
+        case Ellipse():
+            yield "cx", number(shape.x)
+            yield "cy", number(shape.y)
+            yield "rx", number(shape.rx)
+            yield "ry", number(shape.ry)
+        case Path():
+            yield "d", path_data(shape.commands)
+        case Text():
+            yield "x", number(shape.x)
+            yield "y", number(shape.y)
+            yield "font-family", _FONT
+            yield "font-size", number(shape.size)
+            if shape.bold:
+                yield "font-weight", "bold"
+            if shape.anchor != "start":
+                yield "text-anchor", shape.anchor
+    yield from _paint("fill", shape.fill)
+    if isinstance(shape, Path) and shape.stroke is not None:
+        yield from _paint("stroke", shape.stroke)
+        yield "stroke-width", number(shape.width)
+        yield "stroke-linejoin", "round"
+        if shape.cap != "butt":
+            yield "stroke-linecap", shape.cap
+        if shape.dash is not None:
+            yield "stroke-dasharray", " ".join(map(number, shape.dash))
+    if shape.opacity != 1:
+        yield "opacity", number(shape.opacity)
+
+
+def _paint(what: str, color: str | None) -> Iterator[tuple[str, str]]:
+    """Yield a colour; one with alpha as two attributes, which every viewer understands."""
+    if color is None:
+        yield what, "none"
+    elif color.isalpha() and color != "transparent":
+        yield what, color
+    else:
+        red, green, blue, alpha = rgba(color)
+        yield what, f"#{red:02x}{green:02x}{blue:02x}"
+        if alpha < 1:
+            yield f"{what}-opacity", number(alpha)
+
+
+def _escape(text: str) -> str:
+    return escape(_NOT_XML.sub("\ufffd", text))

@@ -1,0 +1,1 @@
+"""Diagnostics as output: one format a file."""

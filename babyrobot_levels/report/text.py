@@ -1,0 +1,56 @@
+"""Diagnostics for people: each with its place, the source line, a caret and help."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from babyrobot_levels.diagnostics import Diagnostic, Severity
+
+_RESET = "\x1b[0m"
+_BOLD = "\x1b[1m"
+_COLORS = {
+    Severity.ERROR: "\x1b[1;31m",
+    Severity.WARNING: "\x1b[1;33m",
+    Severity.INFO: "\x1b[1;36m",
+}
+_CYAN = "\x1b[36m"
+
+
+def render(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
+    """Return the findings as text, with a blank line between two, or an empty text."""
+    shown = [_colored(d) if color else str(d) for d in diagnostics]
+    return "\n\n".join(shown) + "\n" if shown else ""
+
+
+def summary(diagnostics: Sequence[Diagnostic], files: int) -> str:
+    """Return the line at the end of a report: how much was wrong, and in how many files."""
+    checked = "1 file" if files == 1 else f"{files} files"
+    if not diagnostics:
+        return f"{checked} checked, all valid" if files != 1 else "1 file checked, valid"
+    counts = [
+        (sum(d.severity is severity for d in diagnostics), str(severity)) for severity in Severity
+    ]
+    told = ", ".join(f"{n} {what}{'s' if n > 1 else ''}" for n, what in counts if n)
+    faulty = len({d.file for d in diagnostics})
+    return f"{told} in {faulty} of {checked}"
+
+
+def _colored(diagnostic: Diagnostic) -> str:
+    color = _COLORS[diagnostic.severity]
+    head = (
+        f"{_BOLD}{diagnostic.location}{_RESET}: "
+        f"{color}{diagnostic.severity} {diagnostic.code}{_RESET}: "
+        f"{_BOLD}{diagnostic.message}{_RESET}"
+    )
+    _, *rest = str(diagnostic).split("\n")
+    lines = [head]
+    for line in rest:
+        mark = line.lstrip()
+        if mark.startswith("help: "):
+            lines.append(f"  {_CYAN}help{_RESET}: {mark[6:]}")
+        else:
+            gutter, bar, text = line.partition("|")
+            is_caret = text.strip() and not text.strip("^ ")
+            shown = f"{color}{text}{_RESET}" if is_caret else text
+            lines.append(f"{_CYAN}{gutter}{bar}{_RESET}{shown}")
+    return "\n".join(lines)

@@ -1,0 +1,82 @@
+"""The ground of the cells: base, areas, blocked cells, the lines between cells, starts, exits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.scene.layout import CELL, Layout
+from babyrobot_levels.scene.paths import polyline
+from babyrobot_levels.scene.runs import rectangles, runs
+from babyrobot_levels.scene.shapes import Command, Path, Rect, Shape
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+
+_DASH = 4.0
+_LINE_WIDTH = 1.0
+_EDGE = 3.0
+"""How high blocked cells seem to stand above the ground."""
+
+
+def ground_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+    """Yield the ground, from the bottom up."""
+    colors = level.colors_and_widths.colors
+    blocked = level.grid().blocked_cells
+    yield Rect(layout.margin, layout.margin, layout.grid_width, layout.grid_height, colors.base)
+    for area in level.areas:
+        if area.color is not None:
+            yield _cells(layout, area.at, area.size, area.color)
+    yield from _blocked(layout, blocked, colors.blocked)
+    yield Path(
+        tuple(_line_commands(layout, blocked)),
+        stroke=colors.lines,
+        width=_LINE_WIDTH,
+        dash=(_DASH, _DASH),
+    )
+    for cell in level.starts:
+        yield _cells(layout, cell, (1, 1), colors.start)
+    for cell in level.exits:
+        yield _cells(layout, cell, (1, 1), colors.exit)
+
+
+def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str) -> Rect:
+    return Rect(*layout.corner(*at), size[0] * CELL, size[1] * CELL, fill)
+
+
+def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
+    """Yield the blocked cells as blocks that stand a little above the ground."""
+    columns = layout.columns
+    for x, y, width, height in rectangles(blocked, columns):
+        yield _cells(layout, (x, y), (width, height), fill)
+    for y in range(layout.rows):
+        row = blocked[y * columns : (y + 1) * columns]
+        above = blocked[(y - 1) * columns : y * columns] if y else b"\1" * columns
+        below = blocked[(y + 1) * columns : (y + 2) * columns] or b"\1" * columns
+        for x, length in runs(here and not there for here, there in zip(row, above, strict=True)):
+            left, top = layout.corner(x, y)
+            yield Rect(left, top, length * CELL, _EDGE, "#ffffff", opacity=0.22)
+        for x, length in runs(here and not there for here, there in zip(row, below, strict=True)):
+            left, bottom = layout.corner(x, y + 1)
+            yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, "#000000", opacity=0.3)
+
+
+def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
+    """Yield the lines between free cells, inset so that their dashes meet evenly at corners."""
+    inset = _DASH / 2 / CELL
+    columns, rows = layout.columns, layout.rows
+    for y in range(1, rows):
+        above = blocked[(y - 1) * columns : y * columns]
+        below = blocked[y * columns : (y + 1) * columns]
+        for x, length in runs(not (a or b) for a, b in zip(above, below, strict=True)):
+            yield from _line(layout, (x + inset, y), (x + length - inset, y))
+    for x in range(1, columns):
+        left, right = blocked[x - 1 :: columns], blocked[x::columns]
+        for y, length in runs(not (a or b) for a, b in zip(left, right, strict=True)):
+            yield from _line(layout, (x, y + inset), (x, y + length - inset))
+
+
+def _line(
+    layout: Layout, start: tuple[float, float], end: tuple[float, float]
+) -> tuple[Command, ...]:
+    return polyline([layout.corner(*start), layout.corner(*end)])

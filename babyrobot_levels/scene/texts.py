@@ -1,0 +1,72 @@
+"""Texts on the grid: start, exit, labels of areas, coordinates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.scene.layout import CELL, Layout
+from babyrobot_levels.scene.shapes import Rect, Shape, Text
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+
+_END_SIZE = 12.0
+_COORDINATE_SIZE = 9.5
+_LABEL_SIZES = (15.0, 13.0, 11.0, 9.0)
+_CHARACTER_WIDTH = 0.58
+"""About how wide a character is, as a share of the text's size."""
+
+
+def end_texts(level: Level, layout: Layout) -> Iterator[Shape]:
+    """Yield START and EXIT, at the foot of their cells, where the robot does not hide them."""
+    colors, display = level.colors_and_widths.colors, level.display
+    for word, cells, shown, fill in (
+        ("START", level.starts, display.start_text, colors.start_text),
+        ("EXIT", level.exits, display.exit_text, colors.exit_text),
+    ):
+        for x, y in cells if shown else ():
+            centre, foot = layout.corner(x + 0.5, y + 1)
+            yield Text(centre, foot - 5.5, word, _END_SIZE, fill, bold=True)
+
+
+def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+    """Yield the labels of areas in their middle, on a ground that keeps them readable."""
+    colors = level.colors_and_widths.colors
+    for area in level.areas:
+        label = " ".join((area.label or "").split())
+        if not label:
+            continue
+        room = area.size[0] * CELL - 16
+        size, text = _fit(label, room)
+        width = len(text) * size * _CHARACTER_WIDTH + size
+        x, y = layout.corner(area.at[0] + area.size[0] / 2, area.at[1] + area.size[1] / 2)
+        height = 1.5 * size
+        yield Rect(x - width / 2, y - height / 2, width, height, colors.text_bg, radius=height / 2)
+        yield Text(x, y + 0.35 * size, text, size, colors.text_fg)
+
+
+def _fit(text: str, room: float) -> tuple[float, str]:
+    """Return the largest size at which a text has room; what still has none is cut."""
+    for size in _LABEL_SIZES:
+        if len(text) * size * _CHARACTER_WIDTH <= room:
+            return size, text
+    count = max(1, int(room / (_LABEL_SIZES[-1] * _CHARACTER_WIDTH)) - 1)
+    return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
+
+
+def coordinate_texts(level: Level, layout: Layout) -> Iterator[Shape]:
+    """Yield the coordinates of each free cell, in its top-left corner."""
+    if not level.display.coordinates:
+        return
+    colors, blocked = level.colors_and_widths.colors, level.grid().blocked_cells
+    fills = dict.fromkeys(level.starts, colors.start_text)
+    fills |= dict.fromkeys(level.exits, colors.exit_text)
+    for y in range(layout.rows):
+        for x in range(layout.columns):
+            if not blocked[y * layout.columns + x]:
+                left, top = layout.corner(x, y)
+                fill = fills.get((x, y), colors.arrows)
+                yield Text(
+                    left + 6, top + 14, f"{x},{y}", _COORDINATE_SIZE, fill, "start", opacity=0.85
+                )

@@ -1,0 +1,134 @@
+"""Walls: those of the maze and the level's own, walls of glass, and the one around it all."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+from babyrobot_levels.grid import BIT, Grid
+from babyrobot_levels.scene.layout import Layout
+from babyrobot_levels.scene.paths import polyline
+from babyrobot_levels.scene.shapes import Command, Path, Shape
+from babyrobot_levels.spec.walls import Wall, sides_of
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+
+GLASS = "#8fd0f5"
+_GLASS_CORE = "#f4fbff"
+
+Edge = tuple[bool, int, int]
+"""A side of a cell: whether it runs down, and the corner `(x, y)` of the grid where it begins."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Style:
+    """How a wall looks; `fit` ends it at its corners instead of rounding it off beyond them."""
+
+    color: str
+    width: float
+    fit: bool = False
+    glass: bool = False
+
+
+def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+    """Yield the walls, those of one style together: glass below, then solid walls, then the border.
+
+    Walls with a colour or width of their own are few and meant to be seen: they come last.
+    """
+    colors, widths = level.colors_and_widths.colors, level.colors_and_widths.widths
+    glass = _Style(GLASS, widths.walls + 2, glass=True)
+    solid = _Style(colors.walls, widths.walls)
+    border = _Style(colors.border, widths.border)
+    edges: dict[_Style, set[Edge]] = {glass: set(), solid: set(), border: set()}
+    place: dict[Edge, _Style] = {}
+    for edge, is_glass in _inner_edges(level.grid()):
+        place[edge] = glass if is_glass else solid
+        edges[place[edge]].add(edge)
+    for edge in _outer_edges(layout):
+        place[edge] = border
+        edges[border].add(edge)
+    for edge, style in _own_styles(level, place).items():
+        if place[edge] is not border:
+            edges[place[edge]].remove(edge)
+        edges.setdefault(style, set()).add(edge)
+    for style, members in edges.items():
+        if members and style.width > 0:
+            yield from _strokes(layout, style, members)
+
+
+def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, bool]]:
+    """Yield the walls between two cells, and whether each is of glass."""
+    for cell, walls in enumerate(grid.wall_bits):
+        y, x = divmod(cell, grid.width)
+        if walls & BIT["E"] and x < grid.width - 1:
+            yield (True, x + 1, y), (cell, "E") in grid.glass
+        if walls & BIT["S"] and y < grid.height - 1:
+            yield (False, x, y + 1), (cell, "S") in grid.glass
+
+
+def _outer_edges(layout: Layout) -> Iterator[Edge]:
+    for x in range(layout.columns):
+        yield False, x, 0
+        yield False, x, layout.rows
+    for y in range(layout.rows):
+        yield True, 0, y
+        yield True, layout.columns, y
+
+
+def _own_styles(level: Level, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
+    """Return the styles of those walls that the level gives looks of their own."""
+    own: dict[Edge, _Style] = {}
+    for wall in level.walls:
+        if wall.color is None and wall.width is None and not wall.fit:
+            continue
+        for x, y in sides_of(wall):
+            edge = _edge(wall, x, y)
+            # An opening may have taken the wall away.
+            if edge in place:
+                style = own.get(edge, place[edge])
+                own[edge] = replace(
+                    style,
+                    color=style.color if wall.color is None else wall.color,
+                    width=style.width if wall.width is None else wall.width,
+                    fit=style.fit or wall.fit,
+                )
+    return own
+
+
+def _edge(wall: Wall, x: int, y: int) -> Edge:
+    return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
+
+
+def _strokes(layout: Layout, style: _Style, edges: set[Edge]) -> Iterator[Shape]:
+    commands = tuple(_commands(layout, edges))
+    if style.glass:
+        yield Path(commands, stroke=style.color, width=style.width, opacity=0.9)
+        yield Path(commands, stroke=_GLASS_CORE, width=0.45 * style.width, opacity=0.9)
+    else:
+        cap: Literal["butt", "round"] = "butt" if style.fit else "round"
+        yield Path(commands, stroke=style.color, width=style.width, cap=cap)
+
+
+def _commands(layout: Layout, edges: set[Edge]) -> Iterator[Command]:
+    """Yield one line for all edges that follow each other."""
+    lines: dict[tuple[bool, int], list[int]] = defaultdict(list)
+    for down, x, y in edges:
+        lines[down, x if down else y].append(y if down else x)
+    for (down, across), places in sorted(lines.items()):
+        for start, length in _sequences(sorted(places)):
+            yield from polyline(
+                layout.corner(across, along) if down else layout.corner(along, across)
+                for along in (start, start + length)
+            )
+
+
+def _sequences(numbers: list[int]) -> Iterator[tuple[int, int]]:
+    """Yield first and count of each sequence of numbers that follow each other."""
+    first = 0
+    for index, number in enumerate(numbers):
+        if index + 1 == len(numbers) or numbers[index + 1] != number + 1:
+            yield numbers[first], index + 1 - first
+            first = index + 1
