@@ -78,8 +78,8 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
         along, across = pushes[vertical] + sign, pushes[not vertical]
         pushing = along * sign > 0
         landing[way] = walk(walk(states, along, vertical), across, not vertical)
-        refused[way] = pushing & ~open_[way]
         glass[way] *= pushing
+        refused[way] = pushing & ~open_[way]
         behind = np.where(glass[way] > 0, states + delta[way], states)
         rest = np.where(glass[way] > 0, along - sign, 0)
         drift = np.where(glass[way] > 0, across, 0)

@@ -26,7 +26,8 @@ class Terrain:
         reward: the reward of standing on the cell after a step.
         exit: whether the cell is an exit.
         over: whether the episode is over there: an exit, a cell that ends it, a blocked cell.
-        distance: the squared straight-line distance to the nearest exit; None without exits.
+        distance: the squared straight-line distance to the nearest exit; None where there is no
+            exit, or no reward asks for it.
     """
 
     skid: NDArray[np.float64]
@@ -59,6 +60,7 @@ def build_terrain(level: LevelFields, grid: Grid) -> Terrain:
         rows_, columns_ = _index(puddle.at for puddle in level.puddles if puddle.size == size)
         reward[rows_, columns_] = kind.reward
         skid[rows_, columns_], rule[rows_, columns_] = _skid(kind.skid)
+    shaped = level.rewards.closer is not None or level.rewards.farther is not None
     exits = np.zeros(shape, bool)
     exits[_index(level.exits)] = True
     return Terrain(
@@ -67,7 +69,7 @@ def build_terrain(level: LevelFields, grid: Grid) -> Terrain:
         reward.ravel(),
         exits.ravel(),
         (ends | exits | grid.blocked).ravel(),
-        _squared_distance(exits).ravel() if level.exits else None,
+        _squared_distance(exits).ravel() if level.exits and shaped else None,
     )
 
 

@@ -7,103 +7,24 @@ message can point at a line and a column.
 
 from __future__ import annotations
 
-import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import yaml
 
+from babyrobot_levels.document import Document, Node, YamlFault, YamlProblem
+from babyrobot_levels.scalars import is_integer, resolve
 from babyrobot_levels.source import START, Position, SourceFile, Span
 from babyrobot_levels.suggest import did_you_mean
+from babyrobot_levels.yaml_words import plain_words
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 64
 MAX_NODES = 100_000
 MAX_DIGITS = 40
 
-Route = Sequence[str | int]
-"""The way to a value: keys and indices from the top, as in `("walls", 2, "side")`."""
-
 _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE = "tag:yaml.org,2002:"
-_INT = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
-_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
-_SPECIAL_FLOAT = re.compile(r"([-+]?)\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
-_WORDS: dict[str, bool | None] = {
-    **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
-    **dict.fromkeys(("true", "True", "TRUE"), True),
-    **dict.fromkeys(("false", "False", "FALSE"), False),
-}
-
-
-@dataclass(frozen=True, slots=True)
-class YamlProblem:
-    """A fault of the text itself: its code, its place, and what to say."""
-
-    code: str
-    span: Span
-    message: str
-    help: str | None = None
-
-
-class YamlFault(Exception):
-    """The text cannot be read as data at all. Carries the one problem that says why."""
-
-    def __init__(self, problem: YamlProblem):
-        self.problem = problem
-        super().__init__(problem.message)
-
-
-@dataclass(slots=True)
-class Node:
-    """A value of the document with its place. `children` and `keys` fill the containers."""
-
-    data: Any
-    span: Span
-    block: bool = False
-    """True for a literal block (`|`), whose lines stand in the file as they are in the data."""
-    keys: dict[Any, Node] = field(default_factory=dict)
-    """A mapping's key nodes, by key."""
-    children: dict[Any, Node] = field(default_factory=dict)
-    """A container's value nodes, by key or index."""
-    size: int = 1
-    """How many nodes it holds, aliases expanded."""
-
-
-@dataclass(frozen=True, slots=True)
-class Document:
-    """A text that was read: `data` is plain Python, `problems` are faults that did not stop it."""
-
-    source: SourceFile
-    root: Node
-    problems: tuple[YamlProblem, ...]
-
-    @property
-    def data(self) -> Any:
-        """The document as dicts, lists, texts, numbers, booleans and None."""
-        return self.root.data
-
-    def node(self, route: Route) -> tuple[Node, int]:
-        """Return the deepest node on the route, and how many of its segments lead there."""
-        node = self.root
-        for count, segment in enumerate(route):
-            if segment not in node.children:
-                return node, count
-            node = node.children[segment]
-        return node, len(route)
-
-    def span(self, route: Route, *, key: bool = False) -> Span:
-        """Return where the route's value stands, or its key if `key` is set.
-
-        A route that goes deeper than the file gives the deepest part that is there.
-        """
-        node, depth = self.node(route)
-        if key and route and depth == len(route):
-            parent, _ = self.node(route[:-1])
-            if route[-1] in parent.keys:
-                return parent.keys[route[-1]].span
-        return node.span
 
 
 def read(source: SourceFile) -> Document:
@@ -113,33 +34,6 @@ def read(source: SourceFile) -> Document:
         YamlFault: the text is not YAML, or breaks a limit.
     """
     return _Builder(source).build()
-
-
-def is_plain_string(text: str) -> bool:
-    """Tell whether YAML reads `text`, written without quotes, as that very text's scalar type."""
-    return isinstance(_plain(text, Span(START, START), []), str)
-
-
-def _plain(text: str, span: Span, problems: list[YamlProblem]) -> Any:
-    """Return what a scalar without quotes means under YAML 1.2's core schema."""
-    if text in _WORDS:
-        return _WORDS[text]
-    if text[0] not in "+-.0123456789":
-        return text
-    if _INT.fullmatch(text):
-        if len(text) > MAX_DIGITS:
-            problems.append(
-                YamlProblem("BR111", span, f"a number of {len(text)} characters is too long")
-            )
-            return 0
-        prefix = text[:2]
-        return int(text, 8 if prefix == "0o" else 16 if prefix == "0x" else 10)
-    if _FLOAT.fullmatch(text):
-        return float(text)
-    special = _SPECIAL_FLOAT.fullmatch(text)
-    if special:
-        return float("nan") if special[3] else float(special[1] + "inf")
-    return text
 
 
 @dataclass(slots=True)
@@ -301,15 +195,22 @@ class _Builder:
         self._check_tag(event, None)
         if event.tag is None or event.tag == "!":
             quoted = event.style or event.tag == "!"
-            return event.value if quoted else _plain(event.value, span, self.problems)
+            return event.value if quoted else self._resolve(event.value, span)
         kind = event.tag.removeprefix(_CORE)
-        value = event.value if kind == "str" else _plain(event.value, span, self.problems)
+        value = event.value if kind == "str" else self._resolve(event.value, span)
         types = {"str": str, "int": int, "float": (int, float), "bool": bool, "null": type(None)}
         if not isinstance(value, types[kind]):  # type: ignore[arg-type]
             self.problems.append(
                 YamlProblem("BR107", span, f"`{event.value}` cannot be read as a `!!{kind}`")
             )
         return value
+
+    def _resolve(self, text: str, span: Span) -> Any:
+        if len(text) > MAX_DIGITS and is_integer(text):
+            message = f"a number of {len(text)} characters is too long"
+            self.problems.append(YamlProblem("BR111", span, message))
+            return 0
+        return resolve(text)
 
     def _check_tag(self, event: Any, kind: str | None) -> None:
         tag = event.tag
@@ -349,30 +250,7 @@ class _Builder:
         start = Position(mark.line + 1, mark.column + 1) if mark else START
         problem = getattr(error, "problem", None) or "the text is not YAML"
         context = getattr(error, "context", None)
-        text, help_text = _plain_words(problem, context, self.source.line(start.line))
+        text, help_text = plain_words(problem, context, self.source.line(start.line))
         return YamlProblem(
             "BR104", Span(start, Position(start.line, start.column + 1)), text, help_text
         )
-
-
-def _plain_words(problem: str, context: str | None, line: str) -> tuple[str, str | None]:
-    """Say a parser's complaint as a person would, with what to do about it."""
-    if "\t" in line and ("token" in problem or "indentation" in problem):
-        return "a tab cannot indent YAML", "indent with spaces"
-    if "mapping values are not allowed" in problem:
-        return (
-            "a `:` cannot stand here",
-            "check the indentation, or put quotes around a text that holds `: `",
-        )
-    if "could not find expected ':'" in problem:
-        return "a field's name must be followed by `:` and a value", None
-    if "',' or ']'" in problem:
-        return "a `[` is not closed, or a `,` is missing", "close the list with `]`"
-    if "',' or '}'" in problem:
-        return "a `{` is not closed, or a `,` is missing", "close the mapping with `}`"
-    if "block end" in problem or "block mapping" in (context or ""):
-        return (
-            f"this line does not fit the indentation above it ({problem})",
-            "fields of one mapping begin in one column",
-        )
-    return f"this is not YAML: {problem}" + (f" {context}" if context else ""), None

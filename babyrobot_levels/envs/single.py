@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import operator
 import os
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
@@ -15,11 +14,16 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.actions import NUM_ACTIONS
 from babyrobot_levels.catalogue import load
+from babyrobot_levels.envs.arguments import (
+    check_choice,
+    checked_action,
+    checked_image_size,
+    checked_start,
+)
 from babyrobot_levels.envs.observations import OBSERVATIONS, make_observer
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.level import Level
 from babyrobot_levels.mdp import GLASS, REFUSED
-from babyrobot_levels.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
@@ -88,16 +92,16 @@ class LevelEnv(gymnasium.Env[Any, Any]):
             LevelError: the level is not valid.
             ValueError: another argument has a value that it cannot have.
         """
-        _check_choice("observation", observation, OBSERVATIONS)
-        _check_choice("actions", actions, ACTION_SETS)
+        check_choice("observation", observation, OBSERVATIONS)
+        check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
-            _check_choice("render_mode", render_mode, self.metadata["render_modes"])
+            check_choice("render_mode", render_mode, self.metadata["render_modes"])
         if observation != "image" and (image_size is not None or grayscale):
             raise ValueError("image_size and grayscale go with observation='image'")
         self.render_mode = render_mode
         self._given = load(level)
         self._observation = observation
-        self._image = (_check_size(image_size), bool(grayscale))
+        self._image = (checked_image_size(image_size), bool(grayscale))
         space, self._first_action = make_action_space(actions)
         self.action_space = space
         self._valid = space if isinstance(space, ValidActions) else None
@@ -149,7 +153,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         elif "maze_seed" in options:
             raise ValueError("maze_seed is for levels that say `maze: {seed: random}`")
         if options.get("start") is not None:
-            self._state = self._checked_start(options["start"])
+            self._state = checked_start(options["start"], self.level, self._mdp)
         elif len(self._starts) == 1:
             self._state = self._starts[0]
         else:
@@ -179,7 +183,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         try:
             outcomes = cell[0][action]
         except (KeyError, TypeError):
-            outcomes = cell[0][self._checked_action(action)]
+            outcomes = cell[0][checked_action(action, len(cell[0]))]
         outcome = outcomes[0]
         if len(outcomes) > 1:
             draw = self._np_random.random()  # type: ignore[union-attr]
@@ -239,34 +243,6 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         # The last one takes what rounding leaves over.
         outcomes[-1] = (2.0, *outcomes[-1][1:])
         return tuple(outcomes)
-
-    def _checked_action(self, action: Any) -> int:
-        try:
-            number = operator.index(action)
-        except TypeError:
-            number = -1
-        if not 0 <= number < NUM_ACTIONS - self._first_action:
-            raise error.InvalidAction(
-                f"{action!r} is no action; the actions are 0 to {self.action_space.n - 1}"  # type: ignore[attr-defined]
-            )
-        return number
-
-    def _checked_start(self, start: Any) -> int:
-        mdp = self._mdp
-        try:
-            x, y = (operator.index(number) for number in start)
-        except (TypeError, ValueError):
-            raise ValueError(f"options['start'] must be a cell, [x, y], not {start!r}") from None
-        if not (0 <= x < mdp.width and 0 <= y < mdp.height):
-            raise ValueError(f"the start [{x}, {y}] is off the grid")
-        if mdp.over[y * mdp.width + x]:
-            raise ValueError(
-                f"at the start [{x}, {y}] the episode would be over: "
-                "it is an exit, blocked, or ends the episode"
-            )
-        if any(warp.at == (x, y) and warp.when == "enter" for warp in self.level.warps):
-            raise ValueError(f"the start [{x}, {y}] is a warp, and nobody can stand there")
-        return y * mdp.width + x
 
     # -- what it is ------------------------------------------------------------------------
 
@@ -348,24 +324,3 @@ def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
 
 
 make_level.metadata = LevelEnv.metadata  # type: ignore[attr-defined]
-
-
-def _check_choice(name: str, value: str, choices: Any) -> None:
-    if value not in choices:
-        known = ", ".join(map(repr, choices))
-        guess = did_you_mean(value, choices) if isinstance(value, str) else ""
-        raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
-
-
-def _check_size(image_size: Any) -> tuple[int, int] | None:
-    if image_size is None:
-        return None
-    try:
-        height, width = (operator.index(number) for number in image_size)
-    except (TypeError, ValueError):
-        height = width = 0
-    if not (1 <= height <= 4096 and 1 <= width <= 4096):
-        raise ValueError(
-            f"image_size must be (height, width) in pixels, 1 to 4096 each, not {image_size!r}"
-        )
-    return height, width

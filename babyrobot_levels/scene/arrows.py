@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.scene.layout import CELL, Layout
 from babyrobot_levels.scene.paths import Point, curve, polygon, polyline
 from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Shape
+from babyrobot_levels.spec.looks import Colors
 from babyrobot_levels.spec.moves import shifts
 
 if TYPE_CHECKING:
@@ -16,34 +17,48 @@ if TYPE_CHECKING:
 
 _WIDTH = 3.0
 _HEAD = 11.0
-_RING = 9.0
+_HALO = 2.0
 _MAX_CHEVRONS = 3
+
+Dash = tuple[float, float] | None
 
 
 def warp_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield an arrow for each warp, from its cell to where it leads.
+    """Yield the warps: an arrow from cell to cell, or one that turns back, to the start.
 
     A warp that acts on entering is drawn solid, one that acts on leaving dashed.
     """
-    theme = level.colors_and_widths.colors
+    colors = level.colors_and_widths.colors
     for warp in level.warps:
-        targets = level.starts if isinstance(warp.to, str) else (warp.to,)
-        for target in targets:
-            if target != warp.at:
-                yield from _arrow(
-                    layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5),
-                    layout.corner(target[0] + 0.5, target[1] + 0.5),
-                    theme.arrows,
-                    dashed=warp.when == "leave",
-                )
-    for warp in level.warps:
-        x, y = layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5)
-        yield Ellipse(x, y, _RING, _RING, theme.arrows)
-        yield Ellipse(x, y, _RING - _WIDTH, _RING - _WIDTH, theme.base)
-        yield Ellipse(x, y, _RING - 2 * _WIDTH, _RING - 2 * _WIDTH, theme.arrows)
+        centre = layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5)
+        dash = (6.0, 4.0) if warp.when == "leave" else None
+        if isinstance(warp.to, str):
+            yield from _turning_arrow(centre, colors, dash)
+        else:
+            target = layout.corner(warp.to[0] + 0.5, warp.to[1] + 0.5)
+            yield from _arrow(centre, target, colors, dash)
+            for radius, fill in ((9.0, colors.arrows), (6.0, colors.base), (3.0, colors.arrows)):
+                yield Ellipse(*centre, radius, radius, fill)
 
 
-def _arrow(start: Point, end: Point, colour: str, *, dashed: bool) -> Iterator[Shape]:
+def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
+    """Yield an arrow that goes round, against the clock."""
+    x, y = centre[0], centre[1] + 4
+    # A quarter of a circle is this cubic curve, to a thousandth of its radius.
+    r, k = 11.0, 11.0 * 0.5523
+    shaft: tuple[Command, ...] = (
+        ("M", (x + r, y)),
+        ("C", (x + r, y + k, x + k, y + r, x, y + r)),
+        ("C", (x - k, y + r, x - r, y + k, x - r, y)),
+        ("C", (x - r, y - k, x - k, y - r, x, y - r)),
+    )
+    head = polygon([(x - 1, y - r - 6), (x - 1, y - r + 6), (x + 8, y - r)])
+    yield from _halo(shaft, head, colors.base)
+    yield Path(shaft, stroke=colors.arrows, width=_WIDTH, dash=dash)
+    yield Path(head, fill=colors.arrows)
+
+
+def _arrow(start: Point, end: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
     """Yield a bowed arrow that ends a little before the middle of the cell it points to."""
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
@@ -58,41 +73,42 @@ def _arrow(start: Point, end: Point, colour: str, *, dashed: bool) -> Iterator[S
     neck = (tip[0] - 0.8 * _HEAD * toward_x, tip[1] - 0.8 * _HEAD * toward_y)
     back = (tip[0] - _HEAD * toward_x, tip[1] - _HEAD * toward_y)
     half = 0.5 * _HEAD
-    yield Path(
-        curve(start, control, neck),
-        stroke=colour,
-        width=_WIDTH,
-        dash=(8, 6) if dashed else None,
-        opacity=0.85,
+    shaft = curve(start, control, neck)
+    head = polygon(
+        [
+            tip,
+            (back[0] - half * toward_y, back[1] + half * toward_x),
+            neck,
+            (back[0] + half * toward_y, back[1] - half * toward_x),
+        ]
     )
-    yield Path(
-        polygon(
-            [
-                tip,
-                (back[0] - half * toward_y, back[1] + half * toward_x),
-                neck,
-                (back[0] + half * toward_y, back[1] - half * toward_x),
-            ]
-        ),
-        fill=colour,
-    )
+    yield from _halo(shaft, head, colors.base)
+    yield Path(shaft, stroke=colors.arrows, width=_WIDTH, dash=dash)
+    yield Path(head, fill=colors.arrows)
+
+
+def _halo(
+    shaft: tuple[Command, ...], head: tuple[Command, ...], color: str
+) -> Iterator[Shape]:
+    """Yield what sets an arrow off where it crosses puddles and areas."""
+    yield Path(shaft, stroke=color, width=_WIDTH + 2 * _HALO, opacity=0.6)
+    yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)
 
 
 def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield chevrons for the net wind of each free cell: one for each cell it pushes, at most 3."""
+    """Yield chevrons where the wind blows: one for each cell that it pushes, at most three."""
     if level.wind is None:
         return
     south, east = shifts(level.wind, layout.columns, layout.rows)
+    still = {*level.exits}
     blocked = level.grid().blocked_cells
-    commands: list[Command] = []
-    for y in range(layout.rows):
-        for x in range(layout.columns):
-            if not blocked[y * layout.columns + x]:
-                centre = layout.corner(x + 0.5, y + 0.5)
-                if east[y]:
-                    commands += _chevrons(centre, east[y], vertical=False)
-                if south[x]:
-                    commands += _chevrons(centre, south[x], vertical=True)
+    commands = [
+        command
+        for y in range(layout.rows)
+        for x in range(layout.columns)
+        if (east[y] or south[x]) and (x, y) not in still and not blocked[y * layout.columns + x]
+        for command in _chevrons(layout.corner(x + 0.5, y + 0.5), east[y], south[x])
+    ]
     if commands:
         yield Path(
             tuple(commands),
@@ -103,17 +119,16 @@ def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         )
 
 
-def _chevrons(centre: Point, strength: int, *, vertical: bool) -> list[Command]:
-    commands: list[Command] = []
-    count, sign = min(abs(strength), _MAX_CHEVRONS), 1 if strength > 0 else -1
+def _chevrons(centre: Point, east: int, south: int) -> Iterator[Command]:
+    strength = math.hypot(east, south)
+    along_x, along_y = east / strength, south / strength
+    count = min(max(abs(east), abs(south)), _MAX_CHEVRONS)
     for index in range(count):
-        middle = sign * 11 * (index - (count - 1) / 2)
-        points = [(middle - 3 * sign, -7.0), (middle + 3 * sign, 0.0), (middle - 3 * sign, 7.0)]
-        commands += polyline(
+        middle = 11 * (index - (count - 1) / 2)
+        yield from polyline(
             (
-                centre[0] + (across if vertical else along),
-                centre[1] + (along if vertical else across),
+                centre[0] + along * along_x - across * along_y,
+                centre[1] + along * along_y + across * along_x,
             )
-            for along, across in points
+            for along, across in ((middle - 3, -7), (middle + 3, 0), (middle - 3, 7))
         )
-    return commands

@@ -57,8 +57,8 @@ def _base_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
     yield from wind_shapes(level, layout)
     yield from warp_shapes(level, layout)
     yield from end_texts(level, layout)
-    yield from label_shapes(level, layout)
     yield from wall_shapes(level, layout)
+    yield from label_shapes(level, layout)
     yield from coordinate_texts(level, layout)
 
 

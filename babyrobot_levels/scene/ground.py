@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.scene.layout import CELL, Layout
 from babyrobot_levels.scene.paths import polyline
 from babyrobot_levels.scene.runs import rectangles, runs
-from babyrobot_levels.scene.shapes import Command, Path, Rect, Shape
+from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Shape
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
@@ -36,12 +36,36 @@ def ground_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
     )
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
+        yield from _pad(layout, cell, colors.start_text)
     for cell in level.exits:
         yield _cells(layout, cell, (1, 1), colors.exit)
+        yield from _flag(layout, cell, colors.exit_text)
 
 
 def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str) -> Rect:
     return Rect(*layout.corner(*at), size[0] * CELL, size[1] * CELL, fill)
+
+
+def _pad(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
+    """Yield the pad that the robot starts from."""
+    x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
+    for radius, opacity in ((20, 0.25), (12, 0.35)):
+        yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
+
+
+def _flag(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
+    """Yield the flag that marks an exit."""
+    x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
+    yield Ellipse(x - 8, y + 13, 9, 2.4, "#000000", 0.25)
+    yield Path(polyline([(x - 8, y - 22), (x - 8, y + 13)]), stroke=color, width=3, cap="round")
+    cloth: tuple[Command, ...] = (
+        ("M", (x - 7, y - 21)),
+        ("C", (x - 1, y - 25, x + 5, y - 16, x + 13, y - 19)),
+        ("L", (x + 13, y - 4)),
+        ("C", (x + 5, y - 1, x - 1, y - 10, x - 7, y - 6)),
+        ("Z", ()),
+    )
+    yield Path(cloth, fill=color)
 
 
 def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:

@@ -13,9 +13,11 @@ from babyrobot_levels.scene.shapes import Ellipse, Path, Shape
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
 
-_POINTS = 9
+_POINTS = 12
 _FLATTEN = 0.84
-_RADIUS = {"small": 14.5, "large": 25.0}
+_RADIUS = {"small": 14.0, "large": 23.5}
+_WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
+"""How the outline wavers: waves in a round, and how far they reach as a share of the radius."""
 _WHITE = "#ffffff"
 _SHORE = "#000000"
 
@@ -49,11 +51,18 @@ def puddle_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
 
 
 def _outline(x: int, y: int, radius: float) -> list[Point]:
-    """Return points around (0, 0): a circle whose radius wavers, a little flat."""
+    """Return points around (0, 0): a circle that wavers, a little flat."""
+    phases = [2 * math.pi * _noise(x, y, waves) for waves, _ in _WAVES]
     points = []
     for index in range(_POINTS):
-        angle = 2 * math.pi * (index + 0.5 * _noise(x, y, index)) / _POINTS
-        reach = radius * (0.82 + 0.3 * _noise(x, y, index + 100))
+        angle = 2 * math.pi * index / _POINTS
+        reach = radius * (
+            1
+            + sum(
+                share * math.cos(waves * angle + phase)
+                for (waves, share), phase in zip(_WAVES, phases, strict=True)
+            )
+        )
         points.append((reach * math.cos(angle), _FLATTEN * reach * math.sin(angle)))
     return points
 

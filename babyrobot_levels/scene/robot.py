@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Shape
+from babyrobot_levels.scene.paths import Point, curve, polyline
+from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Shape
 from babyrobot_levels.spec.looks import Theme
 
 _OUTLINE = "#232c38"
@@ -12,10 +13,16 @@ _LAMP = "#ffd54a"
 _WHITE = "#ffffff"
 _BLACK = "#000000"
 
+_SCALE, _LEFT, _TOP = 0.9, 3.2, 0.8
+"""He leaves room for a text below."""
+
 
 def robot_shapes(theme: Theme, left: float, top: float) -> tuple[Shape, ...]:
     """Return the robot in the cell whose top-left corner is (`left`, `top`) in pixels."""
     body = theme.colors.robot
+
+    def at(x: float, y: float) -> Point:
+        return left + _LEFT + _SCALE * x, top + _TOP + _SCALE * y
 
     def rect(
         x: float,
@@ -26,16 +33,13 @@ def robot_shapes(theme: Theme, left: float, top: float) -> tuple[Shape, ...]:
         fill: str,
         opacity: float = 1,
     ) -> Rect:
-        return Rect(left + x, top + y, width, height, fill, radius, opacity)
+        return Rect(*at(x, y), _SCALE * width, _SCALE * height, fill, _SCALE * radius, opacity)
 
     def disc(x: float, y: float, rx: float, ry: float, fill: str, opacity: float = 1) -> Ellipse:
-        return Ellipse(left + x, top + y, rx, ry, fill, opacity)
+        return Ellipse(*at(x, y), _SCALE * rx, _SCALE * ry, fill, opacity)
 
-    def at(*numbers: float) -> tuple[float, ...]:
-        return tuple(n + (top if i % 2 else left) for i, n in enumerate(numbers))
-
-    antenna: tuple[Command, ...] = (("M", at(32, 14)), ("L", at(32, 7)))
-    smile: tuple[Command, ...] = (("M", at(29.5, 28.2)), ("C", at(30.5, 30, 33.5, 30, 34.5, 28.2)))
+    antenna = polyline([at(32, 14), at(32, 7)])
+    smile = curve(at(29.5, 28.2), at(32, 31), at(34.5, 28.2))
     return (
         disc(32, 50.5, 16, 3, _BLACK, 0.28),
         # Wheels.
@@ -49,7 +53,7 @@ def robot_shapes(theme: Theme, left: float, top: float) -> tuple[Shape, ...]:
         rect(22, 33, 20, 6, 3, _BLACK, 0.18),
         disc(32, 43, 2.4, 2.4, _LAMP),
         # Antenna and ears.
-        Path(antenna, stroke=_OUTLINE, width=2.4),
+        Path(antenna, stroke=_OUTLINE, width=_SCALE * 2.4),
         disc(32, 6.2, 3.8, 3.8, _OUTLINE),
         disc(32, 6.2, 2.5, 2.5, _LAMP),
         rect(8.5, 19, 7, 11, 3.5, _OUTLINE),
@@ -64,5 +68,5 @@ def robot_shapes(theme: Theme, left: float, top: float) -> tuple[Shape, ...]:
         disc(38.5, 24, 3.4, 4.1, _GLOW),
         disc(26.7, 22.4, 1.2, 1.2, _WHITE),
         disc(39.7, 22.4, 1.2, 1.2, _WHITE),
-        Path(smile, stroke=_GLOW, width=1.5, cap="round"),
+        Path(smile, stroke=_GLOW, width=_SCALE * 1.6, cap="round"),
     )

@@ -11,9 +11,9 @@ from babyrobot_levels.scene.shapes import Rect, Shape, Text
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
 
-_END_SIZE = 12.0
+_END_SIZE = 11.0
 _COORDINATE_SIZE = 9.5
-_LABEL_SIZES = (15.0, 13.0, 11.0, 9.0)
+_LABEL_SIZES = (12.0, 10.5, 9.0)
 _CHARACTER_WIDTH = 0.58
 """About how wide a character is, as a share of the text's size."""
 
@@ -27,11 +27,11 @@ def end_texts(level: Level, layout: Layout) -> Iterator[Shape]:
     ):
         for x, y in cells if shown else ():
             centre, foot = layout.corner(x + 0.5, y + 1)
-            yield Text(centre, foot - 5.5, word, _END_SIZE, fill, bold=True)
+            yield Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
 def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the labels of areas in their middle, on a ground that keeps them readable."""
+    """Yield the labels of areas, at their upper edge, on a ground that keeps them readable."""
     colors = level.colors_and_widths.colors
     for area in level.areas:
         label = " ".join((area.label or "").split())
@@ -40,10 +40,11 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         room = area.size[0] * CELL - 16
         size, text = _fit(label, room)
         width = len(text) * size * _CHARACTER_WIDTH + size
-        x, y = layout.corner(area.at[0] + area.size[0] / 2, area.at[1] + area.size[1] / 2)
-        height = 1.5 * size
-        yield Rect(x - width / 2, y - height / 2, width, height, colors.text_bg, radius=height / 2)
-        yield Text(x, y + 0.35 * size, text, size, colors.text_fg)
+        height = 1.35 * size
+        x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
+        top += 4
+        yield Rect(x - width / 2, top, width, height, colors.text_bg, radius=height / 2)
+        yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
 
 
 def _fit(text: str, room: float) -> tuple[float, str]:

@@ -34,29 +34,24 @@ class _Style:
 
 
 def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the walls, those of one style together: glass below, then solid walls, then the border.
+    """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
-    Walls with a colour or width of their own are few and meant to be seen: they come last.
+    Walls with a colour or width of their own are few and meant to be seen: they lie on the others.
     """
     colors, widths = level.colors_and_widths.colors, level.colors_and_widths.widths
-    glass = _Style(GLASS, widths.walls + 2, glass=True)
+    glass = _Style(GLASS, widths.walls + 3, glass=True)
     solid = _Style(colors.walls, widths.walls)
     border = _Style(colors.border, widths.border)
-    edges: dict[_Style, set[Edge]] = {glass: set(), solid: set(), border: set()}
-    place: dict[Edge, _Style] = {}
-    for edge, is_glass in _inner_edges(level.grid()):
-        place[edge] = glass if is_glass else solid
-        edges[place[edge]].add(edge)
-    for edge in _outer_edges(layout):
-        place[edge] = border
-        edges[border].add(edge)
-    for edge, style in _own_styles(level, place).items():
-        if place[edge] is not border:
-            edges[place[edge]].remove(edge)
-        edges.setdefault(style, set()).add(edge)
-    for style, members in edges.items():
-        if members and style.width > 0:
-            yield from _strokes(layout, style, members)
+    inner = {e: glass if is_glass else solid for e, is_glass in _inner_edges(level.grid())}
+    outer = dict.fromkeys(_outer_edges(layout), border)
+    own = _own_styles(level, inner | outer)
+    for styles, lowest in ((inner, (glass, solid)), (outer, (border,))):
+        drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
+        for edge, style in styles.items():
+            drawn.setdefault(own.get(edge, style), []).append(edge)
+        for style, edges in drawn.items():
+            if style.width > 0:
+                yield from _strokes(layout, style, edges)
 
 
 def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, bool]]:
@@ -102,8 +97,10 @@ def _edge(wall: Wall, x: int, y: int) -> Edge:
     return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
 
 
-def _strokes(layout: Layout, style: _Style, edges: set[Edge]) -> Iterator[Shape]:
+def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape]:
     commands = tuple(_commands(layout, edges))
+    if not commands:
+        return
     if style.glass:
         yield Path(commands, stroke=style.color, width=style.width, opacity=0.9)
         yield Path(commands, stroke=_GLASS_CORE, width=0.45 * style.width, opacity=0.9)
@@ -112,7 +109,7 @@ def _strokes(layout: Layout, style: _Style, edges: set[Edge]) -> Iterator[Shape]
         yield Path(commands, stroke=style.color, width=style.width, cap=cap)
 
 
-def _commands(layout: Layout, edges: set[Edge]) -> Iterator[Command]:
+def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
     """Yield one line for all edges that follow each other."""
     lines: dict[tuple[bool, int], list[int]] = defaultdict(list)
     for down, x, y in edges:

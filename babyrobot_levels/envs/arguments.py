@@ -1,0 +1,83 @@
+"""Checks of what users hand to an environment, with messages that say what would be right."""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Collection
+from typing import Any
+
+from gymnasium import error
+
+from babyrobot_levels.level import Level
+from babyrobot_levels.mdp import Mdp
+from babyrobot_levels.suggest import did_you_mean
+
+MAX_IMAGE_SIDE = 4096
+
+
+def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
+    """Raise a ValueError if an argument is not one of its choices."""
+    if value not in choices:
+        known = ", ".join(map(repr, choices))
+        guess = did_you_mean(value, choices) if isinstance(value, str) else ""
+        raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
+
+
+def checked_image_size(image_size: Any) -> tuple[int, int] | None:
+    """Return `(height, width)` in pixels, or None for the default.
+
+    Raises:
+        ValueError: it is anything else.
+    """
+    if image_size is None:
+        return None
+    try:
+        height, width = (operator.index(number) for number in image_size)
+    except (TypeError, ValueError):
+        height = width = 0
+    if not (1 <= height <= MAX_IMAGE_SIDE and 1 <= width <= MAX_IMAGE_SIDE):
+        raise ValueError(
+            f"image_size must be (height, width) in pixels, 1 to {MAX_IMAGE_SIDE} each, "
+            f"not {image_size!r}"
+        )
+    return height, width
+
+
+def checked_action(action: Any, count: int) -> int:
+    """Return an action as a number from 0 to count - 1.
+
+    Raises:
+        InvalidAction: it is anything else.
+    """
+    try:
+        number = operator.index(action)
+    except TypeError:
+        number = -1
+    if not 0 <= number < count:
+        raise error.InvalidAction(f"{action!r} is no action; the actions are 0 to {count - 1}")
+    return number
+
+
+def checked_start(start: Any, level: Level, mdp: Mdp) -> int:
+    """Return the state of a cell `[x, y]` at which an episode can begin.
+
+    Raises:
+        ValueError: it is no cell, or the robot cannot stand there or would be done there.
+    """
+    try:
+        x, y = (operator.index(number) for number in start)
+    except (TypeError, ValueError):
+        raise ValueError(f"options['start'] must be a cell, [x, y], not {start!r}") from None
+    if not (0 <= x < mdp.width and 0 <= y < mdp.height):
+        raise ValueError(
+            f"the start [{x}, {y}] is off the grid, which is {mdp.width} wide and {mdp.height} high"
+        )
+    state = y * mdp.width + x
+    if mdp.over[state]:
+        raise ValueError(
+            f"at the start [{x}, {y}] the episode would be over: "
+            "it is an exit, blocked, or ends the episode"
+        )
+    if any(warp.at == (x, y) and warp.when == "enter" for warp in level.warps):
+        raise ValueError(f"the start [{x}, {y}] is a warp, and nobody can stand there")
+    return state
