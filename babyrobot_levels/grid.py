@@ -58,7 +58,8 @@ class Grid:
         import numpy as np
 
         bits = np.frombuffer(self.open_bits, np.uint8).reshape(self.height, self.width, 1)
-        return np.not_equal(bits & np.array([1, 2, 4, 8], np.uint8), 0)
+        is_open: NDArray[np.bool_] = np.not_equal(bits & np.array([1, 2, 4, 8], np.uint8), 0)
+        return is_open
 
     @property
     def blocked(self) -> NDArray[np.bool_]:

@@ -259,7 +259,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         return self._mdp.start.copy()
 
     @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+    def spec(self) -> EnvSpec | None:
         """The spec by which Gymnasium made the environment; it can be written as JSON."""
         return self._spec
 

@@ -6,6 +6,9 @@ import re
 from colorsys import hls_to_rgb
 from functools import lru_cache
 
+Rgb = tuple[int, int, int]
+"""Red, green, blue in 0..255."""
+
 Rgba = tuple[int, int, int, float]
 """Red, green, blue in 0..255, and alpha in 0..1."""
 
@@ -27,7 +30,8 @@ def rgba(color: str) -> Rgba:
     if color.startswith("hsl"):
         hue, saturation, lightness = (int(number) for number in re.findall(r"\d+", color))
         shares = hls_to_rgb(hue / 360, lightness / 100, saturation / 100)
-        return *(round(255 * share) for share in shares), 1.0  # type: ignore[return-value]
+        r, g, b = (round(255 * share) for share in shares)
+        return r, g, b, 1.0
     # Pillow has the table of names; what only needs numbers shall not wait for it.
     from PIL.ImageColor import colormap
 
@@ -36,9 +40,10 @@ def rgba(color: str) -> Rgba:
     return _hexadecimal(str(colormap[color])[1:])
 
 
-def over(color: str, ground: tuple[int, int, int]) -> tuple[int, int, int]:
-    """Return what is seen of an opaque ground that a colour lies on."""
+def over(color: str, ground: Rgb, opacity: float = 1.0) -> Rgb:
+    """Return what is seen where a colour lies on an opaque ground."""
     *front, alpha = rgba(color)
+    alpha *= opacity
     red, green, blue = (
         round(alpha * top + (1 - alpha) * below) for top, below in zip(front, ground, strict=True)
     )

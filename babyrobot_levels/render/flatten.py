@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 from babyrobot_levels.scene.paths import Point
 from babyrobot_levels.scene.shapes import Command
@@ -49,7 +50,7 @@ def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:
     points = [*points, points[0]] if closed else points
     drawing, left = True, dash
     current = [points[0]]
-    for start, end in zip(points, points[1:], strict=False):
+    for start, end in pairwise(points):
         length, done = math.dist(start, end), 0.0
         while length - done > left:
             done += left

@@ -81,8 +81,13 @@ class FramePainter:
 
         Args:
             state: the cell, `y * width + x` of the level.
+
+        Raises:
+            ValueError: the level has no such state.
         """
         y, x = divmod(state, len(self._left))
+        if not 0 <= y < len(self._top):
+            raise ValueError(f"state {state} is not on the level")
         frame = self._base.copy()
         height, width = self._robot.shape[:2]
         cell = frame[self._top[y] : self._top[y] + height, self._left[x] : self._left[x] + width]
@@ -121,5 +126,6 @@ def _offsets(margin: float, count: int, scale: float) -> list[int]:
 
 def _channels(pixels: NDArray[np.uint8], grayscale: bool) -> NDArray[np.uint8]:
     if not grayscale:
-        return np.array(pixels)
-    return np.rint(pixels @ np.array(_GRAY)).astype(np.uint8)[..., np.newaxis]
+        return pixels
+    brightness: NDArray[np.float64] = np.rint(pixels @ np.array(_GRAY))
+    return brightness[..., np.newaxis].astype(np.uint8)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 
 from PIL import ImageDraw, ImageFont
 
@@ -53,7 +54,7 @@ class Pen:
         points, closed = line
         half = width / 2
         ends = [*points, points[0]] if closed else points
-        for start, end in zip(ends, ends[1:], strict=False):
+        for start, end in pairwise(ends):
             self._segment(start, end, half)
         if half >= 1:
             for x, y in points if round_caps or closed else points[1:-1]:
@@ -72,10 +73,8 @@ class Pen:
                 [(x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)]
             )
 
-    def text(
-        self, x: float, y: float, text: str, size: float, anchor: str, *, bold: bool
-    ) -> None:
-        """Write a line of text with the font that Pillow brings; it has no bold, so it is thickened."""
+    def text(self, x: float, y: float, text: str, size: float, anchor: str, *, bold: bool) -> None:
+        """Write a line in the font that Pillow brings; it has no bold, so bold is thickened."""
         place = (x - self.left, y - self.top)
         weight = size / 32 if bold else 0
         self.draw.text(place, text, self.ink, _font(size), anchor, stroke_width=weight)

@@ -46,7 +46,7 @@ def to_rgb(
     Raises:
         ValueError: the size is not positive, or more than 64 million pixels.
     """
-    return np.asarray(_paint(scene, size, background))
+    return np.array(_paint(scene, size, background))
 
 
 def to_png(scene: Scene, size: tuple[int, int] | None = None) -> bytes:

@@ -19,7 +19,7 @@ def to_svg(scene: Scene) -> str:
     width, height = number(scene.width), number(scene.height)
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}" role="img">',
+        f'viewBox="0 0 {width} {height}" role="img" font-family="{_FONT}">',
         f"<title>{_escape(scene.title)}</title>",
         *(_element(shape) for shape in scene.shapes),
         "</svg>",
@@ -65,7 +65,6 @@ def _attributes(shape: Shape) -> Iterator[tuple[str, str]]:
         case Text():
             yield "x", number(shape.x)
             yield "y", number(shape.y)
-            yield "font-family", _FONT
             yield "font-size", number(shape.size)
             if shape.bold:
                 yield "font-weight", "bold"

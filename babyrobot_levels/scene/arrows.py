@@ -18,31 +18,35 @@ if TYPE_CHECKING:
 _WIDTH = 3.0
 _HEAD = 11.0
 _HALO = 2.0
+_RING = 9.0
 _MAX_CHEVRONS = 3
 
 Dash = tuple[float, float] | None
 
 
 def warp_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the warps: an arrow from cell to cell, or one that turns back, to the start.
+    """Yield the warps: an arrow from ring to cell, or a round one to the start.
 
     A warp that acts on entering is drawn solid, one that acts on leaving dashed.
     """
     colors = level.colors_and_widths.colors
+    rings = {warp.at for warp in level.warps}
     for warp in level.warps:
         centre = layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5)
         dash = (6.0, 4.0) if warp.when == "leave" else None
         if isinstance(warp.to, str):
             yield from _turning_arrow(centre, colors, dash)
         else:
-            target = layout.corner(warp.to[0] + 0.5, warp.to[1] + 0.5)
-            yield from _arrow(centre, target, colors, dash)
-            for radius, fill in ((9.0, colors.arrows), (6.0, colors.base), (3.0, colors.arrows)):
+            if warp.to != warp.at:
+                target = layout.corner(warp.to[0] + 0.5, warp.to[1] + 0.5)
+                gap = _RING + 3 if warp.to in rings else 0.0
+                yield from _arrow(centre, target, gap, colors, dash)
+            for radius, fill in ((_RING, colors.arrows), (6.0, colors.base), (3.0, colors.arrows)):
                 yield Ellipse(*centre, radius, radius, fill)
 
 
 def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield an arrow that goes round, against the clock."""
+    """Yield an arrow that goes round, by the clock."""
     x, y = centre[0], centre[1] + 4
     # A quarter of a circle is this cubic curve, to a thousandth of its radius.
     r, k = 11.0, 11.0 * 0.5523
@@ -58,8 +62,8 @@ def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]
     yield Path(head, fill=colors.arrows)
 
 
-def _arrow(start: Point, end: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield a bowed arrow that ends a little before the middle of the cell it points to."""
+def _arrow(start: Point, end: Point, gap: float, colors: Colors, dash: Dash) -> Iterator[Shape]:
+    """Yield a bowed arrow that ends so many pixels before the middle of the cell it points to."""
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     bow = min(0.16 * length, CELL)
@@ -69,7 +73,7 @@ def _arrow(start: Point, end: Point, colors: Colors, dash: Dash) -> Iterator[Sha
     )
     reach = math.dist(control, end)
     toward_x, toward_y = (end[0] - control[0]) / reach, (end[1] - control[1]) / reach
-    tip = (end[0] - 0.16 * CELL * toward_x, end[1] - 0.16 * CELL * toward_y)
+    tip = (end[0] - gap * toward_x, end[1] - gap * toward_y)
     neck = (tip[0] - 0.8 * _HEAD * toward_x, tip[1] - 0.8 * _HEAD * toward_y)
     back = (tip[0] - _HEAD * toward_x, tip[1] - _HEAD * toward_y)
     half = 0.5 * _HEAD
@@ -87,9 +91,7 @@ def _arrow(start: Point, end: Point, colors: Colors, dash: Dash) -> Iterator[Sha
     yield Path(head, fill=colors.arrows)
 
 
-def _halo(
-    shaft: tuple[Command, ...], head: tuple[Command, ...], color: str
-) -> Iterator[Shape]:
+def _halo(shaft: tuple[Command, ...], head: tuple[Command, ...], color: str) -> Iterator[Shape]:
     """Yield what sets an arrow off where it crosses puddles and areas."""
     yield Path(shaft, stroke=color, width=_WIDTH + 2 * _HALO, opacity=0.6)
     yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)

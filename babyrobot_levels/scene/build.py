@@ -66,8 +66,6 @@ def _robot_corner(level: Level, layout: Layout, state: int | None) -> tuple[floa
     if state is None:
         return layout.corner(*level.starts[0])
     if not 0 <= state < layout.columns * layout.rows:
-        raise ValueError(
-            f"state {state} is not on the level, which has {layout.columns * layout.rows}"
-        )
+        raise ValueError(f"state {state} is not on the level")
     y, x = divmod(state, layout.columns)
     return layout.corner(x, y)

@@ -28,12 +28,8 @@ def ground_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         if area.color is not None:
             yield _cells(layout, area.at, area.size, area.color)
     yield from _blocked(layout, blocked, colors.blocked)
-    yield Path(
-        tuple(_line_commands(layout, blocked)),
-        stroke=colors.lines,
-        width=_LINE_WIDTH,
-        dash=(_DASH, _DASH),
-    )
+    if lines := tuple(_line_commands(layout, blocked)):
+        yield Path(lines, stroke=colors.lines, width=_LINE_WIDTH, dash=(_DASH, _DASH))
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
         yield from _pad(layout, cell, colors.start_text)

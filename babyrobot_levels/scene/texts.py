@@ -31,7 +31,7 @@ def end_texts(level: Level, layout: Layout) -> Iterator[Shape]:
 
 
 def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the labels of areas, at their upper edge, on a ground that keeps them readable."""
+    """Yield the labels of areas, at an edge, on a ground that keeps them readable."""
     colors = level.colors_and_widths.colors
     for area in level.areas:
         label = " ".join((area.label or "").split())
@@ -42,7 +42,8 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         width = len(text) * size * _CHARACTER_WIDTH + size
         height = 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
-        top += 4
+        # Coordinates stand at the upper edge.
+        top += area.size[1] * CELL - height - 4 if level.display.coordinates else 4
         yield Rect(x - width / 2, top, width, height, colors.text_bg, radius=height / 2)
         yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
 

@@ -1,0 +1,21 @@
+#!/usr/bin/env bash
+# Everything that must pass before a commit: style, types, tests.
+# Usage: bash scripts/check.sh        all but the tests that need Stable-Baselines3
+#        bash scripts/check.sh sb3    only those (they bring torch)
+set -euo pipefail
+cd "$(dirname "$0")/.."
+source scripts/venv.sh
+if [ "${1:-}" = sb3 ]; then
+    make_venv .venv-sb3
+    # Named first and exactly, so that a build for the CPU is taken where one is at hand.
+    .venv-sb3/bin/pip install --quiet --disable-pip-version-check torch==2.13.0
+    .venv-sb3/bin/pip install --quiet --disable-pip-version-check --editable ".[test,sb3]"
+    exec .venv-sb3/bin/python -m pytest -m sb3
+fi
+make_venv .venv
+.venv/bin/pip install --quiet --disable-pip-version-check --editable ".[test]"
+.venv/bin/ruff check .
+.venv/bin/ruff format --check .
+.venv/bin/mypy
+.venv/bin/babyrobot validate levels
+exec .venv/bin/python -m pytest -m "not sb3" -n 2

@@ -1,0 +1,26 @@
+# Makes a virtual environment; to be sourced by the other scripts. Usage: make_venv FOLDER
+# Needs Python 3.11 or later (named by $PYTHON, python3 if it is not set).
+
+make_venv() {
+    local python="${PYTHON:-python3}" folder="$1"
+    [ -x "$folder/bin/python" ] && return
+    "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
+        echo "Python 3.11 or later is needed; set PYTHON to one" >&2
+        return 1
+    }
+    "$python" -m venv "$folder" 2>/dev/null && return
+    # Debian's Python comes without venv.
+    rm -rf "$folder"
+    if command -v apt-get >/dev/null && [ "$(id -u)" = 0 ]; then
+        { apt-get update && apt-get install --yes python3-venv; } >/dev/null 2>&1 &&
+            "$python" -m venv "$folder" && return
+        rm -rf "$folder"
+    fi
+    local tools
+    tools="$(mktemp -d)"
+    "$python" -m pip install --quiet --target "$tools" virtualenv &&
+        PYTHONPATH="$tools" "$python" -m virtualenv --quiet "$folder"
+    local status=$?
+    rm -rf "$tools"
+    return $status
+}
