@@ -82,6 +82,9 @@ class Grid:
             table[cell, SIDES.index(side)] = probability
         return table.reshape(self.height, self.width, 4)
 
+    def __deepcopy__(self, memo: dict[int, object]) -> Grid:
+        return self
+
     def neighbour(self, cell: int, side: str) -> int | None:
         """Return the cell on that side of a cell, or None where the grid ends."""
         return neighbour(cell, side, self.width, self.height)

@@ -79,14 +79,14 @@ def _problems(details: Sequence[Any], data: Any, model: type[BaseModel]) -> list
         kind = detail["type"]
         if kind == "missing":
             route = route[:-1]
-        subject = _subject(route, kind)
+        subject = _subject(route) if message.startswith("must ") else ""
         problems.append(
             Problem(
                 code,
                 route,
                 f"{subject}{message}",
                 help_text,
-                key=kind == "extra_forbidden" or route[-1:] == ("[key]",),
+                key=kind == "extra_forbidden" or "[key]" in detail["loc"],
             )
         )
     return problems
@@ -97,11 +97,9 @@ def _spec_problems(detail: Any) -> tuple[Problem, ...]:
     return error.problems if isinstance(error, SpecProblems) else ()
 
 
-def _subject(route: tuple[str | int, ...], kind: str) -> str:
+def _subject(route: tuple[str | int, ...]) -> str:
     """Return the words that a message begins with: which field it speaks of."""
-    if kind in ("extra_forbidden", "missing"):
-        return ""
-    names = [segment for segment in route if isinstance(segment, str) and segment != "[key]"]
+    names = [segment for segment in route if isinstance(segment, str)]
     return f"`{names[-1]}` " if names else ""
 
 

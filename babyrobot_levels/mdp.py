@@ -93,6 +93,9 @@ class Mdp:
                 value.flags.writeable = False
         return self
 
+    def __deepcopy__(self, memo: dict[int, Any]) -> Mdp:
+        return self
+
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))
 

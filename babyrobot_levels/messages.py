@@ -51,7 +51,7 @@ def complaint(error: Any, fields: list[str]) -> Complaint:
     if kind == "string_pattern_mismatch":
         return _pattern(context["pattern"], value)
     if kind == "string_too_long":
-        return "BR205", f"is longer than {context['max_length']} characters", None
+        return "BR205", f"must be at most {context['max_length']} characters long", None
     return "BR203", str(error["msg"]), None
 
 

@@ -44,7 +44,7 @@ PINS = {
         "warps: [{at: [2, 2], to: start, reward: -10}, {at: [0, 2], to: [3, 2], when: leave}]\n"
         "wind: {east: [0, 1, 0]}\n"
         "rewards: {bump: -3, bounce: -2, closer: 0.5, stay: -0.25}\n",
-        "sha256:2e6a5f86c3d97c4937ce4e814a24de62d53126ad1aadfbbcbf67795e3c4803c9",
+        "sha256:d1ad7efa8a9e40808f2230e3663cfc0a8987689e4b73d8b46da2c51cd24eb7ab",
     ),
 }
 
@@ -124,7 +124,7 @@ def test_a_drawing_and_its_fields_are_the_same_game() -> None:
     assert digest(map=drawing) == fields
 
 
-WALLS = [
+WALLS: list[World] = [
     {"at": [1, 0], "side": "S"},
     {"at": [0, 0], "side": "E", "pass": 0.5},
     {"at": [2, 1], "side": "W"},
@@ -243,7 +243,7 @@ def test_every_change_of_the_game_changes_it() -> None:
 
 def test_a_wall_that_changes_no_transition_still_changes_it() -> None:
     """A wall between two cells in which no episode goes on is seen, though never met."""
-    exits = {"size": [3, 1], "exit": [[1, 0], [2, 0]]}
+    exits: World = {"size": [3, 1], "exit": [[1, 0], [2, 0]]}
     assert digest(**exits) != digest(**exits, walls=[{"at": [1, 0], "side": "E"}])
 
 

@@ -1,4 +1,4 @@
-"""PyPI babyrobot 1.0.40 as an oracle: `oracles/babyrobot.json` holds what it makes of our levels."""
+"""PyPI babyrobot 1.0.40 as an oracle: `oracles/babyrobot.json` is what it makes of our levels."""
 
 from __future__ import annotations
 

@@ -12,9 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from babyrobot_levels.document import Document, YamlFault
 from babyrobot_levels.files import ReadFault, decode, read_source
 from babyrobot_levels.source import Position, SourceFile
-from babyrobot_levels.yaml_reader import MAX_BYTES, MAX_DEPTH, Document, YamlFault
+from babyrobot_levels.yaml_reader import MAX_BYTES, MAX_DEPTH
 from babyrobot_levels.yaml_reader import read as read_file
 
 
@@ -261,7 +262,10 @@ def problems(text: str) -> list[tuple[str, Position]]:
 
 
 def test_duplicate_keys() -> None:
-    assert problems("a: 1\nb: {c: 1, d: 2, c: 3}\na: 2\n") == [("BR105", (2, 17)), ("BR105", (3, 1))]
+    assert problems("a: 1\nb: {c: 1, d: 2, c: 3}\na: 2\n") == [
+        ("BR105", (2, 17)),
+        ("BR105", (3, 1)),
+    ]
     assert read("a: 1\na: 2\n").data == {"a": 1}
     assert problems("1: a\n'1': b\n") == [("BR105", (2, 1))]
 
@@ -343,9 +347,7 @@ def test_depth_is_limited() -> None:
 
 def bomb(width: int, height: int) -> str:
     lines = ["a0: &a0 [x]\n"]
-    lines += [
-        f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * width)}]\n" for n in range(1, height)
-    ]
+    lines += [f"a{n}: &a{n} [{', '.join([f'*a{n - 1}'] * width)}]\n" for n in range(1, height)]
     return "".join(lines)
 
 

@@ -19,7 +19,8 @@ def to_svg(scene: Scene) -> str:
     width, height = number(scene.width), number(scene.height)
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}" role="img" font-family="{_FONT}">',
+        f'viewBox="0 0 {width} {height}" role="img" font-family="{_FONT}" '
+        'stroke-linejoin="round">',
         f"<title>{_escape(scene.title)}</title>",
         *(_element(shape) for shape in scene.shapes),
         "</svg>",
@@ -74,7 +75,6 @@ def _attributes(shape: Shape) -> Iterator[tuple[str, str]]:
     if isinstance(shape, Path) and shape.stroke is not None:
         yield from _paint("stroke", shape.stroke)
         yield "stroke-width", number(shape.width)
-        yield "stroke-linejoin", "round"
         if shape.cap != "butt":
             yield "stroke-linecap", shape.cap
         if shape.dash is not None:

@@ -82,7 +82,7 @@ class Traits(Model):
     """A text to show on the area."""
 
 
-class Area(Rectangle, Traits):
+class Area(Traits, Rectangle):
     """A rectangle with properties. Later areas win over earlier ones, property by property."""
 
 

@@ -133,7 +133,23 @@ def _check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator
                     f"the start {_show(cell)} is a warp, and nobody can stand there",
                     "start elsewhere, or let the warp act `when: leave`",
                 )
+            elif field == "start" and _ends(level, cell):
+                yield Problem(
+                    "BR316",
+                    route,
+                    f"the start {_show(cell)} is on an area that ends the episode",
+                    "start elsewhere, or take `ends` away there",
+                )
             seen.add(cell)
+
+
+def _ends(level: LevelFields, cell: Cell) -> bool:
+    """Tell whether an area ends the episode on the cell; the last one that says so counts."""
+    for area in reversed(level.areas):
+        (x, y), (columns, rows) = area.at, area.size
+        if area.ends is not None and x <= cell[0] < x + columns and y <= cell[1] < y + rows:
+            return area.ends
+    return False
 
 
 def _check_rectangles(level: LevelFields) -> Iterator[Problem]:

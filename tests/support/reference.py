@@ -18,7 +18,7 @@ Outcomes = dict[tuple[Cell, float, bool], float]
 
 STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
 BACK = {"N": "S", "S": "N", "E": "W", "W": "E"}
-FULL_NAMES = {"north": "N", "east": "E", "south": "S", "west": "W"}
+FULL_NAMES = {"north": "N", "east": "E", "south": "S", "west": "W", **{s: s for s in "NESW"}}
 ACTIONS = ("stay", "N", "E", "S", "W")
 REWARDS = {
     "step": -1.0,
@@ -53,7 +53,7 @@ def rectangle(entry: World) -> list[Cell]:
 def along(entry: World) -> list[tuple[Cell, str]]:
     """Return the sides that a wall or an opening covers."""
     x, y = entry["at"]
-    side = FULL_NAMES.get(entry["side"], entry["side"])
+    side = FULL_NAMES[entry["side"]]
     count = entry.get("length", 1)
     if side in "NS":
         return [((x + i, y), side) for i in range(count)]
@@ -240,8 +240,7 @@ class Reference:
                 return [(1.0, landing, True, False)]
             found = [(1 - chance, landing, False, False)]
             ways = [other for other in STEPS if other != side and self.is_open(cell, other)]
-            for other in ways:
-                found.append((chance / len(ways), *self.attempt(cell, other), False))
+            found += [(chance / len(ways), *self.attempt(cell, way), False) for way in ways]
             if not ways:
                 found.append((chance, cell, False, False))
             return found

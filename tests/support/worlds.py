@@ -15,7 +15,7 @@ from babyrobot_levels.source import SourceFile
 World = dict[str, Any]
 Cell = tuple[int, int]
 
-LEGEND = {"~": {"reward": -3, "color": "gold"}, "x": {"ends": True}, "9": {"skid": 0.25}}
+LEGEND: World = {"~": {"reward": -3, "color": "gold"}, "x": {"ends": True}, "9": {"skid": 0.25}}
 CHANCES = (0.0, 0.1, 0.25, 1 / 3, 0.5, 0.8, 1.0)
 REWARDS = (-10, -2.5, -1, 0, 0.1, 1, 7)
 COLORS = ("red", "#abc", "rgb(1, 2, 3)", "hsl(120, 50%, 50%)")

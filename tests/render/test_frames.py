@@ -1,0 +1,124 @@
+"""Frames: the robot on a ground that is painted once."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from babyrobot_levels.level import from_mapping
+from babyrobot_levels.render.frames import FramePainter, default_image_size
+from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.scene.build import build_scene
+
+
+def level(**fields: Any) -> Any:
+    return from_mapping({"version": 1, **fields})
+
+
+WORLD = level(
+    size=[5, 4],
+    maze={"seed": 2},
+    puddles=[{"at": [2, 1], "size": "large"}, {"at": [1, 3]}],
+    warps=[{"at": [3, 0], "to": [0, 2]}],
+    theme="blue_green",
+)
+
+
+@pytest.mark.parametrize("grayscale", [False, True])
+@pytest.mark.parametrize("size", [(80, 64), (160, 128), (84, 84), (37, 61)])
+def test_only_the_cells_of_the_robot_differ(size: tuple[int, int], grayscale: bool) -> None:
+    painter = FramePainter(WORLD, size, grayscale)
+    width, height = size[0] / 5, size[1] / 4
+    first, second = painter.frame(6), painter.frame(13)
+    changed = (first != second).any(axis=2)
+    for x, y in ((1, 1), (3, 2)):
+        rows = slice(round(y * height), round((y + 1) * height))
+        columns = slice(round(x * width), round((x + 1) * width))
+        assert changed[rows, columns].mean() > 0.15
+        changed[rows, columns] = False
+    assert not changed.any()
+
+
+@pytest.mark.parametrize("size", [None, (80, 64), (320, 256), (200, 160)])
+def test_a_frame_is_what_painting_everything_gives(size: tuple[int, int] | None) -> None:
+    painter = FramePainter(WORLD, size)
+    for state in range(20):
+        scene = build_scene(WORLD, state=state, cells_only=size is not None)
+        expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
+        difference = np.abs(painter.frame(state) - expected)
+        assert difference.mean() < 0.05
+        assert (difference > 24).mean() < 0.001
+
+
+def test_stretched_frames_are_nearly_so() -> None:
+    painter = FramePainter(WORLD, (84, 84))
+    scene = build_scene(WORLD, state=7, cells_only=True)
+    assert np.abs(painter.frame(7) - to_rgb(scene, (84, 84)).astype(int)).mean() < 1
+
+
+def test_equal_states_give_equal_frames_that_are_the_caller_s_own() -> None:
+    painter = FramePainter(WORLD)
+    before = painter.frame(3)
+    kept = before.copy()
+    before[:] = 0
+    assert np.array_equal(painter.frame(3), kept)
+    assert np.array_equal(FramePainter(WORLD).frame(3), kept)
+
+
+@pytest.mark.parametrize("state", [-1, 20, 10**9])
+def test_states_off_the_level_are_refused(state: int) -> None:
+    with pytest.raises(ValueError, match="not on the level"):
+        FramePainter(WORLD, (80, 64)).frame(state)
+
+
+def test_grayscale_is_one_channel_of_brightness() -> None:
+    gray = FramePainter(WORLD, (80, 64), grayscale=True).frame(4)
+    color = FramePainter(WORLD, (80, 64)).frame(4)
+    assert gray.shape == (64, 80, 1)
+    assert gray.dtype == color.dtype == np.uint8
+    assert np.abs(gray[..., 0] - color @ np.array([0.299, 0.587, 0.114])).max() < 4
+
+
+def test_a_frame_without_a_size_is_the_whole_picture_at_64_pixels_a_cell() -> None:
+    painter = FramePainter(level(size=[8, 5], display={"side_panel": 100}))
+    assert (painter.width, painter.height) == (8 * 64 + 6 + 100, 5 * 64 + 6)
+    assert painter.frame(0).shape == (painter.height, painter.width, 3)
+
+
+@pytest.mark.parametrize("size", [[32, 2], [40, 3], [3, 100], [200, 200], [1024, 2]])
+def test_frames_of_large_levels_are_bounded(size: list[int]) -> None:
+    world = level(size=size)
+    painter = FramePainter(world)
+    assert max(painter.width, painter.height) <= 2048
+    assert painter.width >= size[0]
+    assert painter.height >= size[1]
+    last = size[0] * size[1] - 1
+    assert (painter.frame(last) != painter.frame(last - 1)).any()
+
+
+@pytest.mark.parametrize(
+    ("cells", "expected"),
+    [
+        ((8, 5), (80, 128)),
+        ((3, 3), (48, 48)),
+        ((1, 1), (36, 36)),
+        ((2, 5), (90, 36)),
+        ((100, 100), (1000, 1000)),
+        ((64, 1), (36, 1024)),
+        ((1024, 1024), (1024, 1024)),
+        ((1, 1024), (1024, 36)),
+    ],
+)
+def test_image_observations_have_square_cells_and_sides_that_networks_take(
+    cells: tuple[int, int], expected: tuple[int, int]
+) -> None:
+    assert default_image_size(*cells) == expected
+
+
+def test_image_sizes_are_bounded_whatever_the_level() -> None:
+    for width in (1, 2, 3, 7, 16, 63, 64, 65, 500, 1024):
+        for height in (1, 2, 3, 7, 16, 63, 64, 65, 500, 1024):
+            assert min(default_image_size(width, height)) >= 36
+            assert max(default_image_size(width, height)) <= 1024

@@ -1,0 +1,225 @@
+"""Pixels: the theme's colours where they belong, blended as they should, in bounded memory."""
+
+from __future__ import annotations
+
+import io
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from babyrobot_levels.level import from_mapping
+from babyrobot_levels.render import raster
+from babyrobot_levels.render.colors import over, rgba
+from babyrobot_levels.render.raster import to_png, to_rgb
+from babyrobot_levels.scene.build import build_base, build_scene
+from babyrobot_levels.scene.paths import curve, polyline
+from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.spec.color import NAMES
+from babyrobot_levels.spec.looks import BUILTIN_THEMES
+
+WHITE = (255, 255, 255)
+
+
+def level(**fields: Any) -> Any:
+    return from_mapping({"version": 1, **fields})
+
+
+def painted(*shapes: Shape, side: int = 40) -> np.ndarray[Any, np.dtype[np.uint8]]:
+    return to_rgb(Scene(side, side, shapes))
+
+
+def solid(color: str) -> tuple[int, int, int]:
+    return rgba(color)[:3]
+
+
+# -- colours -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("color", "expected"),
+    [
+        ("red", (255, 0, 0, 1)),
+        ("rebeccapurple", (102, 51, 153, 1)),
+        ("transparent", (0, 0, 0, 0)),
+        ("#0f8", (0, 255, 136, 1)),
+        ("#0f80", (0, 255, 136, 0)),
+        ("#102030", (16, 32, 48, 1)),
+        ("#10203033", (16, 32, 48, 0.2)),
+        ("rgb(1,2,3)", (1, 2, 3, 1)),
+        ("rgba( 1 , 2 , 3 , .25 )", (1, 2, 3, 0.25)),
+        ("hsl(0,100%,50%)", (255, 0, 0, 1)),
+        ("hsl(240, 100%, 25%)", (0, 0, 128, 1)),
+    ],
+)
+def test_colours_are_read(color: str, expected: tuple[float, ...]) -> None:
+    assert rgba(color) == pytest.approx(expected)
+
+
+def test_every_name_of_the_language_is_a_colour() -> None:
+    assert all(len(rgba(name)) == 4 for name in NAMES)
+
+
+def test_a_word_that_is_no_colour_is_refused() -> None:
+    with pytest.raises(ValueError, match="not a colour"):
+        rgba("reddish")
+
+
+# -- shapes --------------------------------------------------------------------------------
+
+
+def test_alpha_and_opacity_are_blended() -> None:
+    picture = painted(
+        Rect(0, 0, 40, 40, "orange"),
+        Rect(0, 0, 20, 20, "rgba(0,0,255,0.5)"),
+        Rect(20, 0, 20, 20, "#0000ff", opacity=0.5),
+        Rect(0, 20, 20, 20, "rgba(0,0,255,0.5)", opacity=0.5),
+    )
+    for (x, y), opacity in {(5, 5): 0.5, (30, 5): 0.5, (5, 30): 0.25, (30, 30): 0.0}.items():
+        expected = over("blue", solid("orange"), opacity)
+        assert picture[y, x].astype(int) == pytest.approx(expected, abs=2)
+
+
+def test_what_overlaps_itself_is_blended_once() -> None:
+    cross = polyline([(20, 0), (20, 40)]) + polyline([(0, 20), (40, 20)])
+    picture = painted(Path(cross, stroke="black", width=10, opacity=0.5))
+    assert set(np.unique(picture[18:22])) == {picture[5, 20, 0]}
+
+
+def test_shapes_stand_where_they_should() -> None:
+    picture = painted(
+        Rect(4, 6, 10, 20, "red"),
+        Ellipse(28, 12, 8, 4, "blue"),
+        Path(polyline([(20, 30), (36, 30)]), stroke="green", width=4),
+    )
+    for color, box in {
+        "red": (4, 6, 14, 26),
+        "blue": (20, 8, 36, 16),
+        "green": (20, 28, 36, 32),
+    }.items():
+        ys, xs = np.nonzero((picture == solid(color)).all(axis=2))
+        found = xs.min(), ys.min(), xs.max() + 1, ys.max() + 1
+        assert found == pytest.approx(box, abs=1), color
+
+
+def test_round_corners_and_caps_are_round() -> None:
+    picture = painted(
+        Rect(0, 0, 20, 20, "red", radius=10),
+        Path(polyline([(10, 30), (30, 30)]), stroke="blue", width=10, cap="round"),
+    )
+    assert tuple(picture[0, 0]) == WHITE
+    assert tuple(picture[30, 6]) == solid("blue")
+    assert tuple(picture[25, 5]) == WHITE
+
+
+def test_dashes_leave_gaps_in_straight_lines_and_in_curves() -> None:
+    for line in (
+        polyline([(0, 10), (40, 10)]),
+        polyline([(0, 9.5), (40, 10.5)]),
+        curve((0, 10), (20, 10.5), (40, 10)),
+    ):
+        picture = painted(Path(line, stroke="black", width=6, dash=(8, 8)))
+        shown = [bool(picture[10, x, 0] < 128) for x in (4, 12, 20, 28, 36)]
+        assert shown == [True, False, True, False, True]
+
+
+def test_lines_thinner_than_a_pixel_are_faint() -> None:
+    def darkness(width: float) -> float:
+        scene = Scene(40, 40, (Path(polyline([(0, 20), (40, 20)]), stroke="black", width=width),))
+        return 255.0 - float(to_rgb(scene, (40, 40))[:, 20, 0].astype(float).min())
+
+    assert 0 < darkness(0.1) < darkness(0.5) < darkness(2) == 255
+
+
+def test_texts_are_written_and_texts_too_small_to_read_are_not() -> None:
+    text = Text(20, 24, "EXIT", 12, "black", bold=True)
+    thin = Text(20, 24, "EXIT", 12, "black")
+    ink = {shape: int((255 - painted(shape).astype(int)).sum()) for shape in (text, thin)}
+    assert ink[text] > ink[thin] > 0
+    assert (to_rgb(Scene(40, 40, (text,)), (10, 10)) == 255).all()
+
+
+def test_anchors_hold_a_text_at_its_start_middle_and_end() -> None:
+    def columns(anchor: Any) -> tuple[int, int]:
+        xs = np.nonzero((painted(Text(20, 20, "mm", 10, "black", anchor)) < 128).any(axis=(0, 2)))
+        return int(xs[0].min()), int(xs[0].max())
+
+    assert columns("start")[0] >= 20 > columns("end")[1]
+    left, right = columns("middle")
+    assert (left + right) / 2 == pytest.approx(20, abs=1)
+
+
+# -- levels --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", BUILTIN_THEMES)
+def test_the_theme_s_colours_are_where_they_belong(name: str) -> None:
+    world = level(
+        size=[4, 3],
+        theme=name,
+        walls=[{"at": [1, 1], "side": "E"}],
+        blocked=[{"at": [0, 2]}],
+        areas=[{"at": [2, 2], "color": "plum"}],
+    )
+    colors, margin = BUILTIN_THEMES[name].colors, 3
+    picture = to_rgb(build_base(world))
+    for (x, y), color in {
+        (1.5, 0.5): colors.base,
+        (0.1, 0.1): colors.start,
+        (3.9, 2.2): colors.exit,
+        (2.0, 1.5): colors.walls,
+        (0.0, 1.5): colors.border,
+        (4.0, 1.5): colors.border,
+        (0.5, 2.5): colors.blocked,
+        (2.5, 2.5): "plum",
+    }.items():
+        pixel = tuple(picture[margin + int(64 * y), margin + int(64 * x)])
+        assert pixel == solid(color), (x, y)
+
+
+def test_a_picture_has_the_scene_s_size_or_the_one_asked_for() -> None:
+    scene = build_scene(level(size=[4, 2]))
+    assert to_rgb(scene).shape == (2 * 64 + 6, 4 * 64 + 6, 3)
+    assert to_rgb(scene, (50, 70)).shape == (70, 50, 3)
+    assert to_rgb(scene).dtype == np.uint8
+
+
+@pytest.mark.parametrize("size", [(0, 10), (10, -1), (100_000, 100_000)])
+def test_sizes_that_cannot_be_are_refused(size: tuple[int, int]) -> None:
+    with pytest.raises(ValueError, match="pixels"):
+        to_rgb(build_scene(level()), size)
+
+
+def test_a_png_is_the_same_picture() -> None:
+    scene = build_scene(level(size=[3, 2]))
+    with Image.open(io.BytesIO(to_png(scene, (90, 60)))) as image:
+        assert image.format == "PNG"
+        assert np.array_equal(np.asarray(image), to_rgb(scene, (90, 60)))
+
+
+def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is painted at once never exceeds the bound, nor a picture without a size its own."""
+    monkeypatch.setattr(raster, "MAX_PIXELS", 40_000)
+    monkeypatch.setattr(raster, "MAX_SIDE", 100)
+    sizes = []
+    new = Image.new
+
+    def record(mode: str, size: tuple[int, int], *more: Any) -> Image.Image:
+        sizes.append(size[0] * size[1])
+        return new(mode, size, *more)
+
+    monkeypatch.setattr(Image, "new", record)
+    scene = build_scene(level(size=[6, 6]))
+    assert to_rgb(scene).shape == (100, 100, 3)
+    assert to_rgb(scene, (199, 199)).shape == (199, 199, 3)
+    assert max(sizes) <= 40_000
+
+
+def test_a_large_maze_is_painted_soon() -> None:
+    world = level(size=[100, 100], maze={"seed": 1})
+    world.grid()
+    began = time.perf_counter()
+    to_png(build_scene(world), (2048, 2048))
+    assert time.perf_counter() - began < 8, "usually a second"

@@ -1,0 +1,119 @@
+"""SVG: valid, self-contained, the same for the same scene."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import pytest
+from renew_golden import GOLDEN, svg
+
+from babyrobot_levels.level import from_mapping
+from babyrobot_levels.render.svg import number, to_svg
+from babyrobot_levels.scene.build import build_base, build_scene
+from babyrobot_levels.scene.shapes import Rect, Scene, Text
+
+SVG = "{http://www.w3.org/2000/svg}"
+SHAPES = {"rect", "ellipse", "path", "text"}
+
+
+def parsed(scene: Scene) -> ET.Element:
+    return ET.fromstring(to_svg(scene))
+
+
+def level(**fields: Any) -> Any:
+    return from_mapping({"version": 1, **fields})
+
+
+@pytest.mark.parametrize("path", GOLDEN, ids=lambda path: path.stem)
+def test_the_picture_is_the_one_that_was_looked_at(path: Path) -> None:
+    expected = path.with_suffix(".svg").read_text(encoding="utf-8")
+    assert svg(path) == expected, "if that is meant: python tests/render/renew_golden.py"
+
+
+def test_there_is_a_picture_that_was_looked_at() -> None:
+    assert GOLDEN
+
+
+def test_it_is_one_svg_element_of_shapes_with_a_title() -> None:
+    root = parsed(build_scene(level(title="Home", size=[4, 2])))
+    assert root.tag == f"{SVG}svg"
+    assert root.get("viewBox") == f"0 0 {root.get('width')} {root.get('height')}"
+    assert root.findtext(f"{SVG}title") == "Home"
+    assert {child.tag.removeprefix(SVG) for child in root} == SHAPES | {"title"}
+
+
+def test_a_picture_needs_nothing_from_elsewhere() -> None:
+    text = to_svg(build_scene(level(size=[4, 2])))
+    assert not re.search(r"href|url\(|<image|<style|<script", text)
+
+
+@pytest.mark.parametrize("told", ["<b> & \"quotes\" 'n' ]]>", "</title><script>", "é 雪 😀"])
+def test_texts_come_out_as_they_were_told(told: str) -> None:
+    areas = [{"at": [0, 1], "size": [20, 1], "label": told}]
+    root = parsed(build_scene(level(title=told, size=[20, 2], areas=areas)))
+    assert root.findtext(f"{SVG}title") == told
+    assert told in [text.text for text in root.iter(f"{SVG}text")]
+
+
+@pytest.mark.parametrize("broken", ["\x00", "\x1b", "\ud800", "\ufffe", "\x0b"])
+def test_characters_that_xml_forbids_are_replaced(broken: str) -> None:
+    scene = Scene(9, 9, (Text(1, 1, f"a{broken}b", 9, "red"),), title=broken)
+    root = parsed(scene)
+    assert root.findtext(f"{SVG}text") == "a\ufffdb"
+    assert root.findtext(f"{SVG}title") == "\ufffd"
+
+
+@pytest.mark.parametrize(
+    ("color", "fill", "opacity"),
+    [
+        ("orange", "orange", None),
+        ("#abc", "#aabbcc", None),
+        ("#12345680", "#123456", "0.5"),
+        ("rgba(60,60,60,0.7)", "#3c3c3c", "0.7"),
+        ("hsl(120, 100%, 25%)", "#008000", None),
+        ("transparent", "#000000", "0"),
+    ],
+)
+def test_colours_are_written_so_that_every_viewer_knows_them(
+    color: str, fill: str, opacity: str | None
+) -> None:
+    (rect,) = parsed(Scene(2, 2, (Rect(0, 0, 2, 2, color),))).iter(f"{SVG}rect")
+    assert (rect.get("fill"), rect.get("fill-opacity")) == (fill, opacity)
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(1.0, "1"), (-0.001, "0"), (0.125, "0.12"), (10.0, "10"), (-2.5, "-2.5"), (100, "100")],
+)
+def test_numbers_are_short(value: float, text: str) -> None:
+    assert number(value) == text
+
+
+def test_no_number_has_more_than_two_decimals() -> None:
+    assert not re.search(r"\d\.\d{3}", svg(GOLDEN[0]))
+
+
+def test_the_base_lacks_the_robot_and_nothing_else() -> None:
+    world = level(size=[3, 2], puddles=[{"at": [1, 1]}], display={"compass": True})
+    with_robot, without = build_scene(world, state=2).shapes, build_base(world).shapes
+    robot = [shape for shape in with_robot if shape not in without]
+    assert [shape for shape in with_robot if shape in without] == list(without)
+    assert len(robot) > 10
+
+
+def test_painting_svg_loads_neither_numpy_nor_pillow() -> None:
+    code = (
+        "import sys\n"
+        "from babyrobot_levels.level import from_mapping\n"
+        "from babyrobot_levels.render.svg import to_svg\n"
+        "from babyrobot_levels.scene.build import build_scene\n"
+        "to_svg(build_scene(from_mapping({'version': 1, 'maze': {'seed': 1}})))\n"
+        "print(sorted({'numpy', 'PIL', 'gymnasium', 'ipycanvas'} & sys.modules.keys()))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
