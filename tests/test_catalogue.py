@@ -68,7 +68,7 @@ def test_a_path(here: Path, tmp_path: Path) -> None:
     other = write("second.yml")
     home = write(tmp_path / "home" / "third.yaml")
     deep = write("some/where/fourth.yaml")
-    for way, name in [
+    ways: list[tuple[str | Path, str]] = [
         (path, "first-maze"),
         ("first-maze.yaml", "first-maze"),
         ("./first-maze.yaml", "first-maze"),
@@ -80,7 +80,8 @@ def test_a_path(here: Path, tmp_path: Path) -> None:
         (str(home), "third"),
         ("some/where/fourth.yaml", "fourth"),
         (str(deep), "fourth"),
-    ]:
+    ]
+    for way, name in ways:
         assert brl.load(way).name == name, way
 
 
@@ -108,7 +109,9 @@ def test_a_mapping_and_a_level() -> None:
 
 
 def test_a_mapping_that_is_no_level_is_told_by_its_fields() -> None:
-    with pytest.raises(brl.LevelError, match=r"size: must be .* whole numbers|size"):
+    with pytest.raises(
+        brl.LevelError, match=r"`size` must be a size, `\[width, height\]`, not `\[4\]`"
+    ):
         brl.load({"version": 1, "size": [4]})
     with pytest.raises(brl.LevelError, match="the field `version` is missing"):
         brl.load({})
@@ -495,12 +498,13 @@ def test_check_takes_paths_and_texts(here: Path) -> None:
     good, bad = write("good.yaml"), write("bad.yaml", "version: 1\nsiz: [3, 3]\n")
     for way in (good, str(good), "good.yaml", here / "good.yaml", LEVEL, "version: 1"):
         assert brl.check(way) == [], way
-    for told, file in [
+    faulty: list[tuple[str | Path, str]] = [
         (bad, "bad.yaml"),
         ("bad.yaml", "bad.yaml"),
         (here / "bad.yaml", str(here / "bad.yaml")),
         (bad.read_text("utf-8"), "<text>"),
-    ]:
+    ]
+    for told, file in faulty:
         (found,) = brl.check(told)
         assert isinstance(found, brl.Diagnostic)
         assert found.severity is brl.Severity.ERROR
@@ -549,7 +553,7 @@ PUBLIC = {
 
 
 def test_the_public_names() -> None:
-    assert PUBLIC <= set(brl.__all__)
+    assert set(brl.__all__) >= PUBLIC
     assert sorted(brl.__all__) == dir(brl)
     assert len(set(brl.__all__)) == len(brl.__all__)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import pickle
 import random
 import re
@@ -31,17 +32,14 @@ def play(world: dict[str, Any] | Level, **kwargs: Any) -> LevelEnv:
 
 
 def far_off(counts: list[int], chances: list[float]) -> bool:
-    """Return whether counts are so far from what chances promise that no seed excuses it.
-
-    The bound is that of a chance of one in a million for each of the few tests.
-    """
+    """Return whether counts are so far from what chances promise that no seed excuses it."""
     total = sum(counts)
-    statistic = sum(
+    statistic: float = sum(
         (count - total * chance) ** 2 / (total * chance)
         for count, chance in zip(counts, chances, strict=True)
     )
     freedom = len(counts) - 1
-    return statistic > freedom + 5 * (2 * freedom) ** 0.5 + 20
+    return bool(statistic > freedom + 5 * (2 * freedom) ** 0.5 + 20)
 
 
 # -- chances ---------------------------------------------------------------------------------
@@ -209,6 +207,16 @@ def test_wind_is_part_of_where_a_move_leads() -> None:
     assert outcomes_seen(windy, CENTRE, SOUTH) == {(CENTRE, True, False)}
 
 
+def test_nobody_can_spoil_what_the_action_space_knows() -> None:
+    env = play(level_named("default"))
+    _, info = env.reset()
+    with contextlib.suppress(ValueError):
+        # Read-only would do as well as a copy.
+        env.action_space.mask[:] = 0  # type: ignore[attr-defined]
+    assert env.action_masks().tolist() == info["action_mask"].tolist()
+    assert env.action_space.sample() in info["action_mask"].nonzero()[0]
+
+
 # -- where episodes begin --------------------------------------------------------------------
 
 
@@ -230,10 +238,10 @@ def test_starts_are_drawn_from_the_environments_own_generator_alone() -> None:
         return [env.reset()[0] for _ in range(30)]
 
     random.seed(1)
-    np.random.seed(1)  # noqa: NPY002
+    np.random.seed(1)
     drawn = starts()
     random.seed(2)
-    np.random.seed(2)  # noqa: NPY002
+    np.random.seed(2)
     assert starts() == drawn
     assert len(set(drawn)) == 4
 
@@ -280,13 +288,19 @@ def test_starts_that_cannot_be_are_refused(cell: Any, told: str) -> None:
         env.reset(options={"start": cell})
 
 
-def test_a_refused_reset_leaves_the_running_episode_as_it_was() -> None:
-    env = play(level_named("default"))
-    env.reset()
-    env.step(EAST)
-    with pytest.raises(ValueError, match="off the grid"):
-        env.reset(options={"start": [9, 9]})
-    assert env.step(SOUTH)[0].tolist() == [1, 1]
+@pytest.mark.parametrize("name", ["default", "random-maze"])
+def test_a_refused_reset_leaves_the_running_episode_as_it_was(name: str) -> None:
+    env = play(level_named(name), render_mode="ansi")
+    _, info = env.reset(seed=1)
+    action = int(info["action_mask"].nonzero()[0][-1])
+    expected, *_ = env.step(action)
+    picture, level = env.render(), env.level
+    for options in ({"start": [99, 99]}, {"maze_seed": "random"}):
+        with pytest.raises(ValueError, match=r"off the grid|maze_seed"):
+            env.reset(options=options)
+        assert env.level is level
+        assert env.render() == picture
+        assert env.step(STAY)[0].tolist() == expected.tolist()
 
 
 def test_a_leave_warp_can_be_started_from() -> None:
@@ -438,7 +452,7 @@ def test_render_without_a_mode_warns_and_says_how() -> None:
     env = level_named("default").make()
     env.reset()
     with pytest.warns(UserWarning, match=r'render_mode="rgb_array"'):
-        assert env.render() is None  # type: ignore[func-returns-value]
+        assert env.render() is None
 
 
 # -- images as observations ------------------------------------------------------------------
@@ -567,6 +581,13 @@ def test_a_shorter_limit_can_be_asked_for() -> None:
         gymnasium.make("babyrobot/frozen-lake-v0", max_episode_steps=7),
     ):
         assert first_truncation(env, 20) == 7
+
+
+def test_a_gallery_ids_limit_can_be_made_longer_and_taken_away() -> None:
+    longer = gymnasium.make("babyrobot/frozen-lake-v0", max_episode_steps=150)
+    assert first_truncation(longer, 200) == 150
+    without = gymnasium.make("babyrobot/frozen-lake-v0", max_episode_steps=-1)
+    assert first_truncation(without, 300) is None
 
 
 def test_limits_hold_in_vectors_too() -> None:

@@ -49,8 +49,7 @@ class _Palette:
                     row[x : x + columns] = [over(area.color, g) for g in row[x : x + columns]]
         for puddle in level.puddles:
             x, y = puddle.at
-            share = 0.85 if puddle.size == "large" else 0.5
-            self._grounds[y][x] = over(colors.puddle, self._grounds[y][x], share)
+            self._grounds[y][x] = over(colors.puddle, self._grounds[y][x])
         self._texts = {}
         for cells, ground, text in (
             (level.starts, colors.start, colors.start_text),

@@ -40,10 +40,9 @@ def rgba(color: str) -> Rgba:
     return _hexadecimal(str(colormap[color])[1:])
 
 
-def over(color: str, ground: Rgb, opacity: float = 1.0) -> Rgb:
+def over(color: str, ground: Rgb) -> Rgb:
     """Return what is seen where a colour lies on an opaque ground."""
     *front, alpha = rgba(color)
-    alpha *= opacity
     red, green, blue = (
         round(alpha * top + (1 - alpha) * below) for top, below in zip(front, ground, strict=True)
     )

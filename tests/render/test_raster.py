@@ -78,7 +78,7 @@ def test_alpha_and_opacity_are_blended() -> None:
         Rect(0, 20, 20, 20, "rgba(0,0,255,0.5)", opacity=0.5),
     )
     for (x, y), opacity in {(5, 5): 0.5, (30, 5): 0.5, (5, 30): 0.25, (30, 30): 0.0}.items():
-        expected = over("blue", solid("orange"), opacity)
+        expected = over(f"rgba(0,0,255,{opacity})", solid("orange"))
         assert picture[y, x].astype(int) == pytest.approx(expected, abs=2)
 
 
@@ -94,14 +94,14 @@ def test_shapes_stand_where_they_should() -> None:
         Ellipse(28, 12, 8, 4, "blue"),
         Path(polyline([(20, 30), (36, 30)]), stroke="green", width=4),
     )
-    for color, box in {
-        "red": (4, 6, 14, 26),
-        "blue": (20, 8, 36, 16),
-        "green": (20, 28, 36, 32),
-    }.items():
+    for color, box, error in (
+        ("red", (4, 6, 14, 26), 0),
+        ("blue", (20, 8, 36, 16), 1),
+        ("green", (20, 28, 36, 32), 0),
+    ):
         ys, xs = np.nonzero((picture == solid(color)).all(axis=2))
         found = xs.min(), ys.min(), xs.max() + 1, ys.max() + 1
-        assert found == pytest.approx(box, abs=1), color
+        assert found == pytest.approx(box, abs=error), color
 
 
 def test_round_corners_and_caps_are_round() -> None:
@@ -123,6 +123,14 @@ def test_dashes_leave_gaps_in_straight_lines_and_in_curves() -> None:
         picture = painted(Path(line, stroke="black", width=6, dash=(8, 8)))
         shown = [bool(picture[10, x, 0] < 128) for x in (4, 12, 20, 28, 36)]
         assert shown == [True, False, True, False, True]
+
+
+def test_dashes_too_fine_to_be_seen_are_a_fainter_line() -> None:
+    line = polyline([(0, 200), (400, 200)])
+    scene = Scene(400, 400, (Path(line, stroke="black", width=40, dash=(4, 4)),))
+    row = to_rgb(scene, (40, 40))[20, :, 0]
+    assert len(np.unique(row)) == 1
+    assert int(row[0]) == pytest.approx(128, abs=2)
 
 
 def test_lines_thinner_than_a_pixel_are_faint() -> None:

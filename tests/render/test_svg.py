@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from renew_golden import GOLDEN, svg
 
+from babyrobot_levels.catalogue import load
 from babyrobot_levels.level import from_mapping
 from babyrobot_levels.render.svg import number, to_svg
 from babyrobot_levels.scene.build import build_base, build_scene
@@ -96,6 +97,19 @@ def test_numbers_are_short(value: float, text: str) -> None:
 
 def test_no_number_has_more_than_two_decimals() -> None:
     assert not re.search(r"\d\.\d{3}", svg(GOLDEN[0]))
+
+
+LEVELS = sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in LEVELS if path.parent.name != "themes"], ids=lambda path: path.stem
+)
+def test_every_level_of_the_gallery_has_a_picture(path: Path) -> None:
+    world = load(str(path))
+    world = world.with_maze_seed(1) if world.has_random_maze else world
+    root = parsed(build_scene(world))
+    assert root.findtext(f"{SVG}title") == (world.title or world.name)
 
 
 def test_the_base_lacks_the_robot_and_nothing_else() -> None:

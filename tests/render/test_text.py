@@ -100,6 +100,8 @@ EXPECTED = {
 +   +   +---+
 |   :   |   |
 +- -+- -+- -+
+|   |       |
++   +- -+- -+
 |   |     E |
 +---+---+---+
 """,
@@ -109,6 +111,8 @@ EXPECTED = {
 │   ╎   ┌───┤
 │   ╎   │   │
 ├╌╌╌┼╌╌╌┴╌╌╌┤
+│   │       │
+│   ├╌╌╌╌╌╌╌┤
 │   │     E │
 └───┴───────┘
 """,
@@ -241,16 +245,19 @@ def test_colours_change_no_character_and_end_with_the_line() -> None:
 
 
 def test_colours_are_the_theme_s() -> None:
-    def grounds(row: int) -> list[str]:
-        line = picture(COLORFUL, color=True).split("\n")[row]
-        ground, found = "", []
+    rows = []
+    for line in picture(COLORFUL, color=True).split("\n")[:-1]:
+        ground, row = "", []
         for escape, character in re.findall(r"\x1b\[([\d;]*)m|(.)", line):
             ground = ";".join(escape.split(";")[-3:]) if escape else ground
-            found += [ground] if character else []
-        return [found[4 * x + 2] for x in range(4)]
-
-    orange, red, green, plum = "255;165;0", "237;24;24", "0;128;0", "221;160;221"
-    assert grounds(1)[:3] == [red, orange, orange]
-    assert grounds(3)[0] == plum
-    assert len({*grounds(3)}) == 4
-    assert grounds(5) == [plum, orange, orange, green]
+            row += [ground] if character else []
+        rows.append(row)
+    orange, red, green = "255;165;0", "237;24;24", "0;128;0"
+    plum, water = "221;160;221", "47;134;217"
+    assert rows[1][2::4] == [red, orange, orange, orange]
+    assert rows[3][2::4] == [plum, water, water, orange]
+    assert rows[5][2::4] == [plum, orange, orange, green]
+    # Between the cells of an area goes the area's colour on, around it does not.
+    assert rows[4][2] == plum
+    assert rows[3][4] == rows[4][4] == rows[2][2] == orange
+    assert rows[3][8] == water

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -119,7 +118,7 @@ def episodes(env: Env, seed: int, steps: int = 25, spoiling: bool = False) -> li
 
 
 def way_out(table: Table) -> dict[int, int]:
-    """Return for each state from which an end can be reached the action that leads nearest to it."""
+    """Return the action that leads nearest to an end, for each state that can reach one."""
     before: dict[int, set[tuple[int, int]]] = {}
     ends = set()
     for state, actions in table.items():
@@ -136,9 +135,3 @@ def way_out(table: Table) -> dict[int, int]:
                 policy[state] = action
                 queue.append(state)
     return policy
-
-
-def state_of(env: Env) -> Callable[[Any], int]:
-    """Return what turns an environment's observation of a position into the state's number."""
-    width = env.get_wrapper_attr("level").size[0]
-    return lambda observation: int(observation[1]) * int(width) + int(observation[0])

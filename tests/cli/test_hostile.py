@@ -1,0 +1,225 @@
+"""Whatever a command is fed, it answers in its own words: never a traceback, nothing executed."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+from support.sessions import Result, environment, run_here, run_there
+
+from babyrobot_levels import reading
+
+LONG = "x" * 300 + ".yaml"
+ESCAPE = "\x1b]0;owned\x07\x1b[31m\x9b1m\u202e\r"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def babyrobot(*arguments: str, given: bytes = b"", **variables: str) -> Result:
+    result = run_here(list(arguments), environment(Path.cwd(), **variables), given)
+    assert result.status in (0, 1, 2), result
+    return result
+
+
+BYTES = {
+    "binary": bytes(range(256)) * 20,
+    "zeros": b"\0" * 5000,
+    "nul": b"version: 1\0\n",
+    "empty": b"",
+    "utf16": "version: 1".encode("utf-16"),
+    "deep": b"[" * 100_000,
+    "aliases": b"a: &a [x, x]\nb: &b [*a, *a, *a, *a, *a, *a]\n" + b"c: [*b, *b, *b, *b]\n",
+    "endless": b"a: &a [*a]",
+    "large": b"# " + b"x" * (2 << 20),
+    "number": b"version: " + b"9" * 10_000,
+    "tag": b"version: !!python/object/apply:os.system ['touch owned']",
+    "cr": b"version: 2\rsize: 3\r",
+}
+
+
+@pytest.mark.parametrize("name", BYTES)
+@pytest.mark.parametrize("command", ["validate", "preview", "show"])
+def test_files_that_hold_no_level(name: str, command: str, folder: Path) -> None:
+    (folder / "level.yaml").write_bytes(BYTES[name])
+    result = babyrobot(command, "level.yaml")
+    assert result.status == 1
+    assert "level.yaml:" in result.out + result.err
+    assert not (folder / "owned").exists()
+    if command == "validate":
+        assert babyrobot("validate", "-", given=BYTES[name]).status == 1
+
+
+@pytest.fixture
+def odd_places(folder: Path) -> dict[str, Path]:
+    for name in ("empty", "folder.yaml"):
+        (folder / name).mkdir()
+    (folder / "broken.yaml").symlink_to("nowhere.yaml")
+    (folder / "circle.yaml").symlink_to("circle.yaml")
+    os.mkfifo(folder / "pipe.yaml")
+    (folder / "here").symlink_to(folder)
+    names = ["missing.yaml", "empty", "folder.yaml", "broken.yaml", "circle.yaml", "pipe.yaml"]
+    return {name: folder / name for name in names} | {
+        "zero": Path("/dev/zero"),
+        "file as folder": folder / "level.yaml" / "level.yaml",
+    }
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes and links")
+@pytest.mark.parametrize("command", ["validate", "preview", "show"])
+def test_places_that_are_no_files(command: str, odd_places: dict[str, Path], folder: Path) -> None:
+    (folder / "level.yaml").write_text("version: 1\n", encoding="utf-8")
+    for path in odd_places.values():
+        result = babyrobot(command, str(path))
+        assert result.status in (1, 2)
+        assert result.out + result.err
+
+
+def test_folders_that_hold_themselves_are_searched_once(folder: Path) -> None:
+    (folder / "a.yaml").write_text("version: 1\n", encoding="utf-8")
+    (folder / "here").symlink_to(folder)
+    assert babyrobot("validate", ".").out == "1 file checked, valid\n"
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("validate", LONG),
+        ("preview", LONG),
+        ("show", LONG),
+        ("preview", LONG.removesuffix(".yaml")),
+        ("new-level", "first", "-o", LONG),
+        ("new-level", "first", "-o", f"{LONG}/first.yaml"),
+        ("preview", "default", "-o", LONG + ".txt"),
+        ("schema", "-o", LONG),
+    ],
+    ids=range(8),
+)
+def test_names_that_are_too_long(arguments: tuple[str, ...]) -> None:
+    assert babyrobot(*arguments).status in (1, 2)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs links")
+@pytest.mark.parametrize("force", [(), ("--force",)])
+def test_links_that_lead_in_a_circle_cannot_be_written(force: tuple[str, ...]) -> None:
+    Path("circle.yaml").symlink_to("circle.yaml")
+    assert babyrobot("new-level", "first", "-o", "circle.yaml", *force).status == 2
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs named pipes")
+@pytest.mark.parametrize("force", [(), ("--force",)])
+def test_what_is_not_a_file_is_never_replaced_by_one(force: tuple[str, ...]) -> None:
+    pipe = Path("pipe.txt")
+    os.mkfifo(pipe)
+    assert babyrobot("preview", "default", "-o", "pipe.txt", *force).status == 2
+    assert pipe.is_fifo()
+
+
+TEXTS = {
+    "title": f'version: 1\ntitle: "{ESCAPE}"\nauthor: "{ESCAPE}"\ndescription: "{ESCAPE}"\n',
+    "source": f'version: 1\nsource: "{ESCAPE}"\nlicense: "{ESCAPE}"\n',
+    "unknown field": f'version: 1\n"{ESCAPE}": 1\n',
+    "value": f'version: 1\nsize: "{ESCAPE}"\n',
+    "word": f'version: 1\npuddles: [{{at: [0, 0], size: "{ESCAPE}"}}]\n',
+    "color": f'version: 1\nareas: [{{at: [0, 0], color: "{ESCAPE}"}}]\n',
+    "name": f'version: 1\nname: "{ESCAPE}"\n',
+    "theme": f'version: 1\ntheme: "{ESCAPE}"\n',
+    "legend": f'version: 1\nmap: x\nlegend: {{"{ESCAPE}": {{}}}}\n',
+    "duplicate": f'version: 1\n"{ESCAPE}": 1\n"{ESCAPE}": 1\n',
+    "drawing": f'version: 1\nmap: "+---+\\n|{ESCAPE}|\\n+---+"\n',
+}
+
+
+def is_harmless(text: str) -> bool:
+    """Tell whether a text can neither steer a terminal nor turn the way it is read."""
+    return all(character.isprintable() or character == "\n" for character in text)
+
+
+@pytest.mark.parametrize("name", TEXTS)
+@pytest.mark.parametrize("command", ["validate", "preview", "show", "list"])
+def test_a_level_cannot_steer_the_terminal(name: str, command: str, folder: Path) -> None:
+    text = "".join(
+        character if character.isprintable() or character == "\n" else f"\\u{ord(character):04x}"
+        for character in TEXTS[name]
+    )
+    (folder / "levels").mkdir()
+    (folder / "levels" / "level.yaml").write_text(text, encoding="utf-8")
+    arguments = [] if command == "list" else ["levels/level.yaml"]
+    result = babyrobot(command, *arguments)
+    assert is_harmless(result.out + result.err)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="such names are not allowed there")
+@pytest.mark.parametrize("command", ["validate", "preview", "show", "list", "new-level"])
+def test_a_file_name_cannot_steer_the_terminal(command: str, folder: Path) -> None:
+    (folder / "levels").mkdir()
+    path = folder / "levels" / f"{ESCAPE}\n.yaml"
+    if command == "new-level":
+        result = babyrobot("new-level", "first", "-o", str(path))
+    else:
+        path.write_text("version: 2\n", encoding="utf-8")
+        result = babyrobot(command, *([] if command == "list" else [str(path)]))
+    told = (result.out + result.err).replace(str(folder), "")
+    assert is_harmless(told)
+    assert "\n.yaml" not in told
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="names are Unicode there")
+def test_a_file_name_that_is_not_utf8(folder: Path) -> None:
+    name = os.fsdecode(b"n\xff.yaml")
+    (folder / name).write_text("version: 2\n", encoding="utf-8")
+    for arguments in (["validate", name], ["validate", "--format", "json", "."], ["show", name]):
+        assert babyrobot(*arguments).status == 1
+
+
+def test_sizes_at_the_limit(folder: Path) -> None:
+    for template in ("grid", "drawing"):
+        result = babyrobot("new-level", template, "--size", "1024x1024", "--template", template)
+        path = folder / "levels" / f"{template}.yaml"
+        # What was written is valid, and what would not be is not written.
+        assert path.exists() == (result.status == 0)
+        if path.exists():
+            assert babyrobot("validate", str(path)).status == 0
+    assert babyrobot("preview", "levels/grid.yaml", "-o", "grid.txt").status == 0
+
+
+@pytest.mark.parametrize("count", ["20000", "1048574", "9" * 30])
+def test_more_puddles_than_a_file_can_hold(count: str, folder: Path) -> None:
+    result = babyrobot("new-level", "wet", "--size", "1024x1024", "--puddles", count)
+    assert result.status == 2
+    assert "puddles" in result.err
+    assert list(folder.iterdir()) == []
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_streams_that_cannot_say_everything(encoding: str, folder: Path) -> None:
+    (folder / "levels").mkdir()
+    text = 'version: 1\ntitle: "迷路 🤖"\ntags: [far]\n'
+    (folder / "levels" / "far.yaml").write_text(text, encoding="utf-8")
+    variables = environment(folder, PYTHONIOENCODING=encoding)
+    variables["PYTHONUTF8"] = "0"
+    for arguments in (["list", "--tag", "far"], ["show", "far"], ["show", "far", "--format=json"]):
+        result = run_there(arguments, variables)
+        assert (result.status, result.err) == (0, "")
+
+
+def test_a_level_that_vanishes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file may be deleted between the moment it is listed and the moment it is read."""
+    path = folder / "levels" / "short-lived.yaml"
+    path.parent.mkdir()
+    path.write_text("version: 1\n", encoding="utf-8")
+    read = reading.read_source
+
+    def vanishing(source: Path, name: str | None = None) -> object:
+        path.unlink(missing_ok=True)
+        return read(source, name)
+
+    monkeypatch.setattr(reading, "read_source", vanishing)
+    assert babyrobot("preview", "short-lived").status == 1
+    path.write_text("version: 1\n", encoding="utf-8")
+    assert babyrobot("validate", "levels").status == 1

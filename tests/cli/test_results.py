@@ -1,0 +1,180 @@
+"""What the commands make, beyond what they print."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+from support.sessions import Result, environment, prepared_folder, run_here
+
+from babyrobot_levels.catalogue import levels, load
+from babyrobot_levels.cli.print_schema import schema_text
+from babyrobot_levels.reading import load_file
+
+GALLERY = [info.name for info in levels() if not load(info.name).has_random_maze]
+
+
+def babyrobot(*arguments: str, status: int = 0, given: bytes = b"", **variables: str) -> Result:
+    result = run_here(list(arguments), environment(Path.cwd(), **variables), given)
+    assert result.status == status, result
+    assert "Traceback" not in result.err
+    return result
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_preview_in_a_pipe_is_the_drawing(name: str) -> None:
+    assert babyrobot("preview", name) == Result(load(name).draw(), "", 0)
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_show_tells_what_the_level_is(name: str) -> None:
+    level, told = load(name), json.loads(babyrobot("show", name, "--format", "json").out)
+    assert (told["name"], told["digest"], told["drawing"]) == (name, level.digest, level.draw())
+    assert tuple(told["size"]) == level.size
+
+
+def test_the_whole_gallery_is_valid_and_listed() -> None:
+    told = json.loads(babyrobot("list", "--format", "json").out)
+    assert [entry["name"] for entry in told] == sorted(info.name for info in levels())
+    paths = [entry["path"] for entry in told]
+    result = babyrobot("validate", *paths)
+    assert result.out == f"{len(paths)} files checked, all valid\n"
+
+
+def test_pictures(folder: Path) -> None:
+    babyrobot("preview", "final-maze", "-o", "maze.svg")
+    babyrobot("preview", "final-maze", "-o", "maze.png")
+    shown = ElementTree.parse(folder / "maze.svg").getroot()
+    assert shown.tag == "{http://www.w3.org/2000/svg}svg"
+    with Image.open(folder / "maze.png") as picture:
+        assert picture.format == "PNG"
+        assert picture.size == (int(shown.attrib["width"]), int(shown.attrib["height"]))
+
+
+def test_an_svg_to_a_pipe_is_that_of_the_file(folder: Path) -> None:
+    babyrobot("preview", "maze", "-o", "maze.svg")
+    text = babyrobot("preview", "maze", "--format", "svg").out
+    assert text == (folder / "maze.svg").read_text(encoding="utf-8")
+
+
+def test_a_picture_shows_what_is_asked_for(folder: Path) -> None:
+    def picture(*options: str) -> str:
+        return babyrobot("preview", "default", "--format", "svg", *options).out
+
+    plain = picture()
+    assert "orange" in plain
+    assert picture("--theme", "default") == plain
+    assert "orange" not in picture("--theme", "green")
+    assert plain.count("<text") < picture("--coordinates").count("<text")
+
+
+def test_a_random_maze_is_that_of_the_seed() -> None:
+    level = load("random-maze")
+    for seed in (0, 5, 12**30):
+        shown = babyrobot("preview", "random-maze", "--maze-seed", str(seed)).out
+        assert shown == level.with_maze_seed(seed).draw()
+
+
+def test_the_colored_drawing_is_the_drawing() -> None:
+    """The same cells and walls stand in the same places, whatever they are drawn with."""
+    level = load("final-maze")
+    colored = babyrobot("preview", "final-maze", FORCE_COLOR="1").out
+    shown = re.sub(r"\x1b\[[0-9;]*m", "", colored).splitlines()
+    plain = level.draw().splitlines()
+    assert [len(line) for line in shown] == [len(line) for line in plain]
+    for line, drawn in zip(shown, plain, strict=True):
+        for mark, character in zip(line, drawn, strict=True):
+            if character in "SE":
+                assert mark == character
+            elif character in "-|":
+                assert 0x2500 <= ord(mark) < 0x2580
+
+
+@pytest.mark.parametrize("name", ["level", "theme"])
+def test_schema(name: str, folder: Path) -> None:
+    assert babyrobot("schema", name).out == schema_text(name)
+    assert babyrobot("schema", name, "-o", "s.json") == Result("", "", 0)
+    assert (folder / "s.json").read_text(encoding="utf-8") == schema_text(name)
+    assert babyrobot("schema").out == schema_text("level")
+
+
+@pytest.mark.parametrize("template", ["grid", "maze", "drawing"])
+@pytest.mark.parametrize("size", [(2, 1), (1, 2), (8, 5), (30, 20), (1024, 1)])
+@pytest.mark.parametrize("puddles", ["0", "all"])
+def test_a_new_level_is_what_was_ordered(
+    template: str, size: tuple[int, int], puddles: str, folder: Path
+) -> None:
+    width, height = size
+    count = width * height - 2 if puddles == "all" else 0
+    babyrobot(
+        *("new-level", "mine", "--template", template, "--size", f"{width}x{height}"),
+        *("--puddles", str(count), "--theme", "blue_green"),
+    )
+    assert [path.name for path in folder.rglob("*.yaml")] == ["mine.yaml"]
+    level = load_file(folder / "levels" / "mine.yaml")
+    assert (level.name, level.size, level.theme) == ("mine", size, "blue_green")
+    assert (level.start, level.exit) == ((0, 0), (width - 1, height - 1))
+    assert len({puddle.at for puddle in level.puddles}) == count
+    assert (level.maze is not None) == (template == "maze")
+    assert babyrobot("validate").out == "1 file checked, valid\n"
+    assert babyrobot("preview", "mine").out == level.draw()
+    assert not np.isnan(level.compile().probability).any()
+
+
+def test_the_comments_of_a_new_level_are_valid_when_they_are_taken_in(folder: Path) -> None:
+    """Who removes the `#` before a field has a valid level still."""
+    babyrobot("new-level", "mine")
+    path = folder / "levels" / "mine.yaml"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    taken = [line[2:] if line.startswith("# ") and ":" in line else line for line in lines]
+    taken = [line for line in taken if "$schema" not in line and not line.startswith("A grid")]
+    taken = [line[2:] if line.startswith("#  ") else line for line in taken]
+    path.write_text("\n".join(taken) + "\n", encoding="utf-8")
+    level = load_file(path)
+    assert (len(level.walls), len(level.puddles), level.max_steps) == (1, 1, 100)
+    assert level.theme == "black_orange"
+
+
+def test_the_same_seed_gives_the_same_file(folder: Path) -> None:
+    order = ("--maze-seed", "5", "--puddles", "6", "--loops", "0.3", "--size", "9x9")
+    babyrobot("new-level", "mine", *order)
+    babyrobot("new-level", "mine", *order, "-o", "levels/again.yaml")
+    texts = [path.read_bytes() for path in sorted((folder / "levels").iterdir())]
+    assert texts[0] == texts[1]
+
+
+def test_findings_of_the_json_report_are_those_of_the_text() -> None:
+    with prepared_folder():
+        text = babyrobot("validate", "bad.yaml", "rules.yaml", "broken.yaml", status=1).out
+        report = babyrobot("validate", "--format", "json", "bad.yaml", "rules.yaml", "broken.yaml",
+                           status=1).out  # fmt: skip
+        told = json.loads(report)
+    assert set(told) == {"version", "diagnostics"}
+    for found in told["diagnostics"]:
+        place = f"{found['file']}:{found['line']}:{found['column']}"
+        assert f"{place}: {found['severity']} {found['code']}: {found['message']}" in text
+    assert text.count(": error BR") == len(told["diagnostics"])
+
+
+def test_standard_input_is_not_read_beyond_the_limit() -> None:
+    result = babyrobot("validate", "-", given=b"#" * (2 << 20), status=1)
+    assert "BR103" in result.out
+
+
+def test_writing_through_a_link_changes_its_target(folder: Path) -> None:
+    target, link = folder / "target.yaml", folder / "link.yaml"
+    link.symlink_to(target)
+    babyrobot("new-level", "mine", "-o", str(link))
+    assert link.is_symlink()
+    assert load_file(target).name == "mine"

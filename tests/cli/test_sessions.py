@@ -1,0 +1,31 @@
+"""Whole outputs: what each command prints, to which stream, and how it ends."""
+
+from __future__ import annotations
+
+import pytest
+from support.sessions import FOLDER, played, run_there
+
+SESSIONS = sorted(path.stem for path in FOLDER.glob("*.txt"))
+
+
+def session(name: str) -> str:
+    return (FOLDER / f"{name}.txt").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_what_the_commands_print(name: str) -> None:
+    assert played(session(name)) == session(name)
+
+
+@pytest.mark.parametrize("name", ["colors", "new-level-refused"])
+def test_a_process_of_its_own_prints_the_same(name: str) -> None:
+    assert played(session(name), run_there) == session(name)
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+def test_escape_sequences_are_printed_on_request_only(name: str) -> None:
+    command = ""
+    for line in session(name).splitlines():
+        command = line if line.startswith("$ ") else command
+        wanted = "FORCE_COLOR=1" in command and "NO_COLOR=1" not in command
+        assert wanted or "\\e" not in line

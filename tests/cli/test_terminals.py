@@ -1,0 +1,170 @@
+"""The command in a real process: in terminals and pipes, interrupted, and cut off."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import IO, Any
+
+import pytest
+from support.sessions import FILES, environment
+
+from babyrobot_levels.catalogue import load
+
+pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
+
+COMMAND = [sys.executable, "-m", "babyrobot_levels"]
+
+
+def start(folder: Path, *arguments: str, **streams: Any) -> subprocess.Popen[bytes]:
+    variables = environment(folder, TERM="xterm-256color") | streams.pop("variables", {})
+    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE) | streams
+    return subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=variables, **pipes)
+
+
+def in_terminal(folder: Path, *arguments: str, **variables: str) -> tuple[str, int]:
+    """Return what a terminal would be sent, and the exit status."""
+    outer, inner = pty.openpty()
+    process = start(folder, *arguments, stdin=inner, stdout=inner, stderr=inner,
+                    variables=variables)  # fmt: skip
+    os.close(inner)
+    sent = b""
+    try:
+        while chunk := os.read(outer, 1 << 16):
+            sent += chunk
+    except OSError:
+        # Linux says in this way that the other end is closed.
+        pass
+    finally:
+        os.close(outer)
+    return sent.decode().replace("\r\n", "\n"), process.wait(timeout=60)
+
+
+def plain(text: str) -> str:
+    return re.sub(r"\x1b\[[0-9;]*m", "", text)
+
+
+def test_a_terminal_gets_colors_and_box_characters(tmp_path: Path) -> None:
+    sent, status = in_terminal(tmp_path, "preview", "final-maze")
+    assert status == 0
+    assert "\x1b[" in sent
+    assert "┌" in sent
+    assert [len(line) for line in plain(sent).splitlines()] == [33] * 11
+
+
+def test_every_colored_line_ends_without_color(tmp_path: Path) -> None:
+    for arguments in (("preview", "final-maze"), ("validate", str(FILES / "bad.yaml"))):
+        sent, _ = in_terminal(tmp_path, *arguments)
+        for line in sent.splitlines():
+            if "\x1b" in line:
+                assert line.endswith("\x1b[0m") or "\x1b[" not in line.rpartition("\x1b[0m")[2]
+
+
+def test_a_report_in_a_terminal_is_the_plain_one_in_color(tmp_path: Path) -> None:
+    path = str(FILES / "bad.yaml")
+    sent, status = in_terminal(tmp_path, "validate", path)
+    without, same_status = in_terminal(tmp_path, "validate", path, NO_COLOR="1")
+    assert status == same_status == 1
+    assert sent != without == plain(sent)
+
+
+@pytest.mark.parametrize("variable", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
+def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, str]) -> None:
+    for arguments in (("preview", "maze"), ("validate", str(FILES / "bad.yaml")), ("list",)):
+        assert "\x1b" not in in_terminal(tmp_path, *arguments, **variable)[0]
+
+
+def test_no_color_counts_more_than_force_color(tmp_path: Path) -> None:
+    sent, _ = in_terminal(tmp_path, "preview", "maze", NO_COLOR="1", FORCE_COLOR="1")
+    assert sent == load("maze").draw()
+
+
+def test_a_terminal_that_knows_no_box_characters(tmp_path: Path) -> None:
+    variables = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    assert in_terminal(tmp_path, "preview", "maze", **variables) == (load("maze").draw(), 0)
+
+
+def test_a_png_is_not_thrown_at_a_terminal(tmp_path: Path) -> None:
+    sent, status = in_terminal(tmp_path, "preview", "maze", "--format", "png")
+    assert status == 2
+    assert "-o FILE" in sent
+    assert "PNG\r" not in sent
+
+
+def test_a_png_to_a_pipe(tmp_path: Path) -> None:
+    process = start(tmp_path, "preview", "maze", "--format", "png")
+    out, err = process.communicate(timeout=60)
+    assert (out[:8], err, process.returncode) == (b"\x89PNG\r\n\x1a\n", b"", 0)
+
+
+def wait_for(stream: IO[bytes]) -> None:
+    """Close the stream once the command has begun to write."""
+    stream.read(1)
+    stream.close()
+
+
+@pytest.mark.parametrize("arguments", [["list"], ["show", "large"], ["preview", "large"]], ids=str)
+def test_a_reader_that_goes_early(tmp_path: Path, arguments: list[str]) -> None:
+    (tmp_path / "levels").mkdir()
+    level = "version: 1\nsize: [300, 300]\n"
+    (tmp_path / "levels" / "large.yaml").write_text(level, encoding="utf-8")
+    process = start(tmp_path, *arguments)
+    assert process.stdout
+    assert process.stderr
+    wait_for(process.stdout)
+    err = process.stderr.read()
+    process.wait(timeout=60)
+    assert err == b""
+
+
+@pytest.mark.parametrize("arguments", [["list"], ["--help"], ["validate"]], ids=str)
+def test_a_reader_that_was_never_there(tmp_path: Path, arguments: list[str]) -> None:
+    (tmp_path / "levels").mkdir()
+    (tmp_path / "levels" / "a.yaml").write_text("version: 1\n", encoding="utf-8")
+    reading, writing = os.pipe()
+    os.close(reading)
+    process = start(tmp_path, *arguments, stdout=writing)
+    os.close(writing)
+    assert process.communicate(timeout=60)[1] == b""
+
+
+def test_an_interrupt_ends_quietly(tmp_path: Path) -> None:
+    process = start(tmp_path, "validate", "-")
+    # It waits for its standard input: once it has loaded what it needs, it sleeps.
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert out == b""
+    assert b"Traceback" not in err
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+@pytest.mark.parametrize("arguments", [["list"], ["--help"], ["preview", "maze"]], ids=str)
+def test_a_full_disk(tmp_path: Path, arguments: list[str]) -> None:
+    with Path("/dev/full").open("wb") as full:
+        process = start(tmp_path, *arguments, stdout=full)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode != 0
+    assert b"No space left" in err
+    assert b"Traceback" not in err
+
+
+def closed(descriptor: int) -> Any:
+    """Return what closes a stream before the command runs, as a shell's `>&-` does."""
+    return lambda: os.close(descriptor)
+
+
+@pytest.mark.parametrize("descriptor", [0, 1, 2])
+@pytest.mark.parametrize("arguments", [["list"], ["validate", "-"], ["preview", "nonsense"]],
+                         ids=str)  # fmt: skip
+def test_streams_that_are_closed(tmp_path: Path, descriptor: int, arguments: list[str]) -> None:
+    process = start(tmp_path, *arguments, preexec_fn=closed(descriptor))
+    _, err = process.communicate(b"version: 1\n", timeout=60)
+    assert process.returncode in (0, 1, 2)
+    assert b"Traceback" not in err

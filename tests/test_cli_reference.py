@@ -1,0 +1,89 @@
+"""`cli.md`: generated, complete, and every example in it works."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from support.sessions import environment, run_here
+
+from babyrobot_levels.cli.app import app
+from babyrobot_levels.cli.reference import reference
+
+TEXT = (Path(__file__).parents[1] / "cli.md").read_text(encoding="utf-8")
+GROUP: Any = typer.main.get_command(app)
+COMMANDS: dict[str, Any] = GROUP.commands
+
+
+def section(name: str) -> str:
+    found = re.search(rf"^## {re.escape(name)}\n(.*?)(?=^## |\Z)", TEXT, re.MULTILINE | re.DOTALL)
+    assert found, f"cli.md says nothing of `babyrobot {name}`"
+    return found[1]
+
+
+def examples() -> list[str]:
+    blocks = re.findall(r"^```sh\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+    return [line for block in blocks for line in block.splitlines() if line]
+
+
+def test_it_is_up_to_date() -> None:
+    assert reference() == TEXT, "python -m babyrobot_levels.cli.reference > cli.md"
+
+
+def test_every_command_is_in_it_and_no_other() -> None:
+    assert re.findall(r"^## (.+)$", TEXT, re.MULTILINE) == list(COMMANDS)
+    for name in COMMANDS:
+        assert f"| [`{name}`](#{name}) |" in TEXT
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_and_argument_is_in_it(name: str) -> None:
+    rows = [line for line in section(name).splitlines() if line.startswith("| `")]
+    labels = [row.split("` | ")[0][3:] for row in rows]
+    assert len(labels) == len(COMMANDS[name].params) - sum(
+        "--help" in parameter.opts for parameter in COMMANDS[name].params
+    )
+    for parameter in COMMANDS[name].params:
+        if parameter.param_type_name == "argument":
+            assert f"[OPTIONS] {labels[0]}" in section(name)
+            continue
+        for flag in parameter.opts:
+            if flag not in ("-h", "--help"):
+                assert any(flag in re.findall(r"--?[a-z-]+", label) for label in labels), flag
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_row_explains_something(name: str) -> None:
+    for line in section(name).splitlines():
+        if line.startswith("| `"):
+            assert len(line.split("` | ")[1]) > len("x |")
+    assert "babyrobot " + name in section(name)
+
+
+def test_the_help_says_the_same_as_the_reference() -> None:
+    for name, command in COMMANDS.items():
+        first = (inspect.getdoc(command.callback) or "").split("\n\n")[0]
+        assert " ".join(first.split()) in section(name)
+
+
+@pytest.mark.parametrize("line", examples())
+def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    variables = environment(tmp_path)
+    program, *arguments = shlex.split(line)
+    assert program == "babyrobot"
+    if arguments[0] != "new-level":
+        # The others speak of the level that `new-level first` makes.
+        assert run_here(["new-level", "first"], variables).status == 0
+    result = run_here(arguments, variables)
+    assert result.status == 0, result
+    assert result.err == ""
+
+
+def test_there_are_examples_for_every_command() -> None:
+    assert {line.split()[1] for line in examples()} == set(COMMANDS)

@@ -1,0 +1,66 @@
+"""The README and the pages on Python say what is so: examples run, pictures are ours."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+import babyrobot_levels as brl
+from babyrobot_levels.render.svg import to_svg
+from babyrobot_levels.scene.build import build_scene
+
+ROOT = Path(__file__).parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+ENVIRONMENTS = (ROOT / "docs" / "environments.md").read_text(encoding="utf-8")
+
+
+def blocks(text: str, language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
+
+
+@pytest.mark.parametrize("text", blocks(README, "yaml"))
+def test_the_levels_of_the_readme_are_valid(text: str) -> None:
+    assert brl.check(text) == []
+
+
+@pytest.mark.parametrize("code", [*blocks(README, "python"), *blocks(ENVIRONMENTS, "python")])
+def test_the_python_examples_run(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr("builtins.print", lambda *args: None)
+    exec(compile(code, "example", "exec"), {})
+
+
+def test_the_error_of_the_readme_is_what_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The message is compared from its place on; the file is made so that the line is the same."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "levels").mkdir()
+    path = Path("levels", "first.yaml")
+    path.write_text("version: 1\nsize: [8, 5]\nmaze: {seed: 7}\nexit: [9, 4]\n", encoding="utf-8")
+    (shown,) = blocks(README, "text")
+    assert "\n\n".join(map(str, brl.check(path))) == shown.strip()
+
+
+def test_the_picture_of_the_readme_is_painted_by_this_version() -> None:
+    """Renew it with `babyrobot preview final-maze -o docs/images/final-maze.svg --force`."""
+    picture = (ROOT / "docs" / "images" / "final-maze.svg").read_text(encoding="utf-8")
+    assert picture == to_svg(build_scene(brl.load("final-maze")))
+
+
+@pytest.mark.parametrize("script", ["demo.sh", "check.sh"])
+def test_the_commands_of_the_readme_name_scripts_that_are_there(script: str) -> None:
+    assert any(f"bash scripts/{script}" in block for block in blocks(README, "sh"))
+    assert (ROOT / "scripts" / script).is_file()
+
+
+def test_the_readme_counts_the_gallery() -> None:
+    assert f"the gallery: {len(list((ROOT / 'levels').rglob('*.yaml')))} levels" in README
+
+
+def test_links_lead_somewhere() -> None:
+    for text, folder in ((README, ROOT), (ENVIRONMENTS, ROOT / "docs")):
+        for target in re.findall(r"\]\(([^)#:]+)\)", text):
+            assert (folder / target).exists(), target

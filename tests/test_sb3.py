@@ -1,0 +1,120 @@
+"""Stable-Baselines3 learns on levels. It brings torch, so these tests run in a step of their own.
+
+`pip install -e .[sb3]` and `pytest -m sb3`; everywhere else they are left out: `-m "not sb3"`.
+"""
+
+# mypy: disable-error-code="import-not-found,import-untyped"
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from support.playing import CORNERS, GALLERY, level_named
+
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
+
+pytestmark = pytest.mark.sb3
+
+
+@pytest.fixture(autouse=True, scope="module")
+def one_thread() -> None:
+    """Networks as small as these learn slower on several threads than on one."""
+    import torch
+
+    torch.set_num_threads(1)
+
+
+# Stable-Baselines3 wants pictures of at least 36 pixels a side.
+IMAGE_SIZE = (36, 40)
+
+
+def make(name: str, **kwargs: Any) -> gymnasium.Env[Any, Any]:
+    return gymnasium.make("babyrobot/Level-v0", level=level_named(name), **kwargs)
+
+
+@pytest.mark.parametrize("actions", ACTION_SETS)
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+@pytest.mark.parametrize("name", [*GALLERY, *CORNERS])
+def test_its_checker_is_content(name: str, observation: str, actions: str) -> None:
+    from stable_baselines3.common.env_checker import check_env
+
+    size = {"image_size": IMAGE_SIZE} if observation == "image" else {}
+    env = make(name, observation=observation, actions=actions, render_mode="rgb_array", **size)
+    check_env(env, warn=True, skip_render_check=False)
+
+
+@pytest.mark.parametrize("actions", ["valid", "moves"])
+def test_a_masked_policy_takes_only_possible_actions(actions: str) -> None:
+    from sb3_contrib import MaskablePPO
+    from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
+
+    env = make("final-maze", actions=actions, max_episode_steps=60)
+    learner = MaskablePPO("MlpPolicy", env, n_steps=64, batch_size=32, n_epochs=1, seed=1)
+    vector = learner.get_env()
+    assert vector is not None
+    assert is_masking_supported(vector)
+    learner.learn(256)
+    observation, info = env.reset(seed=2)
+    for _ in range(100):
+        masks = get_action_masks(env)
+        assert masks.tolist() == info["action_mask"].tolist()
+        action, _ = learner.predict(observation, action_masks=masks)
+        assert masks[int(action)] == 1
+        observation, _, terminated, truncated, info = env.step(action)
+        if terminated or truncated:
+            observation, info = env.reset()
+
+
+def test_a_masked_policy_learns_the_way_through_a_corridor() -> None:
+    from sb3_contrib import MaskablePPO
+
+    level = {"version": 1, "size": [5, 1], "max_steps": 40}
+    env = gymnasium.make("babyrobot/Level-v0", level=level, actions="moves", observation="index")
+    learner = MaskablePPO("MlpPolicy", env, n_steps=128, n_epochs=5, learning_rate=0.02, seed=3)
+    learner.learn(512)
+    observation, info = env.reset()
+    total = 0.0
+    for _ in range(40):
+        action, _ = learner.predict(
+            observation, action_masks=info["action_mask"], deterministic=True
+        )
+        observation, reward, terminated, truncated, info = env.step(action)
+        total += float(reward)
+        if terminated or truncated:
+            break
+    assert total == -3
+
+
+@pytest.mark.parametrize("gray", [False, True])
+def test_a_convolutional_policy_sees_the_picture(gray: bool) -> None:
+    from stable_baselines3 import PPO
+    from stable_baselines3.common.torch_layers import NatureCNN
+
+    env = make("image-maze", observation="image", image_size=(48, 64), grayscale=gray)
+    learner = PPO("CnnPolicy", env, n_steps=32, batch_size=16, n_epochs=1, seed=4)
+    assert isinstance(learner.policy.features_extractor, NatureCNN)
+    learner.learn(64)
+    observation, _ = env.reset(seed=5)
+    action, _ = learner.predict(observation)
+    assert env.action_space.contains(action)
+
+
+def test_the_picture_that_levels_choose_themselves_is_large_enough() -> None:
+    from stable_baselines3 import PPO
+
+    env = make("default", observation="image")
+    PPO("CnnPolicy", env, n_steps=16, batch_size=16, n_epochs=1, seed=6).learn(16)
+
+
+def test_it_steps_vectors_of_levels() -> None:
+    from stable_baselines3 import DQN
+    from stable_baselines3.common.env_util import make_vec_env
+
+    envs = make_vec_env("babyrobot/random-maze-v0", n_envs=2, seed=7)
+    envs.reset()
+    assert np.stack(envs.env_method("action_masks")).shape == (2, 5)
+    DQN("MlpPolicy", envs, learning_starts=10, seed=7).learn(50)
