@@ -379,16 +379,17 @@ def test_a_level_whose_maze_is_fixed_takes_no_maze_seed() -> None:
         play(level_named("final-maze")).reset(options={"maze_seed": 1})
 
 
-def test_pictures_show_the_maze_of_the_episode() -> None:
-    env = play(level_named("random-maze"), observation="image", render_mode="ansi")
+@pytest.mark.parametrize("mode", LevelEnv.metadata["render_modes"])
+def test_pictures_show_the_maze_of_the_episode(mode: str) -> None:
+    env = play(level_named("random-maze"), observation="image", render_mode=mode)
     first, _ = env.reset(options={"maze_seed": 1})
-    drawing = env.render()
+    picture = plain(env.render())
     second, _ = env.reset(options={"maze_seed": 2})
     assert (first != second).any()
-    assert env.render() != drawing
+    assert plain(env.render()) != picture
     again, _ = env.reset(options={"maze_seed": 1})
     assert (first == again).all()
-    assert env.render() == drawing
+    assert plain(env.render()) == picture
 
 
 # -- pictures --------------------------------------------------------------------------------
@@ -453,6 +454,39 @@ def test_render_without_a_mode_warns_and_says_how() -> None:
     env.reset()
     with pytest.warns(UserWarning, match=r'render_mode="rgb_array"'):
         assert env.render() is None
+
+
+# -- cells as observations -------------------------------------------------------------------
+
+
+FENCED: dict[str, Any] = {
+    "size": [3, 2],
+    "start": [1, 0],
+    "walls": [{"at": [1, 0], "side": "E"}, {"at": [1, 1], "side": "W", "pass": 0.5}],
+    "blocked": [{"at": [2, 0]}],
+    "exit": "none",
+}
+
+
+@pytest.mark.parametrize(
+    ("cell", "sides"),
+    [
+        # North, east, south, west: 1 where nothing closes the side; glass does.
+        ([0, 0], [0, 1, 1, 0]),
+        ([1, 0], [0, 0, 1, 1]),
+        ([0, 1], [1, 0, 0, 0]),
+        ([1, 1], [1, 1, 0, 0]),
+        ([2, 1], [0, 0, 0, 1]),
+    ],
+)
+def test_what_is_observed_of_a_cell(cell: list[int], sides: list[int]) -> None:
+    seen = {
+        kind: play(FENCED, observation=kind).reset(options={"start": cell})[0]
+        for kind in ("position", "index", "walls")
+    }
+    assert seen["position"].tolist() == cell
+    assert seen["index"] == cell[1] * 3 + cell[0]
+    assert seen["walls"].tolist() == cell + sides
 
 
 # -- images as observations ------------------------------------------------------------------

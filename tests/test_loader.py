@@ -21,7 +21,7 @@ from babyrobot_levels.source import SourceFile
 IN_TEXTS = {
     *(f"BR1{number:02}" for number in (2, 4, 5, 6, 7, 8, 9, 10, 11)),
     *(f"BR2{number:02}" for number in range(1, 8)),
-    *(f"BR3{number:02}" for number in range(1, 16)),
+    *(f"BR3{number:02}" for number in range(1, 17)),
     *("BR401", "BR403"),
 }
 """The codes that what a file holds can have."""
@@ -314,9 +314,9 @@ def many(entry: str, count: int) -> str:
     ],
 )
 def test_files_full_of_faults_are_told_quickly(text: str) -> None:
-    begin = time.perf_counter()
+    begin = time.process_time()
     assert diagnose(text)
-    assert time.perf_counter() - begin < 4
+    assert time.process_time() - begin < 4
 
 
 # -- whatever a file holds ---------------------------------------------------------------------

@@ -7,6 +7,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -20,12 +21,13 @@ from babyrobot_levels.envs.spaces import ACTION_SETS
 pytestmark = pytest.mark.sb3
 
 
-@pytest.fixture(autouse=True, scope="module")
-def one_thread() -> None:
-    """Networks as small as these learn slower on several threads than on one."""
+@pytest.fixture(autouse=True)
+def quiet_and_on_one_thread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Networks as small as these learn slower on several threads; logs go where all else goes."""
     import torch
 
     torch.set_num_threads(1)
+    monkeypatch.setenv("SB3_LOGDIR", str(tmp_path))
 
 
 # Stable-Baselines3 wants pictures of at least 36 pixels a side.

@@ -388,9 +388,9 @@ def bomb_of_mappings(height: int) -> str:
 )
 def test_texts_that_mean_harm_are_refused_quickly(make: Callable[[], str], code: str) -> None:
     text = make()
-    begin = time.perf_counter()
+    begin = time.process_time()
     assert fault(text)[0] == code
-    assert time.perf_counter() - begin < 2
+    assert time.process_time() - begin < 2
 
 
 def test_an_empty_text_is_nothing() -> None:

@@ -17,7 +17,7 @@ def test_what_the_commands_print(name: str) -> None:
     assert played(session(name)) == session(name)
 
 
-@pytest.mark.parametrize("name", ["colors", "new-level-refused"])
+@pytest.mark.parametrize("name", ["colors", "schema"])
 def test_a_process_of_its_own_prints_the_same(name: str) -> None:
     assert played(session(name), run_there) == session(name)
 

@@ -8,8 +8,9 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import pytest
 from support.sessions import FILES, environment
@@ -21,10 +22,25 @@ pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
 COMMAND = [sys.executable, "-m", "babyrobot_levels"]
 
 
-def start(folder: Path, *arguments: str, **streams: Any) -> subprocess.Popen[bytes]:
-    variables = environment(folder, TERM="xterm-256color") | streams.pop("variables", {})
-    pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE) | streams
-    return subprocess.Popen([*COMMAND, *arguments], cwd=folder, env=variables, **pipes)
+def start(
+    folder: Path,
+    *arguments: str,
+    stdin: int = subprocess.PIPE,
+    stdout: Any = subprocess.PIPE,
+    stderr: int = subprocess.PIPE,
+    first: Callable[[], None] | None = None,
+    variables: dict[str, str] | None = None,
+) -> subprocess.Popen[bytes]:
+    """Start the command; `first` is what the process does before it becomes the command."""
+    return subprocess.Popen(
+        [*COMMAND, *arguments],
+        cwd=folder,
+        env=environment(folder, TERM="xterm-256color") | (variables or {}),
+        stdin=stdin,
+        stdout=stdout,
+        stderr=stderr,
+        preexec_fn=first,
+    )
 
 
 def in_terminal(folder: Path, *arguments: str, **variables: str) -> tuple[str, int]:
@@ -102,24 +118,17 @@ def test_a_png_to_a_pipe(tmp_path: Path) -> None:
     assert (out[:8], err, process.returncode) == (b"\x89PNG\r\n\x1a\n", b"", 0)
 
 
-def wait_for(stream: IO[bytes]) -> None:
-    """Close the stream once the command has begun to write."""
-    stream.read(1)
-    stream.close()
-
-
 @pytest.mark.parametrize("arguments", [["list"], ["show", "large"], ["preview", "large"]], ids=str)
 def test_a_reader_that_goes_early(tmp_path: Path, arguments: list[str]) -> None:
     (tmp_path / "levels").mkdir()
     level = "version: 1\nsize: [300, 300]\n"
     (tmp_path / "levels" / "large.yaml").write_text(level, encoding="utf-8")
-    process = start(tmp_path, *arguments)
-    assert process.stdout
-    assert process.stderr
-    wait_for(process.stdout)
-    err = process.stderr.read()
-    process.wait(timeout=60)
-    assert err == b""
+    with start(tmp_path, *arguments, stdin=subprocess.DEVNULL) as process:
+        assert process.stdout
+        assert process.stderr
+        process.stdout.read(1)
+        process.stdout.close()
+        assert process.stderr.read() == b""
 
 
 @pytest.mark.parametrize("arguments", [["list"], ["--help"], ["validate"]], ids=str)
@@ -155,7 +164,7 @@ def test_a_full_disk(tmp_path: Path, arguments: list[str]) -> None:
     assert b"Traceback" not in err
 
 
-def closed(descriptor: int) -> Any:
+def closed(descriptor: int) -> Callable[[], None]:
     """Return what closes a stream before the command runs, as a shell's `>&-` does."""
     return lambda: os.close(descriptor)
 
@@ -164,7 +173,7 @@ def closed(descriptor: int) -> Any:
 @pytest.mark.parametrize("arguments", [["list"], ["validate", "-"], ["preview", "nonsense"]],
                          ids=str)  # fmt: skip
 def test_streams_that_are_closed(tmp_path: Path, descriptor: int, arguments: list[str]) -> None:
-    process = start(tmp_path, *arguments, preexec_fn=closed(descriptor))
+    process = start(tmp_path, *arguments, first=closed(descriptor))
     _, err = process.communicate(b"version: 1\n", timeout=60)
     assert process.returncode in (0, 1, 2)
     assert b"Traceback" not in err

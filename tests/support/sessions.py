@@ -71,7 +71,8 @@ def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b""
     """Run the command in this process, from the current folder: much faster."""
     from babyrobot_levels.cli.app import main
 
-    streams = [io.TextIOWrapper(io.BytesIO(), "utf-8", write_through=True) for _ in range(2)]
+    raw = [io.BytesIO(), io.BytesIO()]
+    streams = [io.TextIOWrapper(stream, "utf-8", write_through=True) for stream in raw]
     status: Any = 0
     with (
         mock.patch.dict(os.environ, variables, clear=True),
@@ -86,7 +87,7 @@ def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b""
             main()
         except SystemExit as end:
             status = end.code or 0
-    out, err = (stream.buffer.getvalue().decode() for stream in streams)  # type: ignore[attr-defined]
+    out, err = (stream.getvalue().decode() for stream in raw)
     return Result(out, err, status)
 
 

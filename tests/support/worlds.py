@@ -75,6 +75,12 @@ def sides(draw: DrawFn, width: int, height: int, inner: bool) -> World | None:
     return entry
 
 
+def starts_of(world: World) -> list[Cell]:
+    """Return the starts as a list of cells, also when there is one."""
+    starts = world["start"] if isinstance(world["start"][0], list) else [world["start"]]
+    return [(x, y) for x, y in starts]
+
+
 def add_walls(draw: DrawFn, world: World, width: int, height: int) -> None:
     if sometimes(draw, 3):
         world["maze"] = {"seed": draw(st.integers(-9, 99))}
@@ -119,13 +125,17 @@ def add_cells(draw: DrawFn, world: World, width: int, height: int, free: list[Ce
                 "label": st.sampled_from(["ice", "", "lava: hot"]),
             },
         )
-        world["areas"] = [
+        areas = [
             draw(rectangles(width, height)) | draw(traits) for _ in range(draw(st.integers(1, 3)))
         ]
+        for area in areas:
+            if area.get("ends") and inside(area) & set(starts_of(world)):
+                area["ends"] = False
+        world["areas"] = areas
 
 
 def add_warps(draw: DrawFn, world: World, free: list[Cell], exits: list[Cell]) -> None:
-    starts = world["start"] if isinstance(world["start"][0], list) else [world["start"]]
+    starts = starts_of(world)
     places = [cell for cell in free if cell not in exits]
     taken: dict[Cell, Any] = {}
     warps = []
@@ -136,7 +146,7 @@ def add_warps(draw: DrawFn, world: World, free: list[Cell], exits: list[Cell]) -
             chain = goal
             while chain in taken and chain != cell:
                 chain = taken[chain]
-            if list(cell) in starts or chain == cell:
+            if cell in starts or chain == cell:
                 continue
             taken[cell] = goal
         warp: World = {"at": list(cell), "to": list(goal) if goal != "start" else goal}
