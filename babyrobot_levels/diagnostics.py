@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import Any
 
-from babyrobot_levels.source import Position, SourceFile, Span
+from babyrobot_levels.source import Position, SourceFile, Span, printable
 
 
 class Severity(StrEnum):
@@ -85,7 +85,8 @@ class Diagnostic:
 
     def __str__(self) -> str:
         """Return the whole finding as plain text: place, message, source line, caret, help."""
-        lines = [f"{self.location}: {self.severity} {self.code}: {self.message}"]
+        place, message = (one_line(text) for text in (self.location, self.message))
+        lines = [f"{place}: {self.severity} {self.code}: {message}"]
         excerpt = self.excerpt()
         if excerpt is not None:
             number = str(self.line)
@@ -96,5 +97,10 @@ class Diagnostic:
                 f"  {gutter} | {excerpt[1]}",
             ]
         if self.help:
-            lines.append(f"  help: {self.help}")
+            lines.append(f"  help: {one_line(self.help)}")
         return "\n".join(lines)
+
+
+def one_line(text: str) -> str:
+    """Return a text that may hold anything as one printable line."""
+    return printable(text).replace("\n", "\\n")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
 from babyrobot_levels.source import Position, SourceFile
-from babyrobot_levels.yaml_reader import MAX_BYTES
+from babyrobot_levels.syntax.reader import MAX_BYTES
 
 SUFFIXES = (".yaml", ".yml")
 

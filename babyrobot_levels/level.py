@@ -10,12 +10,12 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import PrivateAttr
 
-from babyrobot_levels.emitter import emit
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.grid import Grid, build_grid
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.spec.walls import Maze
+from babyrobot_levels.syntax.emitter import emit
 
 if TYPE_CHECKING:
     import gymnasium
@@ -169,7 +169,7 @@ class Level(LevelFields):
         of changed fields are new.
         """
         from babyrobot_levels.files import write_text
-        from babyrobot_levels.splice import splice
+        from babyrobot_levels.syntax.splice import splice
 
         text = None
         if self._origin is not None:

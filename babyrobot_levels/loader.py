@@ -9,12 +9,12 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
-from babyrobot_levels.document import Document, YamlFault, YamlProblem
 from babyrobot_levels.messages import complaint
 from babyrobot_levels.source import Position, SourceFile, Span
 from babyrobot_levels.spec.base import FORM_PREFIX
 from babyrobot_levels.spec.problem import Problem, SpecProblems
-from babyrobot_levels.yaml_reader import read
+from babyrobot_levels.syntax.document import Document, YamlFault, YamlProblem
+from babyrobot_levels.syntax.reader import read
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 

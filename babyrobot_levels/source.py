@@ -61,21 +61,41 @@ class SourceFile:
         if len(text) > EXCERPT_WIDTH:
             offset = max(0, min(first - EXCERPT_WIDTH // 3, len(text) - EXCERPT_WIDTH))
             text = text[offset : offset + EXCERPT_WIDTH]
-        shown = "".join(map(_printable, text))
+        shown = "".join(map(_shown, text))
         first, last = first - offset, min(last - offset, EXCERPT_WIDTH)
-        blank = sum(map(_columns, shown[:first]))
-        carets = sum(map(_columns, shown[first:last])) or 1
+        blank = columns(shown[:first])
+        carets = columns(shown[first:last]) or 1
         return shown, " " * blank + "^" * carets
 
 
-def _printable(character: str) -> str:
+def printable(text: str) -> str:
+    """Return a text with its control characters written as escapes, line ends kept.
+
+    For whatever comes from a file or its name: no text may move the cursor of the reader's
+    terminal, colour it, or forge a line of a report.
+    """
+    if text.isprintable():
+        return text
+    return "".join(
+        character if character.isprintable() or character == "\n" else ascii(character)[1:-1]
+        for character in text
+    )
+
+
+def columns(text: str) -> int:
+    """Return how many columns of a terminal a text takes."""
+    if text.isascii():
+        return len(text)
+    return sum(map(_columns, text))
+
+
+def _shown(character: str) -> str:
     if character == "\t":
         return " "
     return character if character.isprintable() else "?"
 
 
 def _columns(character: str) -> int:
-    """Return how many columns of a terminal the character takes."""
     if unicodedata.combining(character):
         return 0
     return 2 if unicodedata.east_asian_width(character) in "WF" else 1

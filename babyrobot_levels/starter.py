@@ -6,8 +6,8 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from babyrobot_levels.emitter import scalar
 from babyrobot_levels.maze.lattice import below
+from babyrobot_levels.syntax.emitter import scalar
 
 TEMPLATES = ("grid", "maze", "drawing")
 
@@ -52,6 +52,7 @@ description: A new level.  # say what it is about
 
 def _fields(order: Order) -> str:
     width, height = order.size
+    roomy = width > 2 and height > 2
     maze = ""
     if order.maze_seed is not None or order.template == "maze":
         parts = [f"seed: {order.maze_seed if order.maze_seed is not None else 42}"]
@@ -62,14 +63,17 @@ def _fields(order: Order) -> str:
         maze = f"maze: {{{', '.join(parts)}}}  # the same seed grows the same maze\n"
     cells = _free_cells(width, height, [(0, 0), (width - 1, height - 1)])
     puddles = _puddle_lines(_puddle_cells(order, cells))
+    walls = (
+        "# walls:  # on N and S, `length` goes on to the east, on E and W to the south\n"
+        "#   - {at: [1, 0], side: E, length: 2}\n"
+    )
     return f"""\
 size: [{width}, {height}]  # width and height in cells
 start: [0, 0]
 exit: [{width - 1}, {height - 1}]  # entering it ends the episode
 {maze}\
-# walls:  # on N and S, `length` goes on to the east, on E and W to the south
-#   - {{at: [1, 0], side: E, length: 2}}
-{puddles}\
+{walls if roomy else ""}\
+{puddles if roomy or order.puddles else ""}\
 """
 
 
@@ -120,7 +124,8 @@ def _puddle_cells(order: Order, free: list[tuple[int, int]]) -> list[tuple[int, 
     """Return as many cells as there shall be puddles, drawn from the maze's seed."""
     if order.puddles > len(free):
         raise ValueError(
-            f"{order.puddles} puddles do not fit: there are {len(free)} cells beside start and exit"
+            f"so many puddles do not fit: {order.puddles} are asked for, "
+            f"and {len(free)} cells are free beside start and exit"
         )
     rng = random.Random(order.maze_seed or 0)
     return [free.pop(below(rng, len(free))) for _ in range(order.puddles)]

@@ -2,8 +2,8 @@
 
     python benchmarks/step.py
 
-All are stepped with a fixed list of random moves and reset when an episode ends. What is counted is
-whole Gymnasium steps: observation, reward, terminated, truncated and info, ours with the action mask.
+All are stepped with a fixed list of random moves and reset when an episode ends. What is counted
+is whole Gymnasium steps: observation, reward, terminated, truncated, info; ours with the mask.
 """
 
 from __future__ import annotations

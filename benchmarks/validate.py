@@ -1,4 +1,4 @@
-"""Checking one small file, as whole processes: `babyrobot validate` beside what others use for YAML.
+"""Checking one small file, as whole processes: `babyrobot validate` beside others for YAML.
 
     python benchmarks/validate.py
 
@@ -39,7 +39,9 @@ def main() -> None:
     scripts = Path(sys.executable).parent
     yaml_rules = "{extends: relaxed}"
     measures = {
-        "babyrobot validate": running(sys.executable, "-m", "babyrobot_levels", "validate", str(LEVEL)),
+        "babyrobot validate": running(
+            sys.executable, "-m", "babyrobot_levels", "validate", str(LEVEL)
+        ),
         PEER: running(str(scripts / PEER), "--schemafile", str(SCHEMA), str(LEVEL)),
         "yamllint": running(str(scripts / "yamllint"), "-d", yaml_rules, str(LEVEL)),
         "python -c pass": running(sys.executable, "-c", "pass"),

@@ -25,11 +25,11 @@ LAYERS = [
     ["_gymnasium_hook"],
     ["__init__"],
     # Values and words.
-    ["actions", "errors", "scalars", "source", "suggest", "yaml_words"],
-    ["diagnostics", "document"],
+    ["actions", "errors", "source", "suggest"],
+    ["diagnostics"],
     # Texts.
-    ["drawing", "emitter", "yaml_reader"],
-    ["files", "splice"],
+    ["drawing", "syntax"],
+    ["files"],
     # What a level may say.
     ["spec"],
     ["messages"],
@@ -37,9 +37,6 @@ LAYERS = [
     # What it comes to.
     ["maze"],
     ["grid", "mdp"],
-    ["moves", "terrain", "warps"],
-    ["branches"],
-    ["arrivals"],
     ["compiler"],
     ["digest"],
     # The level as users hold it, and where it comes from.
@@ -60,7 +57,7 @@ FACADES = {"_gymnasium_hook", "level"}
 """These hand on to higher modules, which they import only when asked to."""
 
 OWNERS = {
-    "yaml": {"yaml_reader"},
+    "yaml": {"syntax.reader"},
     "typer": {"cli"},
     "gymnasium": {"envs", "level"},
     "PIL": {"render"},

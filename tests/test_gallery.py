@@ -22,7 +22,7 @@ from babyrobot_levels.loader import parse
 from babyrobot_levels.mdp import Mdp
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import BUILTIN_THEMES
-from babyrobot_levels.yaml_reader import read
+from babyrobot_levels.syntax.reader import read
 
 ROOT = Path(__file__).parents[1]
 GALLERY = ROOT / "levels"

@@ -28,11 +28,11 @@ from support.worlds import (
 import babyrobot_levels as brl
 from babyrobot_levels import drawing as d
 from babyrobot_levels import files
-from babyrobot_levels.emitter import emit
 from babyrobot_levels.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.level import Level, from_mapping, slug
 from babyrobot_levels.source import SourceFile
-from babyrobot_levels.yaml_reader import read
+from babyrobot_levels.syntax.emitter import emit
+from babyrobot_levels.syntax.reader import read
 
 # -- as text -----------------------------------------------------------------------------------
 
@@ -401,7 +401,7 @@ def test_a_level_without_a_text_is_saved_as_canonical_yaml(tmp_path: Path) -> No
 @settings(deadline=None, max_examples=100)
 @given(decorated_worlds(), decorated_worlds())
 def test_any_level_can_be_spliced_into_any_text(one: World, other: World) -> None:
-    from babyrobot_levels.splice import splice
+    from babyrobot_levels.syntax.splice import splice
 
     text, data = emit(level_of(one).to_dict()), level_of(other).to_dict()
     result = splice(text, data, list(Level.model_fields))

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from support.reports import BAD, GOOD, read, report
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
-from babyrobot_levels.emitter import emit
 from babyrobot_levels.files import ReadFault, decode
 from babyrobot_levels.level import Level
 from babyrobot_levels.loader import parse
 from babyrobot_levels.source import SourceFile
+from babyrobot_levels.syntax.emitter import emit
 
 IN_TEXTS = {
     *(f"BR1{number:02}" for number in (2, 4, 5, 6, 7, 8, 9, 10, 11)),

@@ -25,7 +25,7 @@ from babyrobot_levels.loader import validate
 from babyrobot_levels.schema import level_schema, theme_schema
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
-from babyrobot_levels.yaml_reader import read
+from babyrobot_levels.syntax.reader import read
 
 SCHEMAS = Path(__file__).parents[1] / "schemas"
 LEVEL = jsonschema.Draft7Validator(level_schema())

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from babyrobot_levels.document import Document, YamlFault
 from babyrobot_levels.files import ReadFault, decode, read_source
 from babyrobot_levels.source import Position, SourceFile
-from babyrobot_levels.yaml_reader import MAX_BYTES, MAX_DEPTH
-from babyrobot_levels.yaml_reader import read as read_file
+from babyrobot_levels.syntax.document import Document, YamlFault
+from babyrobot_levels.syntax.reader import MAX_BYTES, MAX_DEPTH
+from babyrobot_levels.syntax.reader import read as read_file
 
 
 def read(text: str) -> Document:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -18,8 +20,6 @@ from babyrobot_levels.cli import (
     validate,
 )
 from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note
-
-INTERRUPTED = 130
 
 app = typer.Typer(
     name="babyrobot",
@@ -61,21 +61,30 @@ def main() -> None:
     """Run the command line. Nothing that a user types or feeds it ends in a traceback."""
     from babyrobot_levels.errors import BabyRobotError, LevelError
 
+    _prepare_streams()
     try:
-        app()
+        app(prog_name="babyrobot")
     except LevelError as error:
         note(str(error))
         sys.exit(FINDINGS)
     except BabyRobotError as error:
         note(f"error: {error}")
         sys.exit(WRONG_CALL)
-    except KeyboardInterrupt:
-        note("interrupted")
-        sys.exit(INTERRUPTED)
-    except BrokenPipeError:
-        # The reader has gone, as `head` does. Python would complain at exit about the rest.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(FINDINGS)
+    except OSError as error:
+        note(
+            f"error: {error.strerror or error}" + (f": {error.filename}" if error.filename else "")
+        )
+        sys.exit(WRONG_CALL)
+
+
+def _prepare_streams() -> None:
+    """Make sure that there are streams, and that they take every character."""
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
+        stream = getattr(sys, name)
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
 if __name__ == "__main__":

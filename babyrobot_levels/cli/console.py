@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import json
 import os
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import IO, NoReturn
+from typing import IO, Any, NoReturn
 
 import typer
+
+from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.source import printable
 
 FINDINGS = 1
 """Exit status: the level or levels have findings."""
@@ -28,17 +32,23 @@ def write(text: str) -> None:
     sys.stdout.write(text)
 
 
+def write_json(data: Any) -> None:
+    """Write data as JSON to standard output."""
+    # Only ASCII, so that it is the same whatever the terminal's encoding is.
+    write(json.dumps(data, indent=2) + "\n")
+
+
 def note(text: str) -> None:
     """Write a line to standard error: for what is not the command's result."""
-    sys.stderr.write(text + "\n")
+    sys.stderr.write(printable(text) + "\n")
 
 
 def fail(message: str, help_text: str | None = None) -> NoReturn:
     """End the command because the call is wrong, and say why."""
     prefix = "\x1b[1;31merror\x1b[0m" if wants_color(sys.stderr) else "error"
-    note(f"{prefix}: {message}")
+    sys.stderr.write(f"{prefix}: {one_line(message)}\n")
     if help_text:
-        note(f"  help: {help_text}")
+        note(f"  help: {one_line(help_text)}")
     raise typer.Exit(WRONG_CALL)
 
 
@@ -46,7 +56,7 @@ def wants_color(stream: IO[str]) -> bool:
     """Tell whether to write colour: on a terminal, unless `NO_COLOR` is set."""
     if os.environ.get("NO_COLOR"):
         return False
-    if os.environ.get("FORCE_COLOR"):
+    if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
         return True
     return stream.isatty() and os.environ.get("TERM") != "dumb"
 
@@ -61,11 +71,13 @@ def save(path: Path, data: str | bytes, *, force: bool) -> None:
     """Write a file whole, but never over one that is there without `--force`."""
     from babyrobot_levels.files import write_bytes
 
-    if path.is_dir():
-        fail(f"{path} is a folder", "name a file in it")
-    if path.exists() and not force:
-        fail(f"{path} is there already", "write it anew with --force")
     try:
+        if path.is_dir():
+            fail(f"{path} is a folder", "name a file in it")
+        if path.exists() and not path.is_file():
+            fail(f"{path} is not a regular file, and is left alone")
+        if path.exists() and not force:
+            fail(f"{path} is there already", "write it anew with --force")
         write_bytes(path, data.encode("utf-8") if isinstance(data, str) else data)
-    except OSError as error:
-        fail(f"{path} cannot be written ({error.strerror or error})")
+    except (OSError, RuntimeError) as error:
+        fail(f"{path} cannot be written ({getattr(error, 'strerror', None) or error})")

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import ReportFormat, note, wants_color, write
+from babyrobot_levels.cli.console import ReportFormat, note, wants_color, write, write_json
+from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.source import columns
 
 if TYPE_CHECKING:
     from babyrobot_levels.catalogue import LevelInfo
@@ -38,7 +39,7 @@ def list_levels(
     wanted = set(tag or ())
     infos = [info for info in infos if wanted <= set(info.tags)]
     if report_format is ReportFormat.JSON:
-        write(json.dumps([info.to_dict() for info in infos], indent=2, ensure_ascii=False) + "\n")
+        write_json([info.to_dict() for info in infos])
     elif infos:
         write(_table(infos, bold=wants_color(sys.stdout)))
     else:
@@ -50,16 +51,21 @@ def list_levels(
 def _table(infos: list[LevelInfo], *, bold: bool) -> str:
     rows = [("NAME", "SIZE", "TITLE", "TAGS")]
     rows += [
-        (info.name, f"{info.size[0]}x{info.size[1]}", info.title or "", ", ".join(info.tags))
+        (
+            info.name,
+            f"{info.size[0]}x{info.size[1]}",
+            one_line(info.title or ""),
+            ", ".join(info.tags),
+        )
         for info in infos
     ]
-    widths = [max(len(row[column]) for row in rows) for column in range(3)]
-    lines = [
-        "  ".join(
-            [*(text.ljust(width) for text, width in zip(row[:3], widths, strict=True)), row[3]]
-        )
-        for row in rows
-    ]
+    widths = [max(columns(row[number]) for row in rows) for number in range(3)]
+    lines = []
+    for *cells, tags in rows:
+        padded = [
+            text + " " * (width - columns(text)) for text, width in zip(cells, widths, strict=True)
+        ]
+        lines.append("  ".join([*padded, tags]).rstrip())
     if bold:
         lines[0] = f"\x1b[1m{lines[0]}\x1b[0m"
-    return "\n".join(line.rstrip() for line in lines) + "\n"
+    return "\n".join(lines) + "\n"

@@ -10,8 +10,9 @@ from typing import Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import fail, save, write
+from babyrobot_levels.cli.console import fail, note, save, write
 
+MAX_PUDDLES = 10_000
 SCHEMA_PATH = Path("schemas", "level.schema.json")
 
 
@@ -43,9 +44,9 @@ def new_level(
     ] = Algorithm.DEPTH_FIRST,
     loops: Annotated[
         float,
-        typer.Option(min=0, max=1, help="The share of the maze's dead ends that are opened up."),
+        typer.Option(metavar="R", help="The share of the maze's dead ends that are opened up."),
     ] = 0.0,
-    puddles: Annotated[int, typer.Option(min=0, metavar="N", help="How many puddles.")] = 0,
+    puddles: Annotated[int, typer.Option(metavar="N", help="How many puddles.")] = 0,
     theme: Annotated[
         str, typer.Option(metavar="THEME", help="The theme: default, black_orange, …")
     ] = "default",
@@ -64,7 +65,7 @@ def new_level(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
-    """Write a commented level file that is valid at once, and say what to type next.
+    """Write a new level file, with comments, and say what to type next.
 
     Examples:
 
@@ -72,6 +73,7 @@ def new_level(
 
       babyrobot new-level wet-maze --size 10x6 --maze-seed 7 --puddles 4
     """
+    from babyrobot_levels.catalogue import gallery_folder, yaml_files
     from babyrobot_levels.level import slug
     from babyrobot_levels.starter import Order, starter
 
@@ -83,8 +85,12 @@ def new_level(
         )
     if template is Template.DRAWING and maze_seed is not None:
         fail("a drawing has no maze", "leave out --maze-seed or --template drawing")
-    if template is Template.GRID and maze_seed is None and loops:
+    if template is not Template.MAZE and maze_seed is None and loops:
         fail("--loops is for mazes", "add --maze-seed N or --template maze")
+    if not 0 <= loops <= 1:
+        fail(f"--loops is a share from 0 to 1, not {loops:g}")
+    if not 0 <= puddles <= MAX_PUDDLES:
+        fail(f"there can be 0 to {MAX_PUDDLES:,} puddles, not {puddles:,}")
     path = output or Path("levels", f"{name}.yaml")
     order = Order(
         name, str(template), _size(size), maze_seed, str(algorithm), loops, puddles, theme
@@ -95,6 +101,8 @@ def new_level(
         fail(str(error), "ask for fewer puddles, or for a larger --size")
     _check(text, path)
     save(path, text, force=force)
+    if any(path.stem == name for path in yaml_files(gallery_folder())):
+        note(f"{name!r} is the name of a level of the gallery too: load yours by its path")
     write(
         f"wrote {path}\n\n"
         "next:\n"
@@ -134,9 +142,12 @@ def _schema_for(path: Path) -> str:
 
 def _check(text: str, path: Path) -> None:
     """Make sure that the file is valid before it is written: a theme may not be known."""
+    from babyrobot_levels.files import ReadFault, decode
     from babyrobot_levels.reading import read_level
-    from babyrobot_levels.source import SourceFile
 
-    _, diagnostics = read_level(SourceFile(str(path), text), path)
+    try:
+        _, diagnostics = read_level(decode(text.encode("utf-8"), str(path)), path)
+    except ReadFault as fault:
+        fail(f"the level would be too much for one file: {fault}", "ask for a smaller --size")
     if diagnostics:
         fail(diagnostics[0].message, diagnostics[0].help)

@@ -71,12 +71,13 @@ def preview(
 
       babyrobot preview levels/first.yaml -o first.png
     """
-    from babyrobot_levels.catalogue import load
-
     chosen = _chosen_format(picture_format, output)
-    shown = _prepared(load(level), theme, coordinates, maze_seed)
+    shown = _prepared(load_level(level), theme, coordinates, maze_seed)
     if chosen in (PictureFormat.TEXT, PictureFormat.ASCII):
-        picture: str | bytes = _text_picture(shown, chosen, output is None)
+        plain = chosen is PictureFormat.ASCII or output is not None
+        picture: str | bytes = text_picture(shown, plain=plain)
+        if coordinates:
+            note("--coordinates is for pictures (svg, png); a text has no room for them")
     else:
         picture = _painted(shown, chosen)
     if output is not None:
@@ -87,6 +88,16 @@ def preview(
         fail("a PNG cannot be shown in a terminal", "name a file with -o FILE")
     else:
         sys.stdout.buffer.write(picture)
+
+
+def load_level(text: str) -> Level:
+    """Return the level that an argument names."""
+    from babyrobot_levels.catalogue import load
+    from babyrobot_levels.errors import LevelNotFoundError
+
+    if "\n" in text:
+        raise LevelNotFoundError(text)
+    return load(text)
 
 
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:
@@ -105,15 +116,7 @@ def _chosen_format(picture_format: PictureFormat | None, output: Path | None) ->
 
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level as it is to be shown."""
-    from babyrobot_levels.spec.looks import BUILTIN_THEMES
-    from babyrobot_levels.suggest import did_you_mean
-
     if theme is not None:
-        if theme not in BUILTIN_THEMES:
-            fail(
-                f"there is no theme {theme!r}{did_you_mean(theme, BUILTIN_THEMES)}",
-                "known: " + ", ".join(BUILTIN_THEMES),
-            )
         level = level.replace(theme=theme)
     if coordinates:
         display = level.display.model_dump(exclude_unset=True)
@@ -127,9 +130,9 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
     return level
 
 
-def _text_picture(level: Level, chosen: PictureFormat, on_screen: bool) -> str:
-    color = on_screen and wants_color(sys.stdout)
-    if chosen is PictureFormat.ASCII or not color or not speaks_unicode(sys.stdout):
+def text_picture(level: Level, *, plain: bool = False) -> str:
+    """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
+    if plain or not wants_color(sys.stdout) or not speaks_unicode(sys.stdout):
         return level.draw()
     from babyrobot_levels.render.text import unicode_drawing
 

@@ -20,14 +20,16 @@ class SchemaName(StrEnum):
 
 
 def print_schema(
-    name: Annotated[SchemaName, typer.Argument(help="Which schema.")] = SchemaName.LEVEL,
+    name: Annotated[
+        SchemaName, typer.Argument(metavar="NAME", help="`level` or `theme`.")
+    ] = SchemaName.LEVEL,
     output: Annotated[
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
-    """Print the JSON schema of level files or of theme files.
+    """Print the JSON schema of level or theme files.
 
     Examples:
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import ReportFormat, wants_color, write
-from babyrobot_levels.cli.preview import LevelArgument
+from babyrobot_levels.cli.console import ReportFormat, note, wants_color, write, write_json
+from babyrobot_levels.cli.preview import LevelArgument, load_level, text_picture
+from babyrobot_levels.source import printable
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
@@ -21,30 +21,30 @@ def show(
         ReportFormat, typer.Option("--format", help="How to report.")
     ] = ReportFormat.TEXT,
 ) -> None:
-    """Tell all about one level: what it is, its numbers, its digest, and its drawing.
+    """Tell all about one level: its texts, numbers, digest and drawing.
 
     Examples:
 
       babyrobot show final-maze
     """
-    from babyrobot_levels.catalogue import load
-
-    loaded = load(level)
+    loaded = load_level(level)
     facts = _facts(loaded)
     if report_format is ReportFormat.JSON:
-        write(json.dumps(facts, indent=2, ensure_ascii=False) + "\n")
+        write_json(facts)
         return
-    drawing = facts.pop("drawing")
+    del facts["drawing"]
     width = max(map(len, facts))
     bold = wants_color(sys.stdout)
     for name, value in facts.items():
         label = f"{name}:".ljust(width + 1)
-        text = _told(value)
+        text = printable(_told(value))
         if text:
             shown = f"\x1b[1m{label}\x1b[0m" if bold else label
             write(f"{shown} " + text.replace("\n", "\n" + " " * (width + 2)) + "\n")
-    if drawing:
-        write("\n" + drawing)
+    if loaded.has_random_maze:
+        note("each reset grows another maze; `babyrobot preview` shows one of them")
+    else:
+        write("\n" + text_picture(loaded))
 
 
 def _facts(level: Level) -> dict[str, Any]:
@@ -62,15 +62,23 @@ def _facts(level: Level) -> dict[str, Any]:
         "exits": [list(cell) for cell in level.exits],
         "max_steps": level.max_steps,
         "discount": level.discount,
-        "theme": level.theme if isinstance(level.theme, str) else "its own",
+        "theme": level.theme if isinstance(level.theme, str) else None,
+        "random_maze": level.has_random_maze,
+        "states": None,
+        "outcomes": None,
+        "chance": None,
+        "digest": None,
+        "drawing": None,
     }
-    if level.has_random_maze:
-        return {**facts, "maze": "another one at each reset", "digest": None, "drawing": None}
-    mdp = level.compile()
-    facts["states"] = int((~level.grid().blocked).sum())
-    facts["outcomes"] = int((mdp.probability > 0).sum())
-    facts["chance"] = bool((mdp.probability[~mdp.over] > 0).sum(axis=2).max(initial=0) > 1)
-    return {**facts, "digest": level.digest, "drawing": level.draw()}
+    if not level.has_random_maze:
+        mdp = level.compile()
+        happens = mdp.probability > 0
+        facts["states"] = int((~level.grid().blocked).sum())
+        facts["outcomes"] = int(happens.sum())
+        facts["chance"] = bool(happens[~mdp.over].sum(axis=2).max(initial=0) > 1)
+        facts["digest"] = level.digest
+        facts["drawing"] = level.draw()
+    return facts
 
 
 def _told(value: Any) -> str:

@@ -20,7 +20,7 @@ def validate(
     paths: Annotated[
         list[Path] | None,
         typer.Argument(
-            metavar="PATHS...",
+            metavar="PATHS",
             help="Level files, and folders of them; `-` is standard input.  [default: levels/]",
             show_default=False,
         ),
@@ -29,7 +29,7 @@ def validate(
         ReportFormat, typer.Option("--format", help="How to report.")
     ] = ReportFormat.TEXT,
 ) -> None:
-    """Check level files: every error with its place, the source line and what to do.
+    """Check level files: every error, where it stands, and what to do.
 
     Ends with status 0 if all files are valid, and with 1 if there are errors.
 
@@ -64,7 +64,7 @@ def level_paths(paths: list[Path]) -> list[Path]:
 
     files: dict[Path, None] = {}
     for path in paths:
-        if path.is_dir():
+        if is_folder(path):
             found = list(yaml_files(path))
             if not found:
                 note(f"there are no level files (.yaml) in {path}")
@@ -78,12 +78,22 @@ def level_paths(paths: list[Path]) -> list[Path]:
     return list(files)
 
 
+def is_folder(path: Path) -> bool:
+    """Tell whether a path is a folder; one that cannot be asked is none."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
+
+
 def read_standard_input() -> list[Diagnostic]:
     """Return what is wrong with the level on standard input."""
     from babyrobot_levels.files import ReadFault, decode
     from babyrobot_levels.reading import read_level
-    from babyrobot_levels.yaml_reader import MAX_BYTES
+    from babyrobot_levels.syntax.reader import MAX_BYTES
 
+    if sys.stdin is None:
+        fail("standard input is closed")
     try:
         source = decode(sys.stdin.buffer.read(MAX_BYTES + 1), "<stdin>")
     except ReadFault as fault:

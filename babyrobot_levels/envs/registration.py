@@ -7,9 +7,9 @@ from pathlib import Path
 from gymnasium.envs.registration import register, registry
 
 from babyrobot_levels.catalogue import gallery_folder, yaml_files
-from babyrobot_levels.document import YamlFault
 from babyrobot_levels.files import ReadFault, read_source
-from babyrobot_levels.yaml_reader import read
+from babyrobot_levels.syntax.document import YamlFault
+from babyrobot_levels.syntax.reader import read
 
 NAMESPACE = "babyrobot"
 LEVEL_ID = f"{NAMESPACE}/Level-v0"

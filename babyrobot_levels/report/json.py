@@ -14,4 +14,4 @@ VERSION = 1
 def render(diagnostics: Iterable[Diagnostic]) -> str:
     """Return `{"version": 1, "diagnostics": […]}`, indented."""
     data = {"version": VERSION, "diagnostics": [d.to_dict() for d in diagnostics]}
-    return json.dumps(data, indent=2, ensure_ascii=False) + "\n"
+    return json.dumps(data, indent=2) + "\n"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from babyrobot_levels.diagnostics import Diagnostic, Severity
+from babyrobot_levels.diagnostics import Diagnostic, Severity, one_line
 
 _RESET = "\x1b[0m"
 _BOLD = "\x1b[1m"
@@ -24,23 +24,22 @@ def render(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
 
 def summary(diagnostics: Sequence[Diagnostic], files: int) -> str:
     """Return the line at the end of a report: how much was wrong, and in how many files."""
-    checked = "1 file" if files == 1 else f"{files} files"
     if not diagnostics:
-        return f"{checked} checked, all valid" if files != 1 else "1 file checked, valid"
+        return f"{files} files checked, all valid" if files != 1 else "1 file checked, valid"
     counts = [
         (sum(d.severity is severity for d in diagnostics), str(severity)) for severity in Severity
     ]
     told = ", ".join(f"{n} {what}{'s' if n > 1 else ''}" for n, what in counts if n)
     faulty = len({d.file for d in diagnostics})
-    return f"{told} in {faulty} of {checked}"
+    return f"{told} in 1 file" if files == 1 else f"{told} in {faulty} of {files} files"
 
 
 def _colored(diagnostic: Diagnostic) -> str:
     color = _COLORS[diagnostic.severity]
     head = (
-        f"{_BOLD}{diagnostic.location}{_RESET}: "
+        f"{_BOLD}{one_line(diagnostic.location)}{_RESET}: "
         f"{color}{diagnostic.severity} {diagnostic.code}{_RESET}: "
-        f"{_BOLD}{diagnostic.message}{_RESET}"
+        f"{_BOLD}{one_line(diagnostic.message)}{_RESET}"
     )
     _, *rest = str(diagnostic).split("\n")
     lines = [head]

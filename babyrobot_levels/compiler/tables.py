@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.actions import NUM_ACTIONS, NUM_MOVES, Action
-from babyrobot_levels.arrivals import Arrivals
-from babyrobot_levels.branches import (
+from babyrobot_levels.compiler.arrivals import Arrivals
+from babyrobot_levels.compiler.branches import (
     Branches,
     Floats,
     Ints,
@@ -23,12 +23,12 @@ from babyrobot_levels.branches import (
     chancy_rows,
     plain_branches,
 )
+from babyrobot_levels.compiler.moves import Moves, build_moves
+from babyrobot_levels.compiler.terrain import Terrain, build_terrain
+from babyrobot_levels.compiler.warps import Warps, build_warps
 from babyrobot_levels.grid import Grid, build_grid
 from babyrobot_levels.mdp import FREE, GLASS, REFUSED, Mdp
-from babyrobot_levels.moves import Moves, build_moves
 from babyrobot_levels.spec.level import LevelFields
-from babyrobot_levels.terrain import Terrain, build_terrain
-from babyrobot_levels.warps import Warps, build_warps
 
 
 def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from babyrobot_levels.document import Document, YamlFault
-from babyrobot_levels.emitter import emit_field
 from babyrobot_levels.source import SourceFile
-from babyrobot_levels.yaml_reader import read
+from babyrobot_levels.syntax.document import Document, YamlFault
+from babyrobot_levels.syntax.emitter import emit_field
+from babyrobot_levels.syntax.reader import read
 
 
 def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:

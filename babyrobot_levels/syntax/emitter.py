@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from babyrobot_levels.scalars import is_plain_string
+from babyrobot_levels.syntax.scalars import is_plain_string
 
 WIDTH = 88
 """Mappings that fit on a line of this width stand on one line."""

@@ -12,11 +12,11 @@ from typing import Any
 
 import yaml
 
-from babyrobot_levels.document import Document, Node, YamlFault, YamlProblem
-from babyrobot_levels.scalars import is_integer, resolve
 from babyrobot_levels.source import START, Position, SourceFile, Span
 from babyrobot_levels.suggest import did_you_mean
-from babyrobot_levels.yaml_words import plain_words
+from babyrobot_levels.syntax.document import Document, Node, YamlFault, YamlProblem
+from babyrobot_levels.syntax.scalars import is_integer, resolve
+from babyrobot_levels.syntax.words import plain_words
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 64

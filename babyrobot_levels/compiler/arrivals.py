@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from babyrobot_levels.actions import NUM_ACTIONS, Action
-from babyrobot_levels.branches import Branches, Floats, Ints
+from babyrobot_levels.compiler.branches import Branches, Floats, Ints
+from babyrobot_levels.compiler.terrain import Terrain
+from babyrobot_levels.compiler.warps import Warps
 from babyrobot_levels.spec.moves import Rewards
-from babyrobot_levels.terrain import Terrain
-from babyrobot_levels.warps import Warps
 
 
 @dataclass(frozen=True, eq=False)

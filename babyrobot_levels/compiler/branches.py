@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.actions import NUM_ACTIONS, NUM_MOVES, Action
-from babyrobot_levels.moves import Moves
-from babyrobot_levels.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
-from babyrobot_levels.warps import Warps
+from babyrobot_levels.compiler.moves import Moves
+from babyrobot_levels.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
+from babyrobot_levels.compiler.warps import Warps
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
