@@ -18,12 +18,10 @@ _AWAITED = "gymnasium.envs"
 
 def install() -> None:
     """Register the environments now, or as soon as Gymnasium is imported. Can be called again."""
-    module = sys.modules.get(_AWAITED)
-    if module is None or getattr(module.__spec__, "_initializing", False):
-        if not any(isinstance(finder, _Finder) for finder in sys.meta_path):
-            sys.meta_path.insert(0, _Finder())
-    else:
+    if _AWAITED in sys.modules:
         _register()
+    elif not any(isinstance(finder, _Finder) for finder in sys.meta_path):
+        sys.meta_path.insert(0, _Finder())
 
 
 def _register() -> None:

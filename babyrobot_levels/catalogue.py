@@ -6,15 +6,14 @@ import os
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from importlib.metadata import entry_points
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.errors import LevelError, LevelNotFoundError
-from babyrobot_levels.files import SUFFIXES
-from babyrobot_levels.level import Level, from_mapping, slug
-from babyrobot_levels.reading import load_file
+from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
+from babyrobot_levels.level import Level, slug
+from babyrobot_levels.reading import from_mapping, load_file
 from babyrobot_levels.suggest import nearest
 
 PACK_GROUP = "babyrobot_levels.packs"
@@ -81,6 +80,10 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
         return level
     if isinstance(level, Mapping):
         return from_mapping(level)
+    if not isinstance(level, str | os.PathLike):
+        raise TypeError(
+            f"a level is a name, a path, a mapping or a Level, not {type(level).__name__}"
+        )
     if not isinstance(level, str):
         return _load_path(Path(level))
     if "\n" in level:
@@ -128,9 +131,10 @@ def catalogue() -> tuple[list[LevelInfo], list[Path]]:
             broken.append(file.path)
             continue
         # The first place in which a name stands wins, as in `find`.
+        name = f"{file.place.pack}/{level.name}" if file.place.pack else str(level.name)
         found.setdefault(
-            file.name,
-            LevelInfo(file.name, level.title, level.size, level.tags, level.source, file.path),
+            name,
+            LevelInfo(name, level.title, level.size, level.tags, level.source, file.path),
         )
     return sorted(found.values(), key=lambda info: info.name), broken
 
@@ -172,8 +176,10 @@ def places() -> list[Place]:
     packs = user_folder() / "packs"
     if packs.is_dir():
         found += [Place(path, "pack", path.name) for path in sorted(packs.iterdir())]
+    from importlib.metadata import entry_points
+
     for entry in entry_points(group=PACK_GROUP):
-        carried = _package_folder(entry.module)
+        carried = _package_folder(entry.value.partition(":")[0].strip())
         if carried is not None:
             found.append(Place(carried, "pack", entry.name))
     real: dict[Path, Place] = {}
@@ -206,28 +212,42 @@ def _looks_like_path(text: str) -> bool:
 
 
 def _load_path(path: Path) -> Level:
-    path = path.expanduser()
-    if not path.exists():
-        siblings = path.parent.iterdir() if path.parent.is_dir() else ()
-        names = [str(other) for other in siblings if other.suffix in SUFFIXES]
-        raise LevelNotFoundError(str(path), nearest(str(path), names))
+    try:
+        path = path.expanduser()
+        is_there = path.exists()
+    except (OSError, RuntimeError, ValueError):
+        is_there = False
+    if not is_there:
+        raise LevelNotFoundError(str(path), _nearest_files(path), is_file=True)
     return load_file(path)
 
 
-def _own_name(file: LevelFile) -> str | None:
+def _nearest_files(path: Path) -> list[str]:
+    """Return the level files beside a missing one whose names are like its name."""
     try:
-        head = file.path.read_bytes()[:4096].decode("utf-8", "replace")
+        stems = {other.stem: other for other in path.parent.iterdir() if other.suffix in SUFFIXES}
     except OSError:
+        return []
+    stems.pop(path.stem, None)
+    return [str(stems[stem]) for stem in nearest(path.stem, stems)]
+
+
+def _own_name(file: LevelFile) -> str | None:
+    """Return the name that a file gives itself, from a look at its text."""
+    try:
+        match = _NAME_LINE.search(read_source(file.path).text)
+    except ReadFault:
         return None
-    match = _NAME_LINE.search(head)
     return match[1] if match else None
 
 
 def _package_folder(module: str) -> Path | None:
-    """Return a package's folder without running the package."""
+    """Return a package's folder without running the package, or None if there is none."""
+    name, *rest = module.split(".")
     try:
-        spec = find_spec(module)
+        # Only the outermost package: looking for an inner one would run its parents.
+        spec = find_spec(name)
     except (ImportError, ValueError):
         return None
     locations = list(spec.submodule_search_locations or ()) if spec else []
-    return Path(locations[0]) if locations else None
+    return Path(locations[0], *rest) if locations else None

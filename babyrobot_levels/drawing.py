@@ -13,6 +13,9 @@ BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
 RESERVED = frozenset("#SEoO+-|: ")
 """Characters that a legend cannot define."""
 
+MAX_PROBLEMS = 100
+"""Of a drawing with more faults than this, only so many are told."""
+
 SOLID, GLASS, OPEN = "|", ":", " "
 """The marks of a side, in both directions."""
 
@@ -126,12 +129,18 @@ class _Parser:
         self.max_size = max_size
         self.problems: list[DrawingProblem] = []
 
+    @property
+    def is_full(self) -> bool:
+        return len(self.problems) >= MAX_PROBLEMS
+
     def parse(self) -> tuple[Drawing | None, list[DrawingProblem]]:
         if not self._check_frame():
             return None, self.problems
         width = len(self.rows[0]) // 4
         cells, east, south = [], [], []
         for number, row in enumerate(self.rows):
+            if self.is_full:
+                break
             if number % 2:
                 shown, marks = self._cell_row(number, row, width)
                 cells.append(shown)
@@ -147,6 +156,8 @@ class _Parser:
     def _report(
         self, row: int, column: int, length: int, message: str, help_text: str | None = None
     ) -> None:
+        if self.is_full:
+            return
         self.problems.append(
             DrawingProblem(
                 self.first + row, self.indent + column, max(length, 1), message, help_text
@@ -159,7 +170,7 @@ class _Parser:
             self._report(0, 0, 1, "the drawing is empty", "draw at least one cell, as in `| S |`")
             return False
         length = len(self.rows[0])
-        if length < 5 or length % 4 != 1:
+        if length < 5 or length % 4 != 1 or self.rows[0][0] != "+":
             self._report(
                 0,
                 0,
@@ -169,7 +180,7 @@ class _Parser:
             )
             return False
         for number, row in enumerate(self.rows):
-            if len(row) != length:
+            if len(row) != length and not self.is_full:
                 more = len(row) > length
                 self._report(
                     number,

@@ -40,13 +40,16 @@ class LevelError(BabyRobotError, ValueError):
 class LevelNotFoundError(BabyRobotError, LookupError):
     """No level has that name. `name` is what was asked for, `nearest` are the likeliest ones."""
 
-    def __init__(self, name: str, nearest: Sequence[str] = ()):
+    def __init__(self, name: str, nearest: Sequence[str] = (), is_file: bool = False):
         self.name = name
         self.nearest = tuple(nearest)
-        super().__init__(name, self.nearest)
+        self.is_file = is_file
+        super().__init__(name, self.nearest, is_file)
 
     def __str__(self) -> str:
-        text = f"there is no level called {self.name!r}"
+        name = self.name if len(self.name) <= 100 else self.name[:99] + "…"
+        what = "file" if self.is_file else "level called"
+        text = f"there is no {what} {name!r}"
         if self.nearest:
             text += f"; did you mean {' or '.join(map(repr, self.nearest))}?"
-        return text + " (`babyrobot list` shows all levels)"
+        return text if self.is_file else text + " (`babyrobot list` shows all levels)"

@@ -72,7 +72,8 @@ def decode(data: bytes, name: str) -> SourceFile:
             f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8",
             "save the file as UTF-8",
         )
-        column = error.start - (data.rfind(b"\n", 0, error.start) + 1) + 1
+        before = data[data.rfind(b"\n", 0, error.start) + 1 : error.start]
+        column = len(before.decode("utf-8", "replace").removeprefix("\ufeff")) + 1
         place = Position(line, column)
         old = fault.diagnostic
         fault.diagnostic = Diagnostic(

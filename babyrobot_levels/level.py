@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 import re
 from collections.abc import Mapping
 from functools import cached_property
@@ -33,10 +34,13 @@ class Level(LevelFields):
 
     _origin: SourceFile | None = PrivateAttr(default=None)
     _theme: Theme | None = PrivateAttr(default=None)
+    _folder: Path | None = PrivateAttr(default=None)
 
-    def remember_origin(self, origin: SourceFile, theme: Theme | None) -> None:
-        """Note the text that the level was read from, and the theme that it names."""
-        self._origin, self._theme = origin, theme
+    def remember_origin(
+        self, origin: SourceFile | None, folder: Path | None, theme: Theme | None
+    ) -> None:
+        """Note the text and the folder that the level is from, and the theme that it names."""
+        self._origin, self._folder, self._theme = origin, folder, theme
 
     # -- what it comes to ------------------------------------------------------------------
 
@@ -99,24 +103,30 @@ class Level(LevelFields):
         Raises:
             LevelError: the level would not be valid.
         """
-        data = {**self.to_dict(), **{name: _plain(value) for name, value in fields.items()}}
+        from babyrobot_levels.reading import from_mapping
+
+        data = {**self.to_dict(), **fields}
         given = {name: value for name, value in data.items() if value is not None}
         name = self.name if "name" not in fields else None
-        other = from_mapping(given, name=name)
+        other = from_mapping(given, name=name, folder=self._folder)
         other._origin = self._origin
-        if "theme" not in fields:
-            other._theme = self._theme
         return other
 
     def with_maze_seed(self, seed: int) -> Level:
         """Return the level with the maze that grows from `seed`.
 
         Raises:
-            LevelError: the level has no maze.
+            LevelError: the level has no maze, or the seed is no whole number.
         """
         if self.maze is None:
             raise LevelError(message="the level has no maze that could have a seed")
-        maze = Maze.model_validate({**self.maze.model_dump(exclude_unset=True), "seed": seed})
+        try:
+            number = operator.index(seed)
+        except TypeError:
+            raise LevelError(message=f"a maze's seed is a whole number, not {seed!r}") from None
+        if isinstance(seed, bool):
+            raise LevelError(message=f"a maze's seed is a whole number, not {seed!r}")
+        maze = Maze.model_validate({**self.maze.model_dump(exclude_unset=True), "seed": number})
         other = self.model_copy(update={"maze": maze})
         for name in ("_grid", "_mdp"):
             other.__dict__.pop(name, None)
@@ -145,11 +155,11 @@ class Level(LevelFields):
             whole: whether to add what the file did not say itself but stood beside it, the name
                 and a theme of its own, so that the data alone makes the same level.
         """
-        data = _plain(self.model_dump(by_alias=True, exclude_unset=True))
+        data = plain(self.model_dump(by_alias=True, exclude_unset=True))
         if whole and self.name is not None:
             data["name"] = self.name
         if whole and self._theme is not None:
-            data["theme"] = _plain(self._theme)
+            data["theme"] = plain(self._theme)
         for field, drawn in self._drawn.items():
             # The drawing says these itself.
             if field in data:
@@ -193,41 +203,19 @@ class Level(LevelFields):
         return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
 
 
-def from_mapping(data: Mapping[str, Any], *, name: str | None = None) -> Level:
-    """Return the level that a mapping says.
-
-    Raises:
-        LevelError: the mapping is not a valid level.
-    """
-    from babyrobot_levels.loader import validate
-
-    level, problems = validate(dict(data), Level)
-    if level is None:
-        told = (f"{_show_route(problem.route)}{problem.message}" for problem in problems)
-        raise LevelError(message="the level is not valid:\n" + "\n".join(f"  {t}" for t in told))
-    if level.name is None and name is not None:
-        level.__dict__["name"] = name
-    return level
-
-
 def slug(text: str) -> str | None:
     """Return a file's stem as a level's name, or None where nothing of it is left."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None
 
 
-def _show_route(route: tuple[str | int, ...]) -> str:
-    text = ""
-    for segment in route:
-        text += f"[{segment}]" if isinstance(segment, int) else f".{segment}" if text else segment
-    return f"{text}: " if text else ""
-
-
-def _plain(value: Any) -> Any:
-    """Return pydantic's data as a file holds it: lists for tuples, no models."""
+def plain(value: Any) -> Any:
+    """Return data as a file holds it: lists, no models, no NumPy, no paths."""
     if hasattr(value, "model_dump"):
         value = value.model_dump(by_alias=True, exclude_unset=True)
-    if isinstance(value, dict):
-        return {key: _plain(inner) for key, inner in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(inner) for inner in value]
+        return [plain(inner) for inner in value]
     return value

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import copy
+import dataclasses
+import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, TypeVar
 
@@ -13,10 +14,12 @@ from babyrobot_levels.messages import complaint
 from babyrobot_levels.source import Position, SourceFile, Span
 from babyrobot_levels.spec.base import FORM_PREFIX
 from babyrobot_levels.spec.problem import Problem, SpecProblems
-from babyrobot_levels.syntax.document import Document, YamlFault, YamlProblem
+from babyrobot_levels.syntax.document import Document, Node, YamlFault, YamlProblem
 from babyrobot_levels.syntax.reader import read
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
+
+Route = tuple[str | int, ...]
 
 _GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit"}
 """Where one of these is faulty, a check of the geometry would only report what follows from it."""
@@ -38,12 +41,18 @@ def parse(
     found = [_from_yaml(problem, source) for problem in document.problems]
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not hold a mapping of fields"
-        problem = Problem("BR110", (), f"the file {what}", "a level begins with `version: 1`")
+        help_text = "a level begins with `version: 1`"
+        if isinstance(document.data, str) and re.match(r"[a-z_]+:\S", document.data):
+            help_text = "put a blank behind the `:`"
+        problem = Problem("BR110", (), f"the file {what}", help_text)
         return None, [*found, _diagnostic(problem, document)]
     value, problems = validate(document.data, model)
     if value is not None:
         problems = [problem for check in checks for problem in check(value)]
-    found += [_diagnostic(problem, document) for problem in problems]
+    # A value that could not be read is told once, and not again for what stands in its place.
+    unread = {problem.span for problem in document.problems}
+    told = (_diagnostic(problem, document) for problem in problems)
+    found += [diagnostic for diagnostic in told if diagnostic.span not in unread]
     found.sort(key=lambda diagnostic: (diagnostic.line, diagnostic.column))
     return (None if found else value), found
 
@@ -57,13 +66,13 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
     problems = _problems(details, data, model)
     if not any(_spec_problems(detail) for detail in details):
         # Single fields are faulty, so the whole was not checked yet: check what is left of it.
-        rest = _without(data, [problem.route for problem in problems])
-        if rest is not None:
+        rest = _Rest(data, [problem.route for problem in problems])
+        if rest.is_enough:
             try:
-                model.model_validate(rest)
+                model.model_validate(rest.data)
             except ValidationError as error:
-                details = [d for d in error.errors(include_url=False) if _spec_problems(d)]
-                problems += [_shifted(p, data, rest) for p in _problems(details, rest, model)]
+                whole = [d for d in error.errors(include_url=False) if _spec_problems(d)]
+                problems += map(rest.in_whole, _problems(whole, rest.data, model))
     return None, problems
 
 
@@ -97,13 +106,15 @@ def _spec_problems(detail: Any) -> tuple[Problem, ...]:
     return error.problems if isinstance(error, SpecProblems) else ()
 
 
-def _subject(route: tuple[str | int, ...]) -> str:
+def _subject(route: Route) -> str:
     """Return the words that a message begins with: which field it speaks of."""
-    names = [segment for segment in route if isinstance(segment, str)]
-    return f"`{names[-1]}` " if names else ""
+    text = ""
+    for segment in route:
+        text = f"{text}[{segment}]" if isinstance(segment, int) else segment
+    return f"`{text}` " if text else ""
 
 
-def _route(location: Sequence[str | int], data: Any) -> tuple[str | int, ...]:
+def _route(location: Sequence[str | int], data: Any) -> Route:
     """Return pydantic's location without the segments that are not in the file."""
     route: list[str | int] = []
     for segment in location:
@@ -141,48 +152,35 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
     return [model for argument in inner for model in _models_in(argument)]
 
 
-def _without(data: dict[str, Any], routes: list[tuple[str | int, ...]]) -> dict[str, Any] | None:
-    """Return the data without its faulty parts, or None where too little is left to check."""
-    if any(not route or route[0] in _GEOMETRY_NEEDS for route in routes):
-        missing_version = all(not route for route in routes) and "version" not in data
-        if not missing_version:
-            return None
-    rest: dict[str, Any] = copy.deepcopy(data)
-    rest["version"] = 1
-    for route in sorted(routes, key=str, reverse=True):
-        if not route:
-            continue
-        field, entry = route[0], route[1] if len(route) > 1 else None
-        if isinstance(entry, int) and isinstance(rest.get(str(field)), list):
-            # A hole keeps the other entries' numbers; it is closed below.
-            rest[str(field)][entry] = _HOLE
-        else:
-            rest.pop(str(field), None)
-    for field, value in rest.items():
-        if isinstance(value, list):
-            rest[field] = [entry for entry in value if entry is not _HOLE]
-    return rest
+class _Rest:
+    """Data without its faulty parts: faulty fields, and faulty entries of lists."""
+
+    def __init__(self, data: dict[str, Any], routes: list[Route]):
+        faulty = {route[:2] if _is_entry(route, data) else route[:1] for route in routes if route}
+        self.is_enough = not any(route[0] in _GEOMETRY_NEEDS for route in faulty)
+        self.data: dict[str, Any] = {"version": 1}
+        self.kept: dict[str, list[int]] = {}
+        for field, value in data.items():
+            if (field,) in faulty:
+                continue
+            if isinstance(value, list):
+                kept = [index for index in range(len(value)) if (field, index) not in faulty]
+                self.kept[field] = kept
+                value = [value[index] for index in kept]
+            self.data[field] = value
+
+    def in_whole(self, problem: Problem) -> Problem:
+        """Return the problem with the number that its list entry has in the whole data."""
+        field, index = (*problem.route, None, None)[:2]
+        if not isinstance(index, int) or str(field) not in self.kept:
+            return problem
+        route = (str(field), self.kept[str(field)][index], *problem.route[2:])
+        return dataclasses.replace(problem, route=route)
 
 
-_HOLE: Any = object()
-
-
-def _shifted(problem: Problem, data: dict[str, Any], rest: dict[str, Any]) -> Problem:
-    """Return the problem with the number that its list entry has in the whole data."""
-    if len(problem.route) < 2 or not isinstance(problem.route[1], int):
-        return problem
-    field, index = str(problem.route[0]), problem.route[1]
-    whole = data.get(field)
-    if not isinstance(whole, list) or not isinstance(rest.get(field), list):
-        return problem
-    wanted, position = rest[field], -1
-    for count in range(index + 1):
-        position = next(
-            (p for p in range(position + 1, len(whole)) if whole[p] == wanted[count]), position
-        )
-    route = (field, position, *problem.route[2:])
-    return Problem(
-        problem.code, route, problem.message, problem.help, key=problem.key, mark=problem.mark
+def _is_entry(route: Route, data: dict[str, Any]) -> bool:
+    return (
+        len(route) > 1 and isinstance(route[1], int) and isinstance(data.get(str(route[0])), list)
     )
 
 
@@ -227,15 +225,21 @@ def _drawing_span(document: Document, problem: Problem) -> Span | None:
         return None
     row, column, length = problem.mark
     # The text of a block scalar begins on the line below its `|`, less a common indentation.
-    line = node.span.start.line + 1 + row
-    shown = node.data.split("\n")
-    text = shown[row] if row < len(shown) else ""
-    whole = document.source.line(line)
-    indent = len(whole) - len(text) if whole.endswith(text) and text else _indent(document, node)
-    start = Position(line, indent + column + 1)
-    return Span(start, Position(line, start.column + length))
+    first = node.span.start.line + 1
+    if not document.source.line(first + row).strip():
+        return None
+    start = Position(first + row, _indent(document, node, first) + column + 1)
+    return Span(start, Position(start.line, start.column + length))
 
 
-def _indent(document: Document, node: Any) -> int:
-    first = document.source.line(node.span.start.line + 1)
-    return len(first) - len(first.lstrip(" "))
+def _indent(document: Document, node: Node, first: int) -> int:
+    """Return how many blanks stand before the text of a block scalar that begins on a line."""
+    begin = 0
+    for line in range(first, len(document.source.lines) + 1):
+        whole = document.source.line(line)
+        end = node.data.find("\n", begin)
+        text = node.data[begin : end if end >= 0 else None]
+        if text:
+            return len(whole) - len(text)
+        begin = end + 1
+    return 0

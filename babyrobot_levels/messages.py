@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from babyrobot_levels.spec.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
+from babyrobot_levels.spec.color import NAMES, PATTERN
+from babyrobot_levels.spec.looks import THEME_NAME
 from babyrobot_levels.suggest import did_you_mean
 
 Complaint = tuple[str, str, str | None]
@@ -21,23 +24,39 @@ TYPES = {
 }
 
 
+FORMS = {
+    "exit": "a cell `[x, y]`, a list of cells, or `none`",
+    "start": "a cell `[x, y]`, or a list of cells",
+    "seed": "a whole number or `random`",
+    "to": "a cell `[x, y]` or `start`",
+    "skid": "a number from 0 to 1, or a mapping",
+    "theme": "a theme's name or a mapping",
+    "side_panel": "`none`, a width, or a mapping",
+    "bottom_panel": "`none`, a height, or a mapping",
+}
+"""What fields can hold that can be written in several ways."""
+
+
 def complaint(error: Any, fields: list[str]) -> Complaint:
     """Return code, message and help for one of pydantic's error details.
 
     `fields` are the names that the mapping around the fault knows.
     """
     kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
-    field = str(error["loc"][-1]) if error["loc"] else ""
+    names = [s for s in error["loc"] if isinstance(s, str) and not s.startswith(FORM_PREFIX)]
+    field = names[-1] if names else ""
+    is_form = bool(error["loc"]) and str(error["loc"][-1]).startswith(FORM_PREFIX)
     if kind == "extra_forbidden":
-        return (
-            "BR201",
-            f"there is no field `{field}` here{did_you_mean(field, fields)}",
-            _list(fields),
-        )
+        guess = did_you_mean(field, fields)
+        return "BR201", f"there is no field `{field}` here{guess}", _list(fields)
     if kind == "missing":
         return "BR202", f"the field `{field}` is missing", _missing_help(field)
+    if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
+        code = "BR204" if kind == "literal_error" else "BR203"
+        return code, f"must be {FORMS[field]}, not {show(value)}", _type_help(field, kind, value)
     if kind in TYPES:
-        return "BR203", f"must be {TYPES[kind]}, not {show(value)}", _type_help(field, value)
+        help_text = _type_help(field, kind, value)
+        return "BR203", f"must be {TYPES[kind]}, not {show(value)}", help_text
     if kind == "pair":
         return "BR203", f"must be {context['what']}, not {show(value)}", None
     if kind in ("literal_error", "enum"):
@@ -72,6 +91,10 @@ def show(value: Any) -> str:
     return f"`{_short(value)}`"
 
 
+def _named(value: Any) -> str:
+    return f"`{_short(value)}`" if value != "" else "an empty text"
+
+
 def _short(value: Any) -> str:
     text = str(value).replace("\n", " ")
     return text if len(text) <= 40 else text[:37] + "…"
@@ -87,13 +110,17 @@ def _missing_help(field: str) -> str | None:
     return "a level begins with `version: 1`" if field == "version" else None
 
 
-def _type_help(field: str, value: Any) -> str | None:
+def _type_help(field: str, kind: str, value: Any) -> str | None:
     if value is None:
         if field == "exit":
             return "for a level without an exit, write `exit: none`"
         return "give it a value, or leave the field out"
-    if isinstance(value, str) and value.strip().lower() in ("yes", "no", "on", "off"):
+    is_word = isinstance(value, str) and value.strip().lower() in ("yes", "no", "on", "off")
+    if kind == "bool_type" and is_word:
         return "write `true` or `false`"
+    is_cell = isinstance(value, list) and len(value) == 2
+    if kind.startswith("model_") and is_cell and all(isinstance(v, int) for v in value):
+        return f"write `at: [{value[0]}, {value[1]}]`"
     return None
 
 
@@ -106,6 +133,8 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
             f"this is version 1 of the language, not {show(value)}",
             "write `version: 1`",
         )
+    if names == list(SIDES):
+        names += SIDE_NAMES
     guess = did_you_mean(value, names) if isinstance(value, str) else ""
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     return "BR204", f"must be {shown}, not {show(value)}{guess}", None
@@ -130,14 +159,10 @@ def _length(kind: str, context: dict[str, Any]) -> Complaint:
 
 
 def _pattern(pattern: str, value: Any) -> Complaint:
-    from babyrobot_levels.spec.base import SLUG
-    from babyrobot_levels.spec.color import NAMES, PATTERN
-    from babyrobot_levels.spec.looks import THEME_NAME
-
     if pattern == PATTERN:
         return (
             "BR403",
-            f"{show(value)} is no colour{did_you_mean(str(value), NAMES)}",
+            f"{_named(value)} is no colour{did_you_mean(str(value), NAMES)}",
             "a CSS name in small letters, `#rrggbb`, `rgb(…)`, `rgba(…)` or `hsl(…)`",
         )
     if pattern == SLUG:
@@ -147,9 +172,13 @@ def _pattern(pattern: str, value: Any) -> Complaint:
             "for example `first-maze`; a `title` may hold anything",
         )
     if pattern == THEME_NAME:
-        return "BR401", f"{show(value)} is no theme's name", "a theme is named, not given as a path"
+        return (
+            "BR401",
+            f"{_named(value)} is no theme's name",
+            "a theme is named, not given as a path",
+        )
     return (
         "BR207",
-        f"{show(value)} cannot be a key of the legend",
+        f"{_named(value)} cannot be a key of the legend",
         "one printable ASCII character that the drawing does not use already (# S E o O + - | :)",
     )

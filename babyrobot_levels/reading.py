@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
-from babyrobot_levels.level import Level, slug
-from babyrobot_levels.loader import parse
+from babyrobot_levels.level import Level, plain, slug
+from babyrobot_levels.loader import parse, validate
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.spec.problem import Problem
 from babyrobot_levels.suggest import did_you_mean
+from babyrobot_levels.syntax.emitter import emit
 
 
 def loads(text: str, *, name: str = "<text>") -> Level:
@@ -45,7 +48,10 @@ def check(path_or_text: str | Path) -> list[Diagnostic]:
     """
     if isinstance(path_or_text, str) and ("\n" in path_or_text or ": " in path_or_text):
         return read_level(SourceFile("<text>", path_or_text))[1]
-    return read_file(Path(path_or_text))[1]
+    path = Path(path_or_text)
+    with suppress(RuntimeError):
+        path = path.expanduser()
+    return read_file(path)[1]
 
 
 def read_file(path: Path) -> tuple[Level | None, list[Diagnostic]]:
@@ -64,35 +70,64 @@ def read_level(
 
     `path` is the file that the text is from: it gives the level's name, and themes beside it.
     """
-    themes: list[Theme] = []
-    foreign: list[Diagnostic] = []
-
-    def check_theme(level: Level) -> Iterable[Problem]:
-        if isinstance(level.theme, Theme) or level.theme in BUILTIN_THEMES:
-            return
-        folder = path.parent / "themes" if path is not None else None
-        theme, found = _read_theme(folder, level.theme) if folder else (None, [])
-        if theme is not None:
-            themes.append(theme)
-        elif found:
-            foreign.extend(found)
-        else:
-            known = [*BUILTIN_THEMES, *_theme_names(folder)]
-            yield Problem(
-                "BR401",
-                ("theme",),
-                f"there is no theme `{level.theme}`{did_you_mean(level.theme, known)}",
-                "known here: " + ", ".join(known),
-            )
-
-    level, diagnostics = parse(source, Level, [check_theme])
-    diagnostics += foreign
+    folder = path.parent if path is not None else None
+    theme = _ThemeCheck(folder)
+    level, diagnostics = parse(source, Level, [theme])
+    diagnostics += theme.diagnostics
     if level is None or diagnostics:
         return None, diagnostics
     if level.name is None and path is not None:
         level.__dict__["name"] = slug(path.stem)
-    level.remember_origin(source, themes[0] if themes else None)
+    level.remember_origin(source, folder, theme.found)
     return level, []
+
+
+def from_mapping(
+    data: Mapping[str, Any], *, name: str | None = None, folder: Path | None = None
+) -> Level:
+    """Return the level that a mapping of the language's fields says.
+
+    Args:
+        data: the fields. NumPy's numbers and arrays, tuples and models are taken too.
+        name: the level's name, if the mapping gives none.
+        folder: where `themes/` may stand.
+
+    Raises:
+        LevelError: the mapping is not a valid level. The diagnostics point into the mapping
+            as it would be written in a file.
+    """
+    fields = plain(data)
+    theme = _ThemeCheck(folder)
+    level, problems = validate(fields, Level)
+    if level is None or [*theme(level), *theme.diagnostics]:
+        shown = parse(SourceFile("<mapping>", emit(fields)), Level, [_ThemeCheck(folder)])[1]
+        told = "; ".join(problem.message for problem in problems)
+        raise LevelError([*shown, *theme.diagnostics], None if shown else told or None)
+    if level.name is None and name is not None:
+        level.__dict__["name"] = name
+    level.remember_origin(None, folder, theme.found)
+    return level
+
+
+class _ThemeCheck:
+    """Looks for the theme that a level names: among ours, or in `themes/` of its folder."""
+
+    def __init__(self, folder: Path | None):
+        self.folder = folder / "themes" if folder is not None else None
+        self.found: Theme | None = None
+        self.diagnostics: list[Diagnostic] = []
+
+    def __call__(self, level: Level) -> list[Problem]:
+        name = level.theme
+        if isinstance(name, Theme) or name in BUILTIN_THEMES:
+            return []
+        if self.folder is not None:
+            self.found, self.diagnostics = _read_theme(self.folder, name)
+        if self.found is not None or self.diagnostics:
+            return []
+        known = [*BUILTIN_THEMES, *_theme_names(self.folder)]
+        message = f"there is no theme `{name}`{did_you_mean(name, known)}"
+        return [Problem("BR401", ("theme",), message, "known here: " + ", ".join(known))]
 
 
 def _whole(result: tuple[Level | None, list[Diagnostic]]) -> Level:

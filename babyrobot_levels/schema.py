@@ -30,8 +30,11 @@ def level_schema() -> dict[str, Any]:
     schema = _schema(LevelFields, "A level, version 1")
     schema["properties"]["exit"]["default"] = "the bottom-right cell"
     schema["dependencies"] = {
-        "legend": ["map"],
-        "map": {"not": {"anyOf": [{"required": [field]} for field in DRAWN_FIELDS]}},
+        "legend": {"required": ["map"], "properties": {"map": {"type": "string"}}},
+        "map": {
+            "if": {"properties": {"map": {"type": "string"}}},
+            "then": {"not": {"anyOf": [{"required": [field]} for field in DRAWN_FIELDS]}},
+        },
     }
     return schema
 

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import re
 import unicodedata
-from dataclasses import dataclass, field
+from bisect import bisect_right
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 EXCERPT_WIDTH = 96
@@ -27,25 +30,40 @@ class Span(NamedTuple):
 START = Position(1, 1)
 
 
-@dataclass(frozen=True, slots=True)
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+@dataclass(frozen=True)
 class SourceFile:
     """A text and the name under which messages speak of it.
 
-    `lines` are the text's lines without their line ends, in the sense of YAML: a form feed
-    or a Unicode separator inside a line does not end it.
+    Lines end as in editors, with LF, CRLF or CR; a form feed or a Unicode separator ends none.
     """
 
     name: str
     text: str
-    lines: tuple[str, ...] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        unified = self.text.replace("\r\n", "\n").replace("\r", "\n")
-        object.__setattr__(self, "lines", tuple(unified.split("\n")))
+        # Parsers count a byte order mark as a character; editors do not.
+        object.__setattr__(self, "text", self.text.removeprefix("\ufeff"))
+
+    @cached_property
+    def lines(self) -> tuple[str, ...]:
+        """The lines of the text, without their line ends."""
+        return tuple(_LINE_END.split(self.text))
 
     def line(self, number: int) -> str:
         """Return line `number` (from 1), or an empty text past the end."""
         return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
+
+    def position(self, index: int) -> Position:
+        """Return the place of a character, counted from 0 through the whole text."""
+        line = bisect_right(self._starts, index)
+        return Position(line, index - self._starts[line - 1] + 1)
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [0, *(match.end() for match in _LINE_END.finditer(self.text))]
 
     def excerpt(self, span: Span) -> tuple[str, str]:
         """Return the span's first line and a line of carets below the span.

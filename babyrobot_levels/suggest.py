@@ -14,7 +14,11 @@ def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     if len(name) > MAX_LENGTH:
         return []
     by_folded = {candidate.casefold(): candidate for candidate in known}
-    matches = difflib.get_close_matches(name.casefold(), list(by_folded), n=count, cutoff=0.6)
+    folded = name.casefold()
+    matches = difflib.get_close_matches(folded, list(by_folded), n=count, cutoff=0.6)
+    if not matches and len(folded) > 2:
+        # An abbreviation looks unlike the whole word, and is meant all the same.
+        matches = [candidate for candidate in by_folded if candidate.startswith(folded)][:count]
     return [by_folded[match] for match in matches]
 
 

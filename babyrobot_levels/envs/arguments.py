@@ -9,7 +9,6 @@ from typing import Any
 from gymnasium import error
 
 from babyrobot_levels.level import Level
-from babyrobot_levels.mdp import Mdp
 from babyrobot_levels.suggest import did_you_mean
 
 MAX_IMAGE_SIDE = 4096
@@ -58,22 +57,27 @@ def checked_action(action: Any, count: int) -> int:
     return number
 
 
-def checked_start(start: Any, level: Level, mdp: Mdp) -> int:
-    """Return the state of a cell `[x, y]` at which an episode can begin.
+def checked_start(start: Any, level: Level) -> int | None:
+    """Return the state of a cell `[x, y]` at which an episode can begin, None for None.
+
+    Whether an episode can begin there does not depend on the maze.
 
     Raises:
         ValueError: it is no cell, or the robot cannot stand there or would be done there.
     """
+    if start is None:
+        return None
     try:
         x, y = (operator.index(number) for number in start)
     except (TypeError, ValueError):
         raise ValueError(f"options['start'] must be a cell, [x, y], not {start!r}") from None
-    if not (0 <= x < mdp.width and 0 <= y < mdp.height):
+    width, height = level.size
+    if not (0 <= x < width and 0 <= y < height):
         raise ValueError(
-            f"the start [{x}, {y}] is off the grid, which is {mdp.width} wide and {mdp.height} high"
+            f"the start [{x}, {y}] is off the grid, which is {width} wide and {height} high"
         )
-    state = y * mdp.width + x
-    if mdp.over[state]:
+    state = y * width + x
+    if level.compile().over[state]:
         raise ValueError(
             f"at the start [{x}, {y}] the episode would be over: "
             "it is an exit, blocked, or ends the episode"
@@ -81,3 +85,23 @@ def checked_start(start: Any, level: Level, mdp: Mdp) -> int:
     if any(warp.at == (x, y) and warp.when == "enter" for warp in level.warps):
         raise ValueError(f"the start [{x}, {y}] is a warp, and nobody can stand there")
     return state
+
+
+def checked_maze_seed(maze_seed: Any, level: Level) -> int | None:
+    """Return the seed of the maze that a reset asks for, None for None.
+
+    Raises:
+        ValueError: it is no whole number, or the level's maze is not random.
+    """
+    if maze_seed is None:
+        return None
+    if not level.has_random_maze:
+        raise ValueError("options['maze_seed'] is for levels that say `maze: {seed: random}`")
+    try:
+        if isinstance(maze_seed, bool):
+            raise TypeError
+        return operator.index(maze_seed)
+    except TypeError:
+        raise ValueError(
+            f"options['maze_seed'] must be a whole number, not {maze_seed!r}"
+        ) from None

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from gymnasium.envs.registration import register, registry
-
 from babyrobot_levels.catalogue import gallery_folder, yaml_files
 from babyrobot_levels.files import ReadFault, read_source
 from babyrobot_levels.syntax.document import YamlFault
@@ -21,6 +19,9 @@ def register_all() -> None:
     The environments check the order of calls themselves (`ResetNeeded`), so that a first
     `render` needs no `reset`, and Gymnasium's wrapper for it is left out.
     """
+    # Here, because importing Gymnasium is what calls this function when ours is imported first.
+    from gymnasium.envs.registration import register, registry
+
     if LEVEL_ID in registry:
         return
     register(LEVEL_ID, entry_point="babyrobot_levels.envs.single:make_level", order_enforce=False)

@@ -18,6 +18,7 @@ from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_action,
     checked_image_size,
+    checked_maze_seed,
     checked_start,
 )
 from babyrobot_levels.envs.observations import OBSERVATIONS, make_observer
@@ -144,16 +145,17 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         options = options or {}
         rng = self.np_random
         info: dict[str, Any] = {}
+        # All that is asked for is checked before anything changes: a refused reset leaves the
+        # running episode as it is.
+        start = checked_start(options.get("start"), self.level)
+        maze_seed = checked_maze_seed(options.get("maze_seed"), self._given)
         if self._given.has_random_maze:
-            maze_seed = options.get("maze_seed")
             if maze_seed is None:
                 maze_seed = int(rng.integers(MAX_MAZE_SEED))
             self._enter(self._given.with_maze_seed(maze_seed))
             info["maze_seed"] = maze_seed
-        elif "maze_seed" in options:
-            raise ValueError("maze_seed is for levels that say `maze: {seed: random}`")
-        if options.get("start") is not None:
-            self._state = checked_start(options["start"], self.level, self._mdp)
+        if start is not None:
+            self._state = start
         elif len(self._starts) == 1:
             self._state = self._starts[0]
         else:
@@ -177,7 +179,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
             InvalidAction: the action space does not contain the action.
         """
         cell = self._cells[self._state]
-        if cell is None or self._state < 0:
+        if cell is None:
             # Every state of a running episode was looked up when the robot came to it.
             raise error.ResetNeeded("call `reset()` before the first `step()`")
         try:
@@ -217,7 +219,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         """
         mdp, first = self._mdp, self._first_action
         actions = range(first, NUM_ACTIONS)
-        mask = mdp.possible[state, first:].copy()
+        mask = mdp.possible[state, first:]
         cell = (
             {action - first: self._outcomes(state, action) for action in actions},
             self._observer.at(state),

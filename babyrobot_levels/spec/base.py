@@ -92,7 +92,7 @@ Cell = Annotated[
 _Extent = Annotated[Integer, Field(ge=1, le=MAX_SIZE)]
 Size = Annotated[
     tuple[_Extent, _Extent],
-    BeforeValidator(_pair("a size, `[width, height]`")),
+    BeforeValidator(_pair("`[width, height]`")),
     _pair_schema({"type": "integer", "minimum": 1, "maximum": MAX_SIZE}),
 ]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
@@ -49,11 +50,10 @@ def _exit_form(value: Any) -> str:
 
 
 def _version(value: Any) -> Any:
-    return (
-        1
-        if isinstance(value, int | float) and not isinstance(value, bool) and value == 1
-        else value
-    )
+    # `Literal[1]` would take `true` for 1, and not take 1.0.
+    if isinstance(value, bool):
+        return str(value).lower()
+    return 1 if value == 1 else value
 
 
 class LevelFields(Model):
@@ -127,11 +127,18 @@ class LevelFields(Model):
         """Note how many of the first entries of a field come from the drawing."""
         self._drawn.update(counts)
 
+    def written(self, field: str) -> Iterator[tuple[int, Any]]:
+        """Yield the entries of a list that the file gives, with their numbers there.
+
+        What a drawing says comes before them in the field, and is left out.
+        """
+        return enumerate(getattr(self, field)[self._drawn.get(field, 0) :])
+
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Fill in what the drawing says, and check what only the whole level shows."""
         problems: list[Problem] = []
-        if "map" in self.model_fields_set or "legend" in self.model_fields_set:
+        if self.map is not None or "legend" in self.model_fields_set:
             derived, problems = expand_map(self)
             # The model is frozen for its users; these fields are the drawing's own.
             for field, value in derived.items():

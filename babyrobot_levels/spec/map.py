@@ -39,6 +39,16 @@ def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
         for field in DRAWN_FIELDS
         if field in level.model_fields_set
     ]
+    if "\n" not in level.map.strip():
+        return {}, [
+            *problems,
+            Problem(
+                "BR312",
+                ("map",),
+                "the drawing is a single line",
+                "write `map: |`, and the drawing on the lines below it",
+            ),
+        ]
     drawing, faults = d.parse(level.map, lambda character: character in level.legend, MAX_SIZE)
     if drawing is None:
         problems += [

@@ -108,28 +108,28 @@ def _check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator
                 yield _off(level, f"the {field}", cell, route)
             elif blocked(cell):
                 code = "BR302" if field == "start" else "BR304"
-                how = "given" if field in level.model_fields_set else "left out and so"
+                given = field in level.model_fields_set
+                default = "" if given else ", where it is if nothing is said"
                 yield Problem(
                     code,
-                    route,
-                    f"the {field} ({how} {_show(cell)}) is on a blocked cell",
-                    f"move the {field}, or leave the cell free",
+                    route if given else _blocking(level, cell),
+                    f"the {field} {_show(cell)} is on a blocked cell{default}",
+                    f"put the {field} elsewhere, or leave the cell free",
                 )
             elif cell in seen:
                 yield Problem("BR305", route, f"{_show(cell)} is listed twice")
             elif field == "start" and cell in exits:
-                given = "exit" if "exit" in level.model_fields_set or level.map else "start"
-                default = "" if given == "exit" else ", the bottom-right cell if nothing is said"
                 yield Problem(
                     "BR303",
-                    route,
-                    f"the start {_show(cell)} is an exit too{default}",
+                    _given(level, route, ("exit",)),
+                    _start_is_exit(level, cell),
                     "move one of the two; a level without an exit says `exit: none`",
                 )
             elif field == "start" and cell in left:
+                number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
                 yield Problem(
                     "BR309",
-                    route,
+                    _given(level, route, ("warps", number, "at")),
                     f"the start {_show(cell)} is a warp, and nobody can stand there",
                     "start elsewhere, or let the warp act `when: leave`",
                 )
@@ -143,6 +143,32 @@ def _check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator
             seen.add(cell)
 
 
+def _given(level: LevelFields, route: Route, otherwise: Route) -> Route:
+    """Return the route of a start or an exit, or another where the file leaves it out."""
+    if level.map is not None:
+        return ("map",)
+    return route if route[0] in level.model_fields_set else otherwise
+
+
+def _blocking(level: LevelFields, cell: Cell) -> Route:
+    """Return the route of the rectangle that blocks a cell."""
+    for index, rectangle in enumerate(level.blocked):
+        (x, y), (columns, rows) = rectangle.at, rectangle.size
+        if x <= cell[0] < x + columns and y <= cell[1] < y + rows:
+            return ("blocked", index)
+    return ("blocked",)
+
+
+def _start_is_exit(level: LevelFields, cell: Cell) -> str:
+    if "exit" in level.model_fields_set or level.map is not None:
+        default = "" if "start" in level.model_fields_set else ", as where nothing is said"
+        return f"the exit {_show(cell)} is the start too{default}"
+    return (
+        f"the start {_show(cell)} is the exit too: "
+        "where nothing is said, the exit is the bottom-right cell"
+    )
+
+
 def _ends(level: LevelFields, cell: Cell) -> bool:
     """Tell whether an area ends the episode on the cell; the last one that says so counts."""
     for area in reversed(level.areas):
@@ -154,7 +180,7 @@ def _ends(level: LevelFields, cell: Cell) -> bool:
 
 def _check_rectangles(level: LevelFields) -> Iterator[Problem]:
     for field in ("areas", "blocked"):
-        for index, rectangle in enumerate(getattr(level, field)):
+        for index, rectangle in level.written(field):
             (x, y), (columns, rows) = rectangle.at, rectangle.size
             first, last = (x, y), (x + columns - 1, y + rows - 1)
             if not _inside(level, first):
@@ -165,8 +191,7 @@ def _check_rectangles(level: LevelFields) -> Iterator[Problem]:
 
 def _check_sides(level: LevelFields) -> Iterator[Problem]:
     for field in ("walls", "openings"):
-        entries: tuple[Opening, ...] = getattr(level, field)
-        for index, entry in enumerate(entries):
+        for index, entry in level.written(field):
             yield from _check_side(level, field, index, entry)
 
 
@@ -285,6 +310,7 @@ def _check_wind(level: LevelFields) -> Iterator[Problem]:
             yield Problem(
                 "BR315",
                 ("wind", side),
-                f"the wind has {len(strengths)} strengths, and there are {count} {line}s",
-                f"give one strength for each {line}",
+                f"`{side}` gives {len(strengths)} strength{'s' * (len(strengths) != 1)} "
+                f"for {count} {line}{'s' * (count != 1)}",
+                f"give one for each {line}",
             )

@@ -55,12 +55,12 @@ class _Builder:
         self.nodes = 0
 
     def build(self) -> Document:
-        # The parser counts a byte order mark as a character of line 1; editors do not.
-        text = self.source.text.removeprefix("\ufeff")
         try:
-            parser = _Parser(text)
+            parser = _Parser(self.source.text)
         except yaml.YAMLError as error:
             raise YamlFault(self._syntax_problem(error)) from None
+        except UnicodeEncodeError as error:
+            raise YamlFault(self._character_problem(error.start)) from None
         try:
             documents = 0
             while True:
@@ -188,7 +188,7 @@ class _Builder:
             raise YamlFault(
                 YamlProblem("BR108", span, f"the alias `*{event.anchor}` would contain itself")
             )
-        node = Node(target.data, span, target.block, target.keys, target.children, target.size)
+        node = Node(target.data, span, False, target.keys, target.children, target.size)
         self._add(node, None)
 
     def _scalar(self, event: Any, span: Span) -> Any:
@@ -228,29 +228,31 @@ class _Builder:
                 )
             )
 
-    @staticmethod
-    def _span(event: Any) -> Span:
-        start, end = event.start_mark, event.end_mark
-        return Span(
-            Position(start.line + 1, start.column + 1), Position(end.line + 1, end.column + 1)
-        )
+    def _span(self, event: Any) -> Span:
+        # By index, because the parser ends lines also where editors do not.
+        position = self.source.position
+        return Span(position(event.start_mark.index), position(event.end_mark.index))
 
     def _syntax_problem(self, error: yaml.YAMLError) -> YamlProblem:
         if isinstance(error, yaml.reader.ReaderError):
-            before = self.source.text.removeprefix("\ufeff")[: error.position]
-            line = before.count("\n") + 1
-            column = len(before) - (before.rfind("\n") + 1) + 1
-            span = Span(Position(line, column), Position(line, column + 1))
-            character = error.character
-            code = ord(character) if isinstance(character, str) else int(character)
-            return YamlProblem(
-                "BR104", span, f"the character U+{code:04X} cannot stand in a YAML file"
-            )
-        mark = getattr(error, "problem_mark", None) or getattr(error, "context_mark", None)
-        start = Position(mark.line + 1, mark.column + 1) if mark else START
-        problem = getattr(error, "problem", None) or "the text is not YAML"
-        context = getattr(error, "context", None)
-        text, help_text = plain_words(problem, context, self.source.line(start.line))
-        return YamlProblem(
-            "BR104", Span(start, Position(start.line, start.column + 1)), text, help_text
+            # libyaml counts bytes here.
+            before = self.source.text.encode("utf-8")[: error.position]
+            return self._character_problem(len(before.decode("utf-8", "ignore")))
+        mark, begin = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
+        position = self.source.position(mark.index) if mark else START
+        words = plain_words(
+            getattr(error, "problem", None) or "the parser gives up",
+            getattr(error, "context", None) or "",
+            self.source.line(position.line),
+            position.column,
         )
+        if words.at_beginning and begin is not None:
+            position = self.source.position(begin.index)
+        end = Position(position.line, position.column + 1)
+        return YamlProblem("BR104", Span(position, end), words.message, words.help)
+
+    def _character_problem(self, index: int) -> YamlProblem:
+        position = self.source.position(index)
+        span = Span(position, Position(position.line, position.column + 1))
+        code = ord(self.source.text[index])
+        return YamlProblem("BR104", span, f"the character U+{code:04X} cannot stand in a YAML file")

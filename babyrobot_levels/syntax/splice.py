@@ -17,7 +17,11 @@ def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:
     Fields that are equal are not touched. New fields are put where `order` wants them.
     """
     document = _read(text)
-    if document is None or document.source.line(document.root.span.start.line)[:1] == "{":
+    if document is None:
+        return None
+    if document.data == data:
+        return text
+    if document.source.line(document.root.span.start.line)[:1] == "{":
         return None
     lines = list(document.source.lines)
     changes: list[tuple[int, int, list[str]]] = []
@@ -32,7 +36,7 @@ def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:
     # From the bottom up, so that no change moves the lines of another.
     for first, last, new in sorted(changes, key=lambda change: change[:2], reverse=True):
         lines[first:last] = new
-    result = "\n".join(lines)
+    result = ("\r\n" if "\r\n" in text else "\n").join(lines)
     check = _read(result)
     return result if check is not None and check.data == data else None
 

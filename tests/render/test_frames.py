@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from babyrobot_levels.level import from_mapping
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.frames import FramePainter, default_image_size
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.scene.build import build_scene

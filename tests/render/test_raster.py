@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from babyrobot_levels.level import from_mapping
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb

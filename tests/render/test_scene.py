@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from babyrobot_levels.errors import LevelError
-from babyrobot_levels.level import from_mapping
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.flatten import polylines
 from babyrobot_levels.scene.build import build_base, build_scene
 from babyrobot_levels.scene.layout import CELL, COMPASS

@@ -13,7 +13,7 @@ import pytest
 from renew_golden import GOLDEN, svg
 
 from babyrobot_levels.catalogue import load
-from babyrobot_levels.level import from_mapping
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.svg import number, to_svg
 from babyrobot_levels.scene.build import build_base, build_scene
 from babyrobot_levels.scene.shapes import Rect, Scene, Text
@@ -123,7 +123,7 @@ def test_the_base_lacks_the_robot_and_nothing_else() -> None:
 def test_painting_svg_loads_neither_numpy_nor_pillow() -> None:
     code = (
         "import sys\n"
-        "from babyrobot_levels.level import from_mapping\n"
+        "from babyrobot_levels.reading import from_mapping\n"
         "from babyrobot_levels.render.svg import to_svg\n"
         "from babyrobot_levels.scene.build import build_scene\n"
         "to_svg(build_scene(from_mapping({'version': 1, 'maze': {'seed': 1}})))\n"

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from babyrobot_levels.level import from_mapping
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.text import ascii_drawing, unicode_drawing
 
 ESCAPE = re.compile(r"\x1b\[[\d;]*m")
