@@ -30,7 +30,8 @@ from babyrobot_levels import drawing as d
 from babyrobot_levels import files
 from babyrobot_levels.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.level import Level
-from babyrobot_levels.reading import from_mapping, slug
+from babyrobot_levels.level import slug
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.syntax.emitter import emit
 from babyrobot_levels.syntax.reader import read
