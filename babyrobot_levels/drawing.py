@@ -170,7 +170,7 @@ class _Parser:
             self._report(0, 0, 1, "the drawing is empty", "draw at least one cell, as in `| S |`")
             return False
         length = len(self.rows[0])
-        if length < 5 or length % 4 != 1 or self.rows[0][0] != "+":
+        if length < 5 or length % 4 != 1 or self.rows[0][0] in (SOLID, GLASS):
             self._report(
                 0,
                 0,

@@ -52,8 +52,10 @@ def complaint(error: Any, fields: list[str]) -> Complaint:
     if kind == "missing":
         return "BR202", f"the field `{field}` is missing", _missing_help(field)
     if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
-        code = "BR204" if kind == "literal_error" else "BR203"
-        return code, f"must be {FORMS[field]}, not {show(value)}", _type_help(field, kind, value)
+        message = f"must be {FORMS[field]}, not {show(value)}"
+        if kind == "literal_error":
+            return "BR204", message + did_you_mean(str(value), _choices(context["expected"])), None
+        return "BR203", message, _type_help(field, kind, value)
     if kind in TYPES:
         help_text = _type_help(field, kind, value)
         return "BR203", f"must be {TYPES[kind]}, not {show(value)}", help_text
@@ -125,8 +127,7 @@ def _type_help(field: str, kind: str, value: Any) -> str | None:
 
 
 def _choice(field: str, expected: str, value: Any) -> Complaint:
-    # pydantic lists the choices as `'a', 'b' or 'c'`.
-    names = [part.strip().strip("'") for part in expected.replace(" or ", ", ").split(", ")]
+    names = _choices(expected)
     if field == "version":
         return (
             "BR204",
@@ -138,6 +139,11 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
     guess = did_you_mean(value, names) if isinstance(value, str) else ""
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     return "BR204", f"must be {shown}, not {show(value)}{guess}", None
+
+
+def _choices(expected: str) -> list[str]:
+    # pydantic lists them as `'a', 'b' or 'c'`.
+    return [part.strip().strip("'") for part in expected.replace(" or ", ", ").split(", ")]
 
 
 def _bound(kind: str, context: dict[str, Any]) -> str:

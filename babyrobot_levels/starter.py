@@ -124,8 +124,8 @@ def _puddle_cells(order: Order, free: list[tuple[int, int]]) -> list[tuple[int, 
     """Return as many cells as there shall be puddles, drawn from the maze's seed."""
     if order.puddles > len(free):
         raise ValueError(
-            f"so many puddles do not fit: {order.puddles} are asked for, "
-            f"and {len(free)} cells are free beside start and exit"
+            f"there is no room for {order.puddles} puddle{'s' * (order.puddles > 1)}: "
+            f"{len(free)} cells are free beside start and exit"
         )
     rng = random.Random(order.maze_seed or 0)
     return [free.pop(below(rng, len(free))) for _ in range(order.puddles)]

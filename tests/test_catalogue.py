@@ -109,9 +109,7 @@ def test_a_mapping_and_a_level() -> None:
 
 
 def test_a_mapping_that_is_no_level_is_told_by_its_fields() -> None:
-    with pytest.raises(
-        brl.LevelError, match=r"`size` must be a size, `\[width, height\]`, not `\[4\]`"
-    ):
+    with pytest.raises(brl.LevelError, match=r"`size` must be `\[width, height\]`, not `\[4\]`"):
         brl.load({"version": 1, "size": [4]})
     with pytest.raises(brl.LevelError, match="the field `version` is missing"):
         brl.load({})

@@ -29,8 +29,7 @@ import babyrobot_levels as brl
 from babyrobot_levels import drawing as d
 from babyrobot_levels import files
 from babyrobot_levels.errors import LevelError, LevelNotFoundError
-from babyrobot_levels.level import Level
-from babyrobot_levels.level import slug
+from babyrobot_levels.level import Level, slug
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.syntax.emitter import emit
@@ -195,8 +194,12 @@ def test_a_seed_is_a_whole_number(seed: Any) -> None:
 def test_mappings_tell_what_is_wrong_with_them() -> None:
     with pytest.raises(LevelError) as caught:
         from_mapping({"version": 1, "walls": [{"at": [0, 0]}, {"at": [9, 9], "side": "E"}]})
-    assert "walls[0]: the field `side` is missing" in str(caught.value)
-    assert "walls[1].at: the cell [9, 9] is off the grid" in str(caught.value)
+    first, second = caught.value.diagnostics
+    assert (first.code, first.message) == ("BR202", "the field `side` is missing")
+    assert second.message.startswith("the cell [9, 9] is off the grid")
+    # They point into the mapping as a file would hold it.
+    assert "- {at: [0, 0]}" in str(caught.value)
+    assert "- {at: [9, 9], side: E}" in str(caught.value)
 
 
 def test_a_mapping_is_not_changed() -> None:

@@ -31,12 +31,12 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
 )
 
-app.command("new-level")(new_level.new_level)
-app.command("validate")(validate.validate)
+app.command("new-level", short_help="Write a new level file.")(new_level.new_level)
+app.command("validate", short_help="Check level files.")(validate.validate)
 app.command("preview")(preview.preview)
-app.command("list")(list_levels.list_levels)
-app.command("show")(show.show)
-app.command("schema")(print_schema.print_schema)
+app.command("list", short_help="List the levels that have names.")(list_levels.list_levels)
+app.command("show", short_help="Tell all about one level.")(show.show)
+app.command("schema", short_help="Print the JSON schema.")(print_schema.print_schema)
 
 
 def _print_version(wanted: bool) -> None:

@@ -79,5 +79,7 @@ def save(path: Path, data: str | bytes, *, force: bool) -> None:
         if path.exists() and not force:
             fail(f"{path} is there already", "write it anew with --force")
         write_bytes(path, data.encode("utf-8") if isinstance(data, str) else data)
+    except typer.Exit:
+        raise
     except (OSError, RuntimeError) as error:
         fail(f"{path} cannot be written ({getattr(error, 'strerror', None) or error})")

@@ -44,7 +44,7 @@ def list_levels(
         write(_table(infos, bold=wants_color(sys.stdout)))
     else:
         note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
-    for path in broken:
+    for path in map(one_line, map(str, broken)):
         note(f"{path} has errors and is left out (`babyrobot validate {path}` shows them)")
 
 

@@ -11,6 +11,7 @@ from typing import Annotated
 import typer
 
 from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.diagnostics import one_line
 
 MAX_PUDDLES = 10_000
 SCHEMA_PATH = Path("schemas", "level.schema.json")
@@ -103,15 +104,16 @@ def new_level(
     save(path, text, force=force)
     if any(path.stem == name for path in yaml_files(gallery_folder())):
         note(f"{name!r} is the name of a level of the gallery too: load yours by its path")
+    shown = one_line(str(path))
     write(
-        f"wrote {path}\n\n"
+        f"wrote {shown}\n\n"
         "next:\n"
-        f"  edit it, then check it      babyrobot validate {path}\n"
-        f"  see it                      babyrobot preview {path}\n"
+        f"  edit it, then check it      babyrobot validate {shown}\n"
+        f"  see it                      babyrobot preview {shown}\n"
         "  play it in Python           "
         "import babyrobot_levels as brl\n"
         "                              "
-        f'env = brl.load("{path.as_posix()}").make()\n'
+        f'env = brl.load("{one_line(path.as_posix())}").make()\n'
     )
 
 
@@ -131,7 +133,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def _schema_for(path: Path) -> str:
     """Return where editors find the schema: in the project around the file, or as installed."""
-    folder = path.resolve().parent
+    folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
     for parent in (folder, *folder.parents):
         if (parent / SCHEMA_PATH).is_file():
             return Path(os.path.relpath(parent / SCHEMA_PATH, folder)).as_posix()

@@ -116,8 +116,14 @@ def _chosen_format(picture_format: PictureFormat | None, output: Path | None) ->
 
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level as it is to be shown."""
+    from babyrobot_levels.errors import LevelError
+
     if theme is not None:
-        level = level.replace(theme=theme)
+        try:
+            level = level.replace(theme=theme)
+        except LevelError as error:
+            found = error.diagnostics[0]
+            fail(found.message, found.help)
     if coordinates:
         display = level.display.model_dump(exclude_unset=True)
         level = level.replace(display={**display, "coordinates": True})

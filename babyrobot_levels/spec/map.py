@@ -39,7 +39,7 @@ def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
         for field in DRAWN_FIELDS
         if field in level.model_fields_set
     ]
-    if "\n" not in level.map.strip():
+    if level.map.strip() and "\n" not in level.map.strip():
         return {}, [
             *problems,
             Problem(

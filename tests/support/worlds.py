@@ -9,8 +9,8 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 
 from babyrobot_levels import drawing as d
 from babyrobot_levels.level import Level
-from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.loader import parse as parse_text
+from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.source import SourceFile
 
 World = dict[str, Any]
