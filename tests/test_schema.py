@@ -135,8 +135,8 @@ JUNK = st.one_of(
             {"small": {"skid": 0.1}},
         ]
     ),
-)
-"""Values of all shapes, some of which fit somewhere."""
+).map(copy.deepcopy)
+"""Values of all shapes, some of which fit somewhere; copies, because they are bent afterwards."""
 
 FIELDS = st.sampled_from(
     [
