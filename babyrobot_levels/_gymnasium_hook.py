@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from importlib.abc import Loader, MetaPathFinder
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
 from types import ModuleType
+from typing import Any
 
 _AWAITED = "gymnasium.envs"
 
@@ -30,7 +30,7 @@ def _register() -> None:
     register_all()
 
 
-class _Finder(MetaPathFinder):
+class _Finder:
     """Hands out Gymnasium's own loader with our registration behind it, once."""
 
     def find_spec(
@@ -41,21 +41,22 @@ class _Finder(MetaPathFinder):
         sys.meta_path.remove(self)
         spec = find_spec(fullname)
         if spec is not None and spec.loader is not None:
-            spec.loader = _Loader(spec.loader)
+            spec.loader = _Loader(spec.loader)  # type: ignore[assignment]
         return spec
 
 
-class _Loader(Loader):
+class _Loader:
     """Gymnasium's loader; what it does not define itself is looked up there."""
 
-    def __init__(self, loader: Loader):
+    def __init__(self, loader: Any):
         self._loader = loader
 
     def __getattr__(self, name: str) -> object:
         return getattr(self._loader, name)
 
     def create_module(self, spec: ModuleSpec) -> ModuleType | None:
-        return self._loader.create_module(spec)
+        module: ModuleType | None = self._loader.create_module(spec)
+        return module
 
     def exec_module(self, module: ModuleType) -> None:
         self._loader.exec_module(module)

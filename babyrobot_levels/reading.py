@@ -100,7 +100,9 @@ def from_mapping(
     theme = _ThemeCheck(folder)
     level, problems = validate(fields, Level)
     if level is None or [*theme(level), *theme.diagnostics]:
-        shown = parse(SourceFile("<mapping>", emit(fields) or "{}"), Level, [_ThemeCheck(folder)])[1]
+        shown = parse(SourceFile("<mapping>", emit(fields) or "{}"), Level, [_ThemeCheck(folder)])[
+            1
+        ]
         told = "; ".join(problem.message for problem in problems)
         raise LevelError([*shown, *theme.diagnostics], None if shown else told or None)
     if level.name is None and name is not None:

@@ -5,10 +5,17 @@ What a schema cannot say, such as a start that lies on a blocked cell, only the 
 
 from __future__ import annotations
 
+import ast
+import inspect
+from collections import ChainMap
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
+from babyrobot_levels import spec
 from babyrobot_levels.spec.color import FORM_PATTERN, NAMES, PATTERN
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import Theme
@@ -51,6 +58,9 @@ SCHEMAS = {"level": level_schema, "theme": theme_schema}
 def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
     schema = _tidy(model.model_json_schema(by_alias=True))
     definitions = {**schema.pop("$defs", {}), "Color": _color()}
+    for name, described in {model.__name__: schema, **definitions}.items():
+        for field, text in _descriptions().get(name, {}).items():
+            described["properties"][field]["description"] = text
     return {
         "$schema": DIALECT,
         "title": title,
@@ -79,6 +89,33 @@ def _tidy(value: Any) -> Any:
     if "patternProperties" in tidied:
         tidied["additionalProperties"] = False
     return tidied
+
+
+@cache
+def _descriptions() -> dict[str, dict[str, str]]:
+    """Return what the texts below the models' fields say, by model and field.
+
+    Pydantic could collect them, but would read the sources anew at every start.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for path in sorted(Path(spec.__file__).parent.glob("*.py")):
+        for model in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(model, ast.ClassDef):
+                bases = [base.id for base in model.bases if isinstance(base, ast.Name)]
+                inherited = [found.get(base, {}) for base in bases]
+                own = {**ChainMap(*inherited), **_field_texts(model)}
+                found[model.name] = own
+    return found
+
+
+def _field_texts(model: ast.ClassDef) -> dict[str, str]:
+    texts = {}
+    for field, below in pairwise(model.body):
+        if not isinstance(field, ast.AnnAssign) or not isinstance(field.target, ast.Name):
+            continue
+        if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant):
+            texts[field.target.id.rstrip("_")] = inspect.cleandoc(str(below.value.value))
+    return texts
 
 
 def _color() -> dict[str, Any]:

@@ -36,7 +36,8 @@ class Model(BaseModel):
         frozen=True,
         extra="forbid",
         allow_inf_nan=False,
-        use_attribute_docstrings=True,
+        # Most models are only parts of a level, whose validator has theirs built in.
+        defer_build=True,
     )
 
 

@@ -1,1 +1,0 @@
-"""Exact answers about a level: the best policy, what a given policy is worth, and trial runs."""
