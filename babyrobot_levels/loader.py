@@ -63,7 +63,7 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
         return model.model_validate(data), []
     except ValidationError as error:
         details: Sequence[Any] = error.errors(include_url=False)
-    problems = _problems(details, data, model)
+    problems = _problems(details, model)
     if not any(_spec_problems(detail) for detail in details):
         # Single fields are faulty, so the whole was not checked yet: check what is left of it.
         rest = _Rest(data, [problem.route for problem in problems])
@@ -72,18 +72,18 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
                 model.model_validate(rest.data)
             except ValidationError as error:
                 whole = [d for d in error.errors(include_url=False) if _spec_problems(d)]
-                problems += map(rest.in_whole, _problems(whole, rest.data, model))
+                problems += map(rest.in_whole, _problems(whole, model))
     return None, problems
 
 
-def _problems(details: Sequence[Any], data: Any, model: type[BaseModel]) -> list[Problem]:
+def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
     problems: list[Problem] = []
     for detail in details:
         whole = _spec_problems(detail)
         if whole:
             problems += whole
             continue
-        route = _route(detail["loc"], data)
+        route = _route(detail["loc"])
         code, message, help_text = complaint(detail, _fields_around(detail["loc"], model))
         kind = detail["type"]
         if kind == "missing":
@@ -114,7 +114,7 @@ def _subject(route: Route) -> str:
     return f"`{text}` " if text else ""
 
 
-def _route(location: Sequence[str | int], data: Any) -> Route:
+def _route(location: Sequence[str | int]) -> Route:
     """Return pydantic's location without the segments that are not in the file."""
     route: list[str | int] = []
     for segment in location:

@@ -60,7 +60,8 @@ def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
     definitions = {**schema.pop("$defs", {}), "Color": _color()}
     for name, described in {model.__name__: schema, **definitions}.items():
         for field, text in _descriptions().get(name, {}).items():
-            described["properties"][field]["description"] = text
+            properties = described["properties"]
+            properties[field] = {"description": text, **properties[field]}
     return {
         "$schema": DIALECT,
         "title": title,
