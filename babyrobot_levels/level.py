@@ -78,12 +78,18 @@ class Level(LevelFields):
 
     @property
     def colors_and_widths(self) -> Theme:
-        """The theme, also where the level only names it."""
+        """The theme, also where the level only names it.
+
+        Raises:
+            LevelError: it names one that nobody knows. Levels that were loaded do not.
+        """
         if self._theme is not None:
             return self._theme
         if isinstance(self.theme, Theme):
             return self.theme
-        return BUILTIN_THEMES.get(self.theme, BUILTIN_THEMES["default"])
+        if self.theme not in BUILTIN_THEMES:
+            raise LevelError(message=f"there is no theme {self.theme!r}")
+        return BUILTIN_THEMES[self.theme]
 
     @cached_property
     def _grid(self) -> Grid:
@@ -120,13 +126,10 @@ class Level(LevelFields):
         """
         if self.maze is None:
             raise LevelError(message="the level has no maze that could have a seed")
-        try:
-            number = operator.index(seed)
-        except TypeError:
-            raise LevelError(message=f"a maze's seed is a whole number, not {seed!r}") from None
-        if isinstance(seed, bool):
+        if isinstance(seed, bool) or not hasattr(seed, "__index__"):
             raise LevelError(message=f"a maze's seed is a whole number, not {seed!r}")
-        maze = Maze.model_validate({**self.maze.model_dump(exclude_unset=True), "seed": number})
+        fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
+        maze = Maze.model_validate(fields)
         other = self.model_copy(update={"maze": maze})
         for name in ("_grid", "_mdp"):
             other.__dict__.pop(name, None)
@@ -193,14 +196,16 @@ class Level(LevelFields):
 
         Args:
             kwargs: what `gymnasium.make("babyrobot/Level-v0", …)` takes beside `level`:
-                `observation`, `actions`, `render_mode`, `image_size`, `grayscale`,
-                `max_episode_steps`.
+                `observation`, `actions`, `render_mode`, `image_size`, `grayscale`. A
+                `max_episode_steps` takes the place of the level's `max_steps`, -1 of any limit.
         """
         import gymnasium
 
         import babyrobot_levels  # noqa: F401  (registers the environments)
 
-        return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
+        has_limit = kwargs.get("max_episode_steps") is not None
+        level = self.replace(max_steps=None) if has_limit else self
+        return gymnasium.make("babyrobot/Level-v0", level=level, **kwargs)
 
 
 def slug(text: str) -> str | None:

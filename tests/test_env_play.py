@@ -679,3 +679,12 @@ def test_a_pickled_environment_keeps_its_pictures() -> None:
     again = pickle.loads(pickle.dumps(env))
     assert plain(again.render()) == before
     assert plain(again.step(EAST)[0]) == plain(env.step(EAST)[0])
+
+
+@pytest.mark.parametrize(("limit", "steps"), [(None, 100), (7, 7), (130, 130), (-1, 200)])
+def test_a_limit_that_make_is_given_takes_the_levels_place(limit: int | None, steps: int) -> None:
+    level = brl.load({"version": 1, "size": [3, 3], "max_steps": 100})
+    env = level.make(max_episode_steps=limit)
+    env.reset()
+    taken = next((n for n in range(1, 201) if env.step(brl.Action.STAY)[3]), 200)
+    assert taken == steps

@@ -141,14 +141,14 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         Raises:
             ValueError: the robot cannot start at that cell.
         """
-        super().reset(seed=seed)
         options = options or {}
-        rng = self.np_random
-        info: dict[str, Any] = {}
         # All that is asked for is checked before anything changes: a refused reset leaves the
         # running episode as it is.
         start = checked_start(options.get("start"), self.level)
         maze_seed = checked_maze_seed(options.get("maze_seed"), self._given)
+        super().reset(seed=seed)
+        rng = self.np_random
+        info: dict[str, Any] = {}
         if self._given.has_random_maze:
             if maze_seed is None:
                 maze_seed = int(rng.integers(MAX_MAZE_SEED))
