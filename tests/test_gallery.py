@@ -8,7 +8,6 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import gymnasium
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -405,78 +404,6 @@ def test_image_maze() -> None:
 
 
 # -- the other worlds ------------------------------------------------------------------------
-
-
-def merged(outcomes: list[tuple[Any, Any, Any, Any]]) -> dict[tuple[int, float, bool], Any]:
-    """Return the probability of each (next state, reward, terminal)."""
-    chances: dict[tuple[int, float, bool], float] = {}
-    for chance, there, reward, terminal in outcomes:
-        key = (int(there), float(reward), bool(terminal))
-        chances[key] = chances.get(key, 0) + chance
-    return {key: pytest.approx(chance, abs=1e-12) for key, chance in chances.items()}
-
-
-@pytest.mark.parametrize(
-    ("name", "peer", "actions"),
-    [
-        ("frozen-lake", "FrozenLake-v1", (Action.WEST, Action.SOUTH, Action.EAST, Action.NORTH)),
-        (
-            "cliff-walking",
-            "CliffWalking-v1",
-            (Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST),
-        ),
-    ],
-)
-def test_it_is_the_game_of_gymnasium(name: str, peer: str, actions: tuple[Action, ...]) -> None:
-    table = getattr(gymnasium.make(peer).unwrapped, "P")  # noqa: B009
-    level = load(name)
-    mdp = level.compile()
-    reached = steps_from(mdp, state(mdp, level.starts[0]))
-    assert len(reached) > 10
-    for here in reached:
-        # Gymnasium's Cliff Walking goes on from its goal, where no episode comes.
-        if mdp.over[here]:
-            continue
-        for theirs, ours in enumerate(actions):
-            assert dict(_plain(mdp.outcomes(here, ours))) == merged(table[here][theirs])
-    assert level.max_steps == (100 if name == "frozen-lake" else None)
-
-
-def _plain(outcomes: list[tuple[float, int, float, bool]]) -> list[tuple[Any, float]]:
-    return [((there, reward, terminal), chance) for chance, there, reward, terminal in outcomes]
-
-
-def test_windy_gridworld_takes_fifteen_steps() -> None:
-    level = load("windy-gridworld")
-    assert (level.size, level.start, level.exit) == ((10, 7), (0, 3), (7, 3))
-    assert level.wind is not None
-    assert level.wind.north == (0, 0, 0, 1, 1, 1, 2, 2, 1, 0)
-    assert steps_to_exit(level, (0, 3)) == 15
-    assert optimal_values(level.compile(), 1)[state(level.compile(), (0, 3))] == -15
-
-
-def test_gridworld_3_5_has_the_values_of_the_book() -> None:
-    level = load("gridworld-3-5")
-    assert (level.size, level.exit, level.discount) == ((5, 5), "none", 0.9)
-    mdp = level.compile()
-    best = [
-        [22.0, 24.4, 22.0, 19.4, 17.5],
-        [19.8, 22.0, 19.8, 17.8, 16.0],
-        [17.8, 19.8, 17.8, 16.0, 14.4],
-        [16.0, 17.8, 16.0, 14.4, 13.0],
-        [14.4, 16.0, 14.4, 13.0, 11.7],
-    ]
-    values = optimal_values(mdp, level.discount).reshape(5, 5)
-    np.testing.assert_allclose(values, best, rtol=0, atol=0.06)
-    # Of going in a random direction, as figure 3.2 has it.
-    moves = mdp.probability[:, 1:]
-    step = np.zeros((25, 25))
-    for here in range(25):
-        np.add.at(step[here], mdp.next_state[here, 1:].ravel(), moves[here].ravel() / 4)
-    gain = (moves * mdp.reward[:, 1:]).sum(axis=(1, 2)) / 4
-    random_walk = np.linalg.solve(np.eye(25) - level.discount * step, gain).reshape(5, 5)
-    np.testing.assert_allclose(random_walk[0], [3.3, 8.8, 4.4, 5.3, 1.5], rtol=0, atol=0.06)
-    np.testing.assert_allclose(random_walk[4], [-1.9, -1.3, -1.2, -1.4, -2.0], rtol=0, atol=0.06)
 
 
 def test_random_maze_differs_from_seed_to_seed() -> None:

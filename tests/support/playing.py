@@ -118,19 +118,19 @@ def episodes(env: Env, seed: int, steps: int = 25, spoiling: bool = False) -> li
 
 
 def way_out(table: Table) -> dict[int, int]:
-    """Return the action that leads nearest to an end, for each state that can reach one."""
-    before: dict[int, set[tuple[int, int]]] = {}
+    """Return the action most likely to lead nearer to an end, for states that can reach one."""
+    before: dict[int, set[tuple[float, int, int]]] = {}
     ends = set()
     for state, actions in table.items():
         for action, outcomes in actions.items():
-            for _, next_state, _, terminal in outcomes:
-                before.setdefault(next_state, set()).add((state, action))
+            for probability, next_state, _, terminal in outcomes:
+                before.setdefault(next_state, set()).add((-probability, state, action))
                 if terminal:
                     ends.add(next_state)
     policy: dict[int, int] = {}
     queue = deque(sorted(ends))
     while queue:
-        for state, action in sorted(before.get(queue.popleft(), ())):
+        for _, state, action in sorted(before.get(queue.popleft(), ())):
             if state not in policy and state not in ends:
                 policy[state] = action
                 queue.append(state)
