@@ -18,34 +18,72 @@ if TYPE_CHECKING:
     from babyrobot_levels.catalogue import LevelInfo as LevelInfo
     from babyrobot_levels.catalogue import levels as levels
     from babyrobot_levels.catalogue import load as load
+    from babyrobot_levels.certificate import Certificate as Certificate
+    from babyrobot_levels.certificate import compare as compare
     from babyrobot_levels.diagnostics import Diagnostic as Diagnostic
     from babyrobot_levels.diagnostics import Severity as Severity
     from babyrobot_levels.errors import BabyRobotError as BabyRobotError
     from babyrobot_levels.errors import LevelError as LevelError
     from babyrobot_levels.errors import LevelNotFoundError as LevelNotFoundError
+    from babyrobot_levels.games import ComparisonError as ComparisonError
     from babyrobot_levels.grid import Grid as Grid
+    from babyrobot_levels.learning.monte_carlo import monte_carlo as monte_carlo
+    from babyrobot_levels.learning.results import Sweep as Sweep
+    from babyrobot_levels.learning.results import Trials as Trials
+    from babyrobot_levels.learning.sweeps import policy_evaluation as policy_evaluation
+    from babyrobot_levels.learning.sweeps import policy_iteration as policy_iteration
+    from babyrobot_levels.learning.sweeps import value_iteration as value_iteration
+    from babyrobot_levels.learning.temporal_difference import q_learning as q_learning
+    from babyrobot_levels.learning.temporal_difference import sarsa as sarsa
     from babyrobot_levels.level import Level as Level
     from babyrobot_levels.mdp import Mdp as Mdp
     from babyrobot_levels.reading import check as check
     from babyrobot_levels.reading import loads as loads
+    from babyrobot_levels.solver.errors import NoTotalError as NoTotalError
+    from babyrobot_levels.solver.evaluation import evaluate as evaluate
+    from babyrobot_levels.solver.optimum import solve as solve
+    from babyrobot_levels.solver.results import Evaluation as Evaluation
+    from babyrobot_levels.solver.results import Simulation as Simulation
+    from babyrobot_levels.solver.results import Solution as Solution
+    from babyrobot_levels.solver.simulation import simulate as simulate
+    from babyrobot_levels.solver.simulation import success_within as success_within
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "Action": "actions",
     "BabyRobotError": "errors",
+    "Certificate": "certificate",
+    "ComparisonError": "games",
     "Diagnostic": "diagnostics",
+    "Evaluation": "solver.results",
     "Grid": "grid",
     "Level": "level",
     "LevelError": "errors",
     "LevelInfo": "catalogue",
     "LevelNotFoundError": "errors",
     "Mdp": "mdp",
+    "NoTotalError": "solver.errors",
     "Severity": "diagnostics",
+    "Simulation": "solver.results",
+    "Solution": "solver.results",
+    "Sweep": "learning.results",
+    "Trials": "learning.results",
     "check": "reading",
+    "compare": "certificate",
+    "evaluate": "solver.evaluation",
     "levels": "catalogue",
     "load": "catalogue",
     "loads": "reading",
+    "monte_carlo": "learning.monte_carlo",
+    "policy_evaluation": "learning.sweeps",
+    "policy_iteration": "learning.sweeps",
+    "q_learning": "learning.temporal_difference",
+    "sarsa": "learning.temporal_difference",
+    "simulate": "solver.simulation",
+    "solve": "solver.optimum",
+    "success_within": "solver.simulation",
+    "value_iteration": "learning.sweeps",
 }
 
 __all__ = sorted([*_HOMES, "__version__"])

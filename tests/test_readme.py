@@ -14,6 +14,7 @@ from babyrobot_levels.scene.build import build_scene
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 ENVIRONMENTS = (ROOT / "docs" / "environments.md").read_text(encoding="utf-8")
+ANSWERS = (ROOT / "docs" / "exact-answers.md").read_text(encoding="utf-8")
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -25,7 +26,9 @@ def test_the_levels_of_the_readme_are_valid(text: str) -> None:
     assert brl.check(text) == []
 
 
-@pytest.mark.parametrize("code", [*blocks(README, "python"), *blocks(ENVIRONMENTS, "python")])
+@pytest.mark.parametrize(
+    "code", [block for text in (README, ENVIRONMENTS, ANSWERS) for block in blocks(text, "python")]
+)
 def test_the_python_examples_run(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     monkeypatch.setattr("builtins.print", lambda *args: None)
@@ -61,6 +64,6 @@ def test_the_readme_counts_the_gallery() -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    for text, folder in ((README, ROOT), (ENVIRONMENTS, ROOT / "docs")):
+    for text, folder in ((README, ROOT), (ENVIRONMENTS, ROOT / "docs"), (ANSWERS, ROOT / "docs")):
         for target in re.findall(r"\]\(([^)#:]+)\)", text):
             assert (folder / target).exists(), target

@@ -12,11 +12,13 @@ import typer
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import (
+    compare,
     list_levels,
     new_level,
     preview,
     print_schema,
     show,
+    solve,
     validate,
 )
 from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note
@@ -36,6 +38,8 @@ app.command("validate", short_help="Check level files.")(validate.validate)
 app.command("preview")(preview.preview)
 app.command("list", short_help="List the levels that have names.")(list_levels.list_levels)
 app.command("show", short_help="Tell all about one level.")(show.show)
+app.command("solve", short_help="Solve a level exactly.")(solve.solve)
+app.command("compare", short_help="Compare a level with another game.")(compare.compare)
 app.command("schema", short_help="Print the JSON schema.")(print_schema.print_schema)
 
 

@@ -9,6 +9,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from babyrobot_levels.cli.answers import (
+    WIDEST,
+    overlay_of,
+    policy_text,
+    solution_of,
+    values_text,
+)
 from babyrobot_levels.cli.console import fail, note, save, speaks_unicode, wants_color, write
 
 if TYPE_CHECKING:
@@ -53,6 +60,12 @@ def preview(
     coordinates: Annotated[
         bool, typer.Option("--coordinates", help="Write each cell's coordinates into it.")
     ] = False,
+    values: Annotated[
+        bool, typer.Option("--values", help="Write into each cell what it is worth at best.")
+    ] = False,
+    policy: Annotated[
+        bool, typer.Option("--policy", help="Show where the best actions lead from each cell.")
+    ] = False,
     maze_seed: Annotated[
         int | None,
         typer.Option(
@@ -70,16 +83,18 @@ def preview(
       babyrobot preview final-maze
 
       babyrobot preview levels/first.yaml -o first.png
+
+      babyrobot preview frozen-lake --values --policy -o answers.svg
     """
     chosen = _chosen_format(picture_format, output)
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
     if chosen in (PictureFormat.TEXT, PictureFormat.ASCII):
         plain = chosen is PictureFormat.ASCII or output is not None
-        picture: str | bytes = text_picture(shown, plain=plain)
+        picture: str | bytes = _text(shown, values=values, policy=policy, plain=plain)
         if coordinates:
             note("--coordinates is for pictures (svg, png); a text has no room for them")
     else:
-        picture = _painted(shown, chosen)
+        picture = _painted(shown, chosen, values=values, policy=policy)
     if output is not None:
         save(output, picture, force=force)
     elif isinstance(picture, str):
@@ -136,19 +151,41 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
     return level
 
 
+def _text(level: Level, *, values: bool, policy: bool, plain: bool) -> str:
+    if not (values or policy):
+        return text_picture(level, plain=plain)
+    solution = solution_of(level)
+    plain = plain or not _takes_pictures()
+    text = policy_text(level, solution, plain=plain) if policy else text_picture(level, plain=plain)
+    if values and level.size[0] > WIDEST:
+        note(f"the values of more than {WIDEST} columns are left to pictures (svg, png)")
+    elif values:
+        text += "\n" + values_text(solution)
+    return text
+
+
 def text_picture(level: Level, *, plain: bool = False) -> str:
     """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
-    if plain or not wants_color(sys.stdout) or not speaks_unicode(sys.stdout):
+    if plain or not _takes_pictures():
         return level.draw()
     from babyrobot_levels.render.text import unicode_drawing
 
     return unicode_drawing(level, level.grid(), color=True)
 
 
-def _painted(level: Level, chosen: PictureFormat) -> str | bytes:
+def _takes_pictures() -> bool:
+    return wants_color(sys.stdout) and speaks_unicode(sys.stdout)
+
+
+def _painted(level: Level, chosen: PictureFormat, *, values: bool, policy: bool) -> str | bytes:
     from babyrobot_levels.scene.build import build_scene
 
-    scene = build_scene(level)
+    if values or policy:
+        overlay = overlay_of(solution_of(level), values=values, policy=policy)
+        # The robot would only hide what his cell says.
+        scene = build_scene(level, robot=False, overlay=overlay)
+    else:
+        scene = build_scene(level)
     if chosen is PictureFormat.SVG:
         from babyrobot_levels.render.svg import to_svg
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels import drawing as d
@@ -106,6 +107,31 @@ def unicode_drawing(
 
         lines = paint(lines, level, grid, state)
     return "\n".join([*lines, ""])
+
+
+def policy_drawing(
+    level: LevelFields, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
+) -> str:
+    """Return a picture of where a policy leads; each line ends with a newline.
+
+    Args:
+        level: the level.
+        grid: its walls and cells.
+        policy: the action of each cell, `[height][width]`, as `Action`s; -1 where there is none.
+        plain: whether to use ASCII characters only.
+    """
+    drawing = drawing_of(level, grid)
+    arrows = ".^>v<" if plain else "·↑→↓←"
+    cells = [
+        [
+            arrows[action] if action >= 0 else character
+            for action, character in zip(actions, row, strict=True)
+        ]
+        for actions, row in zip(policy, drawing.cells, strict=True)
+    ]
+    if plain:
+        return d.compose(replace(drawing, cells=tuple("".join(row) for row in cells)))
+    return "\n".join([*("".join(line) for line in _lines(drawing, cells)), ""])
 
 
 def _symbols(level: LevelFields, drawing: d.Drawing) -> Iterator[list[str]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.scene.ground import ground_shapes
 from babyrobot_levels.scene.layout import Layout, layout_of
+from babyrobot_levels.scene.overlays import Overlay, overlay_shapes
 from babyrobot_levels.scene.panels import compass_shapes, panel_shapes
 from babyrobot_levels.scene.puddles import puddle_shapes
 from babyrobot_levels.scene.robot import robot_shapes
@@ -20,7 +21,12 @@ if TYPE_CHECKING:
 
 
 def build_scene(
-    level: Level, *, state: int | None = None, robot: bool = True, cells_only: bool = False
+    level: Level,
+    *,
+    state: int | None = None,
+    robot: bool = True,
+    cells_only: bool = False,
+    overlay: Overlay | None = None,
 ) -> Scene:
     """Return the picture of a level, 64 pixels a cell.
 
@@ -30,15 +36,18 @@ def build_scene(
             level's `display` shows him at all.
         robot: whether the robot is in the picture.
         cells_only: whether to leave out the free space around the grid, panels and compass.
+        overlay: values and arrows that are written over the cells, and over the robot.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: the level has no such state.
+        ValueError: the level has no such state, or the overlay is not as large as the level.
     """
     layout = layout_of(level, cells_only=cells_only)
     shapes = list(_base_shapes(level, layout))
     if robot and (state is not None or level.display.robot.show):
         shapes += robot_shapes(level.colors_and_widths, *_robot_corner(level, layout, state))
+    if overlay is not None:
+        shapes += overlay_shapes(level, overlay, layout)
     if not cells_only:
         shapes += panel_shapes(level, layout)
         shapes += compass_shapes(level, layout)

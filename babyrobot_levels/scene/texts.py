@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 _END_SIZE = 11.0
 _COORDINATE_SIZE = 9.5
 _LABEL_SIZES = (12.0, 10.5, 9.0)
-_CHARACTER_WIDTH = 0.58
+CHARACTER_WIDTH = 0.58
 """About how wide a character is, as a share of the text's size."""
 
 
-def end_texts(level: Level, layout: Layout) -> Iterator[Shape]:
+def end_texts(level: Level, layout: Layout) -> Iterator[Text]:
     """Yield START and EXIT, at the foot of their cells, where the robot does not hide them."""
     colors, display = level.colors_and_widths.colors, level.display
     for word, cells, shown, fill in (
@@ -39,7 +39,7 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
             continue
         room = area.size[0] * CELL - 16
         size, text = _fit(label, room)
-        width = len(text) * size * _CHARACTER_WIDTH + size
+        width = len(text) * size * CHARACTER_WIDTH + size
         height = 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
         # Coordinates stand at the upper edge.
@@ -51,9 +51,9 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
 def _fit(text: str, room: float) -> tuple[float, str]:
     """Return the largest size at which a text has room; what still has none is cut."""
     for size in _LABEL_SIZES:
-        if len(text) * size * _CHARACTER_WIDTH <= room:
+        if len(text) * size * CHARACTER_WIDTH <= room:
             return size, text
-    count = max(1, int(room / (_LABEL_SIZES[-1] * _CHARACTER_WIDTH)) - 1)
+    count = max(1, int(room / (_LABEL_SIZES[-1] * CHARACTER_WIDTH)) - 1)
     return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
 
 

@@ -1,0 +1,64 @@
+"""What commands tell of a level's solution: the policy as a drawing, the values as numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import typer
+
+from babyrobot_levels.cli.console import FINDINGS, note
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+    from babyrobot_levels.scene.overlays import Overlay
+    from babyrobot_levels.solver.results import Solution
+
+WIDEST = 16
+"""Values of wider levels do not fit on a screen."""
+
+
+def solution_of(level: Level, discount: float | None = None) -> Solution:
+    """Return the solution of a level; where there is none, end the command and say why."""
+    from babyrobot_levels.solver.errors import NoTotalError
+    from babyrobot_levels.solver.optimum import solve
+
+    try:
+        return solve(level, discount)
+    except NoTotalError as error:
+        note(f"error: the level has no solution: {error}")
+        raise typer.Exit(FINDINGS) from None
+
+
+def policy_text(level: Level, solution: Solution, *, plain: bool) -> str:
+    """Return the drawing of an optimal policy, in ASCII if `plain`."""
+    from babyrobot_levels.render.text import policy_drawing
+
+    actions = (solution.policy + solution.first_action * (solution.policy >= 0)).tolist()
+    return policy_drawing(level, level.grid(), actions, plain=plain)
+
+
+def values_text(solution: Solution) -> str:
+    """Return the values in rows and columns, with two decimals."""
+    rows = [["" if math.isnan(v) else f"{v:.2f}" for v in row] for row in solution.values.tolist()]
+    width = max(len(text) for row in rows for text in row)
+    return "".join("  ".join(text.rjust(width) for text in row).rstrip() + "\n" for row in rows)
+
+
+def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
+    """Return the solution as it is shown on a picture: nothing where the episode is over."""
+    from babyrobot_levels.scene.overlays import Overlay
+
+    over = (solution.policy < 0).tolist()
+    shown = [
+        [None if end else value for end, value in zip(ends, row, strict=True)]
+        for ends, row in zip(over, solution.values.tolist(), strict=True)
+    ]
+    actions = [
+        [
+            tuple(number for number, best in enumerate(cell, solution.first_action) if best)
+            for cell in row
+        ]
+        for row in solution.greedy.tolist()
+    ]
+    return Overlay(shown if values else None, actions if policy else None)
