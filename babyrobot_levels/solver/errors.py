@@ -25,6 +25,16 @@ class NoTotalError(BabyRobotError, ArithmeticError):
         )
 
 
+class TooLongError(BabyRobotError, ArithmeticError):
+    """Without a discount, episodes are so long that floating point cannot tell what they give."""
+
+    def __str__(self) -> str:
+        return (
+            "on the way the robot would need more than 10^10 steps, too many for exact totals; "
+            "a discount below 1 makes them exact again"
+        )
+
+
 def no_total(model: Model, unclear: Flags, width: int) -> NoTotalError:
     """Return the error that names the first of the unclear states, `[n]`, of a model."""
     y, x = divmod(int(model.states[unclear.argmax()]), width)

@@ -9,6 +9,7 @@ import numpy as np
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.level import Level
 from babyrobot_levels.mdp import Mdp
+from babyrobot_levels.solver.errors import TooLongError
 from babyrobot_levels.solver.graphs import attractor
 from babyrobot_levels.solver.linear import expected_sums
 from babyrobot_levels.solver.loops import long_run
@@ -41,6 +42,7 @@ def evaluate(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has a value that it cannot have.
         NoTotalError: there is no discount, and rewards cancel out in a loop without end.
+        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
@@ -93,11 +95,17 @@ def action_values(model: Model, values: Floats, discount: float) -> Floats:
 
 
 def episode(chain: Model, mdp: Mdp) -> tuple[float, float]:
-    """Return how long a chain's episodes are expected to be, and how likely they reach an exit."""
+    """Return how long a chain's episodes are expected to be, and how likely they reach an exit.
+
+    Where that is too long for floating point, it is inf, and how likely is not known: nan.
+    """
     ends = _may_reach(chain, chain.end)
     steps, success = np.zeros(chain.size), np.zeros(chain.size)
     columns = np.stack([np.ones(chain.size), chain.success[:, 0]], axis=1)[ends]
-    steps[ends], success[ends] = expected_sums(chain.restrict(ends), columns, 1.0).T
+    try:
+        steps[ends], success[ends] = expected_sums(chain.restrict(ends), columns, 1.0).T
+    except TooLongError:
+        return float("inf"), float("nan")
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
     return at_start(steps, chain, mdp), min(1.0, at_start(success, chain, mdp))
 

@@ -17,11 +17,8 @@ TIE = 1e-13
 MAX_SWEEPS = 30
 """Sweeps between two exact evaluations. They only save time."""
 
-LONG = 1e6
-"""Policies that take more steps than this to end are too ill-conditioned to begin with."""
-
-PATIENCE = 1e-5
-"""The chance to give up at each step where a policy that ends soon is looked for."""
+IMPATIENCE = 1e-5
+"""The chance to give up at each step, where a policy that ends soon is looked for."""
 
 
 def iterate_policies(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, int]:
@@ -85,14 +82,14 @@ def in_good_time(model: Model, policy: Ints) -> Ints:
     chain = model.under(policy)
     if np.isin(chain.probability, (0.0, 1.0)).all():
         return policy
-    steps = expected_sums(chain, np.ones(model.size), 1.0)
-    if (steps > 0).all() and (steps < LONG).all():
-        return policy
     # With a chance to give up at each step, any start will do. And whoever makes the most of his
     # chances to end never settles in a loop: there, he would have none.
     ends = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
     chances = model.with_rewards(np.where(model.allowed, ends, -np.inf))
-    return iterate_policies(chances, policy, 1.0 - PATIENCE)[1]
+    own = expected_sums(chain, _rewards(chances, policy), 1.0 - IMPATIENCE)
+    if own.min(initial=1.0) > 0.5:
+        return policy
+    return iterate_policies(chances, policy, 1.0 - IMPATIENCE)[1]
 
 
 def prefer_ending(model: Model, values: Floats, policy: Ints, discount: float) -> Ints:

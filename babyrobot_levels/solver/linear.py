@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from babyrobot_levels.solver.errors import TooLongError
 from babyrobot_levels.solver.graphs import closed_classes
 from babyrobot_levels.solver.model import Flags, Floats, Ints, Model
+
+MAX_STEPS = 1e10
+"""Sums over more steps than this have lost too many digits: each step takes a part in 10^16."""
 
 DENSE_STATES = 150
 """Up to so many states, dense elimination is faster than sparse, and needs no SciPy."""
@@ -22,16 +26,40 @@ def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
 
     Returns:
         The sums, shaped as `rewards`.
+
+    Raises:
+        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
+    """
+    if chain.size == 0:
+        return rewards.copy()
+    if discount < 1:
+        return _solved(chain, rewards, discount)
+    columns = np.column_stack([rewards, np.ones(chain.size)])
+    try:
+        sums = _solved(chain, columns, 1.0)
+    except ArithmeticError:
+        raise TooLongError from None
+    if not ((sums[:, -1] > 0) & (sums[:, -1] < MAX_STEPS)).all():
+        raise TooLongError
+    return sums[:, :-1].reshape(rewards.shape)
+
+
+def _solved(chain: Model, rewards: Floats, discount: float) -> Floats:
+    """Return the solution of `x = rewards + discount * P x`.
+
+    Raises:
+        ArithmeticError: there is none, for all that floating point can tell.
     """
     size = chain.size
-    if size == 0:
-        return rewards.copy()
     weights = discount * chain.probability[:, 0]
     if size <= DENSE_STATES:
         cells = np.arange(size)[:, None] * (size + 1) + chain.next_state[:, 0]
         flat = np.bincount(cells.ravel(), weights.ravel(), size * (size + 1))
         matrix = np.eye(size) - flat.reshape(size, size + 1)[:, :size]
-        return np.asarray(np.linalg.solve(matrix, rewards), np.float64)
+        try:
+            return np.asarray(np.linalg.solve(matrix, rewards), np.float64)
+        except np.linalg.LinAlgError as error:
+            raise ArithmeticError from error
     return _sparse_sums(chain.next_state[:, 0], weights, rewards)
 
 
@@ -44,7 +72,10 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
     target = next_state[source, outcome]
     steps = csc_array((weights[source, outcome], (source, target)), shape=(size, size))
     matrix = (eye_array(size, format="csc") - steps).tocsc()
-    factors = splu(matrix)
+    try:
+        factors = splu(matrix)
+    except RuntimeError as error:
+        raise ArithmeticError from error
     sums: Floats = factors.solve(rewards)
     # One step of refinement takes away most of the elimination's rounding.
     sums += factors.solve(rewards - matrix @ sums)

@@ -12,11 +12,15 @@ import numpy as np
 
 from babyrobot_levels.solver.errors import no_total
 from babyrobot_levels.solver.graphs import attractor, closed_classes, end_components
+from babyrobot_levels.solver.iteration import in_good_time
 from babyrobot_levels.solver.linear import class_averages, cycles
 from babyrobot_levels.solver.model import Flags, Floats, Ints, Model
 
 ZERO = 1e-12
 """Averages of this share of the largest reward are rounding: they count as zero."""
+
+MAX_ROUNDS = 1000
+"""A bound that rounding cannot push: a policy that is no better comes back after a few rounds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +115,7 @@ def best_average(model: Model) -> Average:
     scale = float(np.abs(model.reward[model.allowed]).max())
     rows = np.arange(model.size)
     policy = model.reward.argmax(axis=1)
-    while True:
+    for rounds_left in reversed(range(MAX_ROUNDS)):
         policy, home = _with_one_class(model, policy)
         total, steps = cycles(model.under(policy), home).T
         gain = float((total[home] / steps[home])[0])
@@ -120,10 +124,11 @@ def best_average(model: Model) -> Average:
         slack = 10 * ZERO * max(scale, float(np.abs(bias).max()))
         best = ahead.argmax(axis=1)
         better = ahead[rows, best] > bias + slack
-        if gain > ZERO * scale or not better.any():
+        if gain > ZERO * scale or not better.any() or not rounds_left:
             gain = gain if abs(gain) > ZERO * scale else 0.0
             return Average(gain, policy, bias, ahead >= bias[:, None] - 10 * slack)
         policy = np.where(better, best, policy)
+    raise AssertionError("the last round returns")
 
 
 def _with_one_class(model: Model, policy: Ints) -> tuple[Ints, Flags]:
@@ -134,10 +139,13 @@ def _with_one_class(model: Model, policy: Ints) -> tuple[Ints, Flags]:
     if np.unique(label[label >= 0]).size == 1:
         home[label.argmax()] = True
         return policy, home
-    home[np.flatnonzero(label >= 0)[0]] = True
+    home[np.nanargmax(class_averages(chain))] = True
     goals = np.append(label == label[home], False)
     _, action = attractor(model, goals, model.allowed)
-    return np.where(goals[:-1], policy, action), home
+    others = ~goals[:-1]
+    policy = policy.copy()
+    policy[others] = in_good_time(model.restrict(others), action[others])
+    return policy, home
 
 
 def long_run(chain: Model, width: int) -> tuple[Floats, Flags]:

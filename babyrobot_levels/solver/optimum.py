@@ -50,6 +50,7 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
         NoTotalError: there is no discount, and it may be best to stay in a loop without end in
             which rewards cancel out: +1, -1, +1, …, which has no total. Where ending is at least
             as good as whatever such a loop comes to, that is no matter.
+        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
     """
     level = load(level)
     discount = check_discount(discount, level.discount)

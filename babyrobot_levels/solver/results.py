@@ -36,8 +36,10 @@ class Evaluation(ReadOnly):
         action_values: the same if an action is taken first, float64 `[height, width, actions]`.
         expected_return: the expected return from the level's starts.
         expected_steps: the expected number of steps from the starts to the end of the episode;
-            inf if the episode may go on for ever. A level's `max_steps` plays no part.
-        exit_probability: the probability of reaching an exit from the starts.
+            inf if the episode may go on for ever, or for more than 10^10 steps. A level's
+            `max_steps` plays no part.
+        exit_probability: the probability of reaching an exit from the starts; nan where episodes
+            are too long to tell (more than 10^10 steps on average).
         discount: the factor by which each further reward counts less.
         actions: `"all"` or `"moves"`.
     """

@@ -192,20 +192,22 @@ def test_ends_that_are_no_exits() -> None:
 
 
 def test_a_way_that_is_short_only_with_a_lot_of_luck() -> None:
-    # Along the middle, nine steps in ten slip to a side. To the south one is sent back to the
-    # start, to the north there is a safe way. Keeping to the middle would take 10^15 steps.
+    # Along the middle, nine steps in ten slip to a side, and from there one is back at the start.
+    # It would take some 10^15 steps to get through. At the top there is a safe way round.
     width = 60
+    middle = range(1, width - 1)
     level = {
         "version": 1,
-        "size": [width, 3],
-        "start": [0, 1],
-        "exit": [width - 1, 1],
+        "size": [width, 5],
+        "start": [0, 2],
+        "exit": [width - 1, 2],
         "areas": [
-            {"at": [1, 1], "size": [width - 2, 1], "skid": {"probability": 0.9, "to": "sides"}}
+            {"at": [1, 2], "size": [width - 2, 1], "skid": {"probability": 0.9, "to": "sides"}}
         ],
-        "warps": [{"at": [x, 2], "to": "start"} for x in range(1, width - 1)],
+        "warps": [{"at": [x, y], "to": "start"} for x in middle for y in (1, 3)],
     }
     solution = solve(level)
-    assert solution.expected_return == pytest.approx(-60, abs=1e-10)
-    assert solution.expected_steps == pytest.approx(61, abs=1e-10)
+    assert solution.expected_return == pytest.approx(-62, abs=1e-10)
+    assert solution.expected_steps == pytest.approx(63, abs=1e-10)
+    assert solution.policy[2, 0] == 1
     assert solution.residual < 1e-10
