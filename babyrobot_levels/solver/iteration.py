@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from babyrobot_levels.solver.errors import TooLongError
 from babyrobot_levels.solver.graphs import surely_ending
 from babyrobot_levels.solver.linear import expected_sums
 from babyrobot_levels.solver.model import Floats, Ints, Model
@@ -95,6 +96,8 @@ def in_good_time(model: Model, policy: Ints) -> Ints:
 def prefer_ending(model: Model, values: Floats, policy: Ints, discount: float) -> Ints:
     """Return an optimal policy that ends as soon as can be expected, where it can surely end.
 
+    Where even that takes too long for floating point, the policy stays as it is.
+
     Args:
         model: the states and actions.
         values: their optimal values, `[n]`.
@@ -108,7 +111,10 @@ def prefer_ending(model: Model, values: Floats, policy: Ints, discount: float) -
         return policy
     ending = model.restrict(sure, rows)
     counting = ending.with_rewards(np.where(ending.allowed, -1.0, -np.inf))
-    _, quickest, _ = iterate_policies(counting, in_good_time(ending, action[sure]), 1.0)
+    try:
+        _, quickest, _ = iterate_policies(counting, in_good_time(ending, action[sure]), 1.0)
+    except TooLongError:
+        return policy
     policy = policy.copy()
     policy[sure] = quickest
     return policy

@@ -7,9 +7,10 @@ import pickle
 import numpy as np
 import pytest
 from support.chains import world
+from support.worlds import World
 
 from babyrobot_levels.errors import BabyRobotError
-from babyrobot_levels.solver.errors import NoTotalError
+from babyrobot_levels.solver.errors import NoTotalError, TooLongError
 from babyrobot_levels.solver.evaluation import evaluate
 from babyrobot_levels.solver.optimum import solve
 
@@ -191,23 +192,47 @@ def test_ends_that_are_no_exits() -> None:
     assert (solution.expected_return, solution.exit_probability) == (-2, 1)
 
 
-def test_a_way_that_is_short_only_with_a_lot_of_luck() -> None:
-    # Along the middle, nine steps in ten slip to a side, and from there one is back at the start.
-    # It would take some 10^15 steps to get through. At the top there is a safe way round.
-    width = 60
+def icy_ridge(width: int, top: int, step: float) -> World:
+    """Return a level with a ridge of ice: one step in two slips off it, back to the start.
+
+    It takes some 2^width steps to get across. At the top, if it is far enough from the ridge,
+    there is a safe way round.
+    """
     middle = range(1, width - 1)
-    level = {
+    return {
         "version": 1,
-        "size": [width, 5],
-        "start": [0, 2],
-        "exit": [width - 1, 2],
+        "size": [width, top + 2],
+        "start": [0, top],
+        "exit": [width - 1, top],
         "areas": [
-            {"at": [1, 2], "size": [width - 2, 1], "skid": {"probability": 0.9, "to": "sides"}}
+            {"at": [1, top], "size": [width - 2, 1], "skid": {"probability": 0.5, "to": "sides"}}
         ],
-        "warps": [{"at": [x, y], "to": "start"} for x in middle for y in (1, 3)],
+        "warps": [{"at": [x, y], "to": "start"} for x in middle for y in (top - 1, top + 1)],
+        "rewards": {"step": step, "exit": 1},
     }
-    solution = solve(level)
-    assert solution.expected_return == pytest.approx(-62, abs=1e-10)
-    assert solution.expected_steps == pytest.approx(63, abs=1e-10)
+
+
+@pytest.mark.parametrize("step", [-1, 0])
+@pytest.mark.parametrize("width", [20, 40, 80])
+def test_a_way_that_is_short_only_with_a_lot_of_luck(width: int, step: float) -> None:
+    solution = solve(icy_ridge(width, 2, step))
+    assert solution.expected_return == pytest.approx(1 + step * (width + 2), abs=1e-10)
+    assert solution.expected_steps == pytest.approx(width + 3, abs=1e-10)
     assert solution.policy[2, 0] == 1
     assert solution.residual < 1e-10
+
+
+@pytest.mark.parametrize("width", [40, 80])
+def test_ways_that_are_too_long_for_floating_point(width: int) -> None:
+    level = icy_ridge(width, 1, -1)
+    for policy in ("random", np.full((3, width), 2)):
+        with pytest.raises(TooLongError, match="a discount below 1"):
+            evaluate(level, policy)
+        # With a discount all is well; only how it ends cannot be told.
+        found = evaluate(level, policy, 0.9)
+        assert found.expected_return == pytest.approx(-10, abs=0.1)
+        assert found.expected_steps == INF
+        assert np.isnan(found.exit_probability)
+    with pytest.raises(TooLongError):
+        solve(level)
+    assert solve(level, 0.9).residual < 1e-10
