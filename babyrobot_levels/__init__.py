@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.reading import check as check
     from babyrobot_levels.reading import loads as loads
     from babyrobot_levels.solver.errors import NoTotalError as NoTotalError
+    from babyrobot_levels.solver.errors import TooLongError as TooLongError
     from babyrobot_levels.solver.evaluation import evaluate as evaluate
     from babyrobot_levels.solver.optimum import solve as solve
     from babyrobot_levels.solver.results import Evaluation as Evaluation
@@ -68,6 +69,7 @@ _HOMES = {
     "Simulation": "solver.results",
     "Solution": "solver.results",
     "Sweep": "learning.results",
+    "TooLongError": "solver.errors",
     "Trials": "learning.results",
     "check": "reading",
     "compare": "certificate",
