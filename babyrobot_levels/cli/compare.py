@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, ReportFormat, fail, write, write_json
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    FormatOption,
+    ReportFormat,
+    fail,
+    write,
+    write_json,
+)
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 from babyrobot_levels.source import printable
 
@@ -40,9 +47,7 @@ def compare(
         str | None,
         typer.Option(metavar="JSON", help="What the environment is made with.", show_default=False),
     ] = None,
-    report_format: Annotated[
-        ReportFormat, typer.Option("--format", help="How to report.")
-    ] = ReportFormat.TEXT,
+    report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Prove that a level is the same game as another one, or show the first difference.
 

@@ -7,7 +7,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import ReportFormat, note, wants_color, write, write_json
+from babyrobot_levels.cli.console import (
+    FormatOption,
+    ReportFormat,
+    note,
+    wants_color,
+    write,
+    write_json,
+)
 from babyrobot_levels.diagnostics import one_line
 from babyrobot_levels.source import columns
 
@@ -20,9 +27,7 @@ def list_levels(
         list[str] | None,
         typer.Option(metavar="TAG", help="Only levels with this tag; may be repeated."),
     ] = None,
-    report_format: Annotated[
-        ReportFormat, typer.Option("--format", help="How to report.")
-    ] = ReportFormat.TEXT,
+    report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """List the levels that can be loaded by name.
 

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from babyrobot_levels.cli.console import ReportFormat, note, wants_color, write, write_json
+from babyrobot_levels.cli.console import (
+    FormatOption,
+    ReportFormat,
+    note,
+    wants_color,
+    write,
+    write_json,
+)
 from babyrobot_levels.cli.preview import LevelArgument, load_level, text_picture
 from babyrobot_levels.source import printable
 
@@ -17,9 +22,7 @@ if TYPE_CHECKING:
 
 def show(
     level: LevelArgument,
-    report_format: Annotated[
-        ReportFormat, typer.Option("--format", help="How to report.")
-    ] = ReportFormat.TEXT,
+    report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Tell all about one level: its texts, numbers, digest and drawing.
 

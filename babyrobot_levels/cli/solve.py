@@ -10,6 +10,7 @@ import typer
 
 from babyrobot_levels.cli.answers import WIDEST, policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import (
+    FormatOption,
     ReportFormat,
     fail,
     speaks_unicode,
@@ -34,9 +35,7 @@ def solve(
             show_default=False,
         ),
     ] = None,
-    report_format: Annotated[
-        ReportFormat, typer.Option("--format", help="How to report.")
-    ] = ReportFormat.TEXT,
+    report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Solve a level exactly: the best expected return, a policy that earns it, the values.
 

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, ReportFormat, fail, note, wants_color, write
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    FormatOption,
+    ReportFormat,
+    fail,
+    note,
+    wants_color,
+    write,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.diagnostics import Diagnostic
@@ -25,9 +33,7 @@ def validate(
             show_default=False,
         ),
     ] = None,
-    report_format: Annotated[
-        ReportFormat, typer.Option("--format", help="How to report.")
-    ] = ReportFormat.TEXT,
+    report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Check level files: every error, where it stands, and what to do.
 

@@ -63,25 +63,6 @@ def drawing_of(level: LevelFields, grid: Grid) -> d.Drawing:
     )
 
 
-def ascii_drawing(level: LevelFields, grid: Grid, state: int | None = None) -> str:
-    """Return the language's drawing; each line ends with a newline.
-
-    Args:
-        level: the level.
-        grid: its walls and cells.
-        state: the cell, `y * width + x`, that shows `R` for the robot. What then comes out is a
-            picture, and no drawing that the language could read.
-    """
-    text = d.compose(drawing_of(level, grid))
-    if state is None:
-        return text
-    y, x = divmod(state, grid.width)
-    lines = text.split("\n")
-    row = lines[2 * y + 1]
-    lines[2 * y + 1] = f"{row[: 4 * x + 1]} R {row[4 * x + 4 :]}"
-    return "\n".join(lines)
-
-
 def unicode_drawing(
     level: Level, grid: Grid, *, state: int | None = None, color: bool = False
 ) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -59,19 +59,9 @@ class Wall(Opening):
     """Whether the wall is shortened so as not to stick out into its neighbours."""
 
 
-def wall_is_plain(wall: Wall) -> bool:
-    """Tell whether a wall has no property beyond its place: it is wholly told by a drawing."""
-    return not wall.model_fields_set & {"pass_", "color", "width", "fit"}
-
-
 def sides_of(opening: Opening) -> list[tuple[int, int]]:
     """Return the cells `(x, y)` at whose `side` the wall or opening stands, one for its length."""
     x, y = opening.at
     if opening.side in ("N", "S"):
         return [(x + step, y) for step in range(opening.length)]
     return [(x, y + step) for step in range(opening.length)]
-
-
-def dump_seed(maze: Maze) -> dict[str, Any]:
-    """Return the maze as it is written in a file."""
-    return maze.model_dump(exclude_defaults=True)

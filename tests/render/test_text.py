@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.render.text import ascii_drawing, unicode_drawing
+from babyrobot_levels.render.text import unicode_drawing
 
 ESCAPE = re.compile(r"\x1b\[[\d;]*m")
 
@@ -212,13 +212,6 @@ def test_the_robot_stands_in_its_cell_and_changes_nothing_else() -> None:
     ]
     assert changed == [3 * 18 + 2 + 4 * 2]
     assert with_robot[changed[0]] == "☻"
-
-
-def test_the_language_s_drawing_shows_the_robot_as_r() -> None:
-    world = level(size=[3, 1])
-    assert ascii_drawing(world, world.grid()) == world.draw()
-    assert ascii_drawing(world, world.grid(), 1).split("\n")[1] == "| S   R   E |"
-    assert ascii_drawing(world, world.grid(), 2).split("\n")[1] == "| S       R |"
 
 
 # -- colours -------------------------------------------------------------------------------
