@@ -6,13 +6,19 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support.worlds import level_of
 
+import babyrobot_levels as brl
 from babyrobot_levels.grid import Grid
 
 RECORD = json.loads(
     (Path(__file__).parent / "oracles" / "babyrobot.json").read_text(encoding="utf-8")
+)
+
+VALUES = json.loads(
+    (Path(__file__).parent / "oracles" / "babyrobot_values.json").read_text(encoding="utf-8")
 )
 
 
@@ -61,3 +67,19 @@ def test_levels_are_equal(number: int) -> None:
             for probability, state, reward, _ in mdp.outcomes(y * grid.width + x, action)
         }
         assert found == pytest.approx({o: p for o, p in expected.items() if p > 1e-12}, abs=1e-9)
+
+
+# -- value iteration -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("world", VALUES["worlds"], ids=lambda world: str(world["discount"]))
+def test_solutions_are_those_of_its_value_iteration(world: dict[str, Any]) -> None:
+    solution = brl.solve(level_of(world["level"]), world["discount"])
+    assert VALUES["threshold"] == 1e-9
+    np.testing.assert_allclose(solution.values, world["values"], rtol=0, atol=1e-6)
+
+
+def test_the_values_are_of_many_worlds_and_all_discounts() -> None:
+    assert len(VALUES["worlds"]) == 60
+    assert {world["discount"] for world in VALUES["worlds"]} == {0.5, 0.9, 0.97, 1.0}
+    assert sum(len(world["level"]["puddles"]) for world in VALUES["worlds"]) > 500

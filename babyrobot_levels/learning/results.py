@@ -29,12 +29,19 @@ class Sweep(ReadOnly):
             good ones; -1 at blocked cells and where the episode is over. Actions are numbered as
             in an environment made with the same `actions`.
         delta: the largest change of an estimate since the sweep before; inf for number 0.
+        actions: `"all"` or `"moves"`.
     """
 
     number: int
     values: Floats
     policy: Ints
     delta: float
+    actions: str
+
+    @property
+    def first_action(self) -> int:
+        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
+        return check_actions(self.actions)
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} number={self.number} delta={self.delta:.6g}>"
@@ -96,13 +103,13 @@ class Problem:
             policy = self.greedy(self.model.action_values(values, self.discount))
         none = np.zeros((values.size, 1))
         cells, _ = on_the_grid(self.level, self.model, values, none)
-        return Sweep(number, cells, self._policy(policy), delta)
+        return Sweep(number, cells, self._policy(policy), delta, self.actions)
 
     def trials(self, number: int, ahead: Floats, delta: float, returns: list[float]) -> Trials:
         """Return what is known when actions are worth `ahead`, `[n, actions]`."""
         cells, rows = on_the_grid(self.level, self.model, ahead.max(axis=1), ahead)
         policy = self._policy(self.greedy(ahead))
-        return Trials(number, cells, policy, delta, rows, np.array(returns))
+        return Trials(number, cells, policy, delta, self.actions, rows, np.array(returns))
 
     def _policy(self, policy: Ints) -> Ints:
         width, height = self.level.size

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from babyrobot_levels.solver.model import Flags, Ints, Model
@@ -22,26 +24,62 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
         Which states are goals or have a chance to get to one, `[n]`; and for each of them the
         action most likely to come nearer, counted in steps, `[n]`; -1 for goals and all others.
     """
-    size, actions, outcomes = model.probability.shape
-    edges = np.flatnonzero((model.probability > 0) & rows[:, :, None])
-    order = np.argsort(model.next_state.ravel()[edges], kind="stable")
-    source = edges[order] // outcomes
-    count = np.bincount(model.next_state.ravel()[edges], minlength=size + 1)
-    begin = np.cumsum(count) - count
-    distance = np.where(goals, 0, size + 1)
-    frontier, steps = np.flatnonzero(goals), 0
-    while frontier.size:
-        steps += 1
-        lengths = count[frontier]
-        offsets = np.cumsum(lengths) - lengths
-        among = np.repeat(begin[frontier] - offsets, lengths) + np.arange(lengths.sum())
-        state = source[among] // actions
-        frontier = np.unique(state[distance[state] > steps])
-        distance[frontier] = steps
+    size = model.size
+    happens = (model.probability > 0) & rows[:, :, None]
+    source = np.repeat(np.arange(size, dtype=np.int32), happens.sum(axis=(1, 2)))
+    distance = distances(size + 1, model.next_state[happens], source, np.flatnonzero(goals))
     nearer = distance[model.next_state] < distance[:-1, None, None]
-    progress = np.where(rows, np.einsum("sao,sao->sa", model.probability, nearer), -1.0)
+    progress = np.einsum("sao,sao->sa", model.probability, nearer)
+    progress[~rows] = -1.0
     reached = distance[:-1] <= size
     return reached, np.where(reached & ~goals[:-1], progress.argmax(axis=1), -1)
+
+
+def distances(size: int, source: Ints, target: Ints, roots: Ints) -> Ints:
+    """Return the fewest edges from one of the roots to each node, `[size]`.
+
+    Args:
+        size: the number of nodes; one that cannot be reached is at this number plus 1.
+        source: where each edge begins.
+        target: where it ends.
+        roots: where the ways begin.
+    """
+    distance = np.full(size, size + 1, np.int32)
+    if size <= DENSE_STATES:
+        ahead: list[list[int]] = [[] for _ in range(size)]
+        for begin, end in zip(source.tolist(), target.tolist(), strict=True):
+            ahead[begin].append(end)
+        found = dict.fromkeys(roots.tolist(), 0)
+        # A dict keeps the order in which nodes were found, which is that of their distances.
+        waiting = deque(found)
+        while waiting:
+            node = waiting.popleft()
+            for other in ahead[node]:
+                if other not in found:
+                    found[other] = found[node] + 1
+                    waiting.append(other)
+        distance[list(found)] = list(found.values())
+        return distance
+    from scipy.sparse import csr_array  # type: ignore[import-untyped]
+    from scipy.sparse.csgraph import breadth_first_order  # type: ignore[import-untyped]
+
+    # One more node, from which an edge leads to each root.
+    begins = np.append(source, np.full(roots.size, size, source.dtype))
+    weights = np.ones(begins.size, np.int8)
+    graph = csr_array(
+        (weights, (begins, np.append(target, roots.astype(target.dtype)))),
+        shape=(size + 1, size + 1),
+    )
+    order, before = breadth_first_order(graph, size)
+    # Each node knows the one before it: jumps of double length count the way in few rounds.
+    before[size] = size
+    count = np.zeros(size + 1, np.intp)
+    count[order[1:]] = 1
+    while (before[order] != size).any():
+        count[order] += count[before[order]]
+        before[order] = before[before[order]]
+    distance[order[1:]] = count[order[1:]] - 1
+    return distance
 
 
 def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
@@ -68,8 +106,8 @@ def strong_components(size: int, source: Ints, target: Ints) -> Ints:
             reach = np.minimum(reach @ reach, 1.0)
         label: Ints = ((reach > 0) & (reach.T > 0)).argmax(axis=1)
         return label
-    from scipy.sparse import csr_array  # type: ignore[import-untyped]
-    from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
 
     graph = csr_array((np.ones(source.size, np.int8), (source, target)), shape=(size, size))
     components: Ints = connected_components(graph, connection="strong")[1].astype(np.intp)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.mdp import Mdp
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.intp]
+Ints = NDArray[np.signedinteger[Any]]
 Flags = NDArray[np.bool_]
 
 
@@ -23,14 +24,14 @@ class Model:
     Attributes:
         states: the level's numbers of the states, `[n]`.
         probability: `[n, actions, outcomes]`.
-        next_state: `[n, actions, outcomes]`; outcomes of probability 0 lead to the end.
+        next_state: int32, `[n, actions, outcomes]`; outcomes of probability 0 lead to the end.
         reward: the expected reward, `[n, actions]`; -inf for actions that may not be taken.
         success: the probability that a step leads onto an exit, `[n, actions]`.
     """
 
     states: Ints
     probability: Floats
-    next_state: Ints
+    next_state: NDArray[np.int32]
     reward: Floats
     success: Floats
 
@@ -65,14 +66,21 @@ class Model:
         return replace(self, reward=reward)
 
     def with_stops(self, stops: Flags) -> Model:
-        """Return the model with one more, last action: to stop for nothing, in some states."""
+        """Return the model with one more, last action: to stop for nothing, in some states.
+
+        Where there are no such states, it is the model as it is.
+        """
+        if not stops.any():
+            return self
         size, _, outcomes = self.probability.shape
         stop = np.zeros((size, 1, outcomes))
         stop[:, :, 0] = 1.0
         return Model(
             self.states,
             np.concatenate([self.probability, stop], axis=1),
-            np.concatenate([self.next_state, np.full(stop.shape, size)], axis=1),
+            np.concatenate(
+                [self.next_state, np.full(stop.shape, size, self.next_state.dtype)], axis=1
+            ),
             np.concatenate([self.reward, np.where(stops, 0.0, -np.inf)[:, None]], axis=1),
             np.concatenate([self.success, np.zeros((size, 1))], axis=1),
         )
@@ -84,10 +92,10 @@ class Model:
             keep: the states that are kept, `[n]`.
             rows: the actions that may be taken, `[n, actions]`; by default, those that may be now.
         """
-        if rows is None and keep.all():
-            return self
+        if keep.all():
+            return self if rows is None else self.with_rewards(np.where(rows, self.reward, -np.inf))
         count = int(keep.sum())
-        number = np.full(self.size + 1, count)
+        number = np.full(self.size + 1, count, self.next_state.dtype)
         number[:-1][keep] = np.arange(count)
         reward = self.reward if rows is None else np.where(rows, self.reward, -np.inf)
         return Model(
@@ -134,16 +142,19 @@ def build_model(mdp: Mdp, exits: Ints, first_action: int) -> Model:
         first_action: the action that becomes number 0: 1 leaves `stay` out.
     """
     states = np.flatnonzero(~mdp.over)
-    number = np.full(mdp.num_states, states.size)
+    number = np.full(mdp.num_states, states.size, np.int32)
     number[states] = np.arange(states.size)
-    probability = mdp.probability[states, first_action:]
-    following = mdp.next_state[states, first_action:]
+    # Where nothing lies between them, the tables need no copy.
+    is_whole = states.size > 0 and states[-1] - states[0] + 1 == states.size
+    rows = slice(states[0], states[-1] + 1) if is_whole else states
+    probability = mdp.probability[rows, first_action:]
+    following = mdp.next_state[rows, first_action:]
     is_exit = np.zeros(mdp.num_states, bool)
     is_exit[exits] = True
     return Model(
         states,
         probability,
-        np.where(probability > 0, number[following], states.size),
-        np.einsum("sao,sao->sa", probability, mdp.reward[states, first_action:]),
+        np.where(probability > 0, number[following], np.int32(states.size)),
+        np.einsum("sao,sao->sa", probability, mdp.reward[rows, first_action:]),
         np.einsum("sao,sao->sa", probability, is_exit[following].astype(np.float64)),
     )

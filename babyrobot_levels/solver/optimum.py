@@ -107,9 +107,10 @@ def _total(model: Model, width: int) -> _Optimum:
     core = rest.restrict(sure, rows)
     inside = others[sure]
     best_values, best, rounds = iterate_policies(core, in_good_time(core, action[sure]), 1.0)
-    stop = rest.reward.shape[1] - 1
+    stop = model.reward.shape[1]
     # Where stopping is best, it means to stay in the loop; but who can end as well, should.
-    going_on = core.with_rewards(np.where(np.arange(stop + 1) < stop, core.reward, -np.inf))
+    is_stop = np.arange(core.reward.shape[1]) == stop
+    going_on = core.with_rewards(np.where(is_stop, -np.inf, core.reward))
     best = prefer_ending(going_on, best_values, best, 1.0)
     policy[inside] = np.where(best == stop, loops.action[inside], best)
     # Elsewhere nothing helps. Perhaps it ends nevertheless.
