@@ -112,7 +112,7 @@ def _rest(order: Order) -> str:
 
 # rewards: {{step: -1, exit: 0}}  # as they are if nothing is said
 # max_steps: 100  # the episode is cut off after so many steps
-{theme}  # default, black_orange, blue_green, green
+{theme}  # default, black_orange, blue_green, green, high_contrast, print
 """
 
 

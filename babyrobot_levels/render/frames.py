@@ -1,15 +1,19 @@
-"""Many pictures of one level, fast: the ground is painted once, the robot is laid on a copy."""
+"""Many pictures of one level, fast: the level is painted once, the robot is laid on a copy."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Hashable
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_base
+from babyrobot_levels.scene.build import build_layers
 from babyrobot_levels.scene.layout import CELL, Layout, layout_of
+from babyrobot_levels.scene.overlays import Overlay
+from babyrobot_levels.scene.pose import STANDING, Pose
 from babyrobot_levels.scene.robot import robot_shapes
 from babyrobot_levels.scene.shapes import Scene
 
@@ -17,6 +21,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from babyrobot_levels.level import Level
+
+    _Film = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    _Patch = tuple[slice, slice, NDArray[np.uint8]]
 
 MAX_FRAME_SIDE = 2048
 """A frame that is given no size is at most this many pixels wide and high."""
@@ -32,9 +39,21 @@ MAX_IMAGE_SIDE = 1024
 _GRAY = (0.299, 0.587, 0.114)
 """The brightness of red, green and blue (ITU-R BT.601)."""
 
+_POSES = 64
+"""How many poses are kept."""
+
+_PATCH_BYTES = 8 * 1024 * 1024
+"""How much memory the cells that are kept take at most."""
+
+_Key = TypeVar("_Key", bound=Hashable)
+_Thing = TypeVar("_Thing")
+
 
 class FramePainter:
-    """Paints frames of a level, one for each state of the robot.
+    """Paints frames of a level, one for each state and pose of the robot.
+
+    The level is painted once, and the robot once for each pose. A frame is a copy of the level
+    with one patch on it: the robot's cell, of which the last ones are kept.
 
     Args:
         level: the level; a maze needs a seed.
@@ -42,6 +61,7 @@ class FramePainter:
             and free space: what an agent should see. None gives the whole picture at 64 pixels a
             cell; of large levels fewer, so that no side is over 2,048 pixels.
         grayscale: whether frames have one channel in the place of three.
+        overlay: values, arrows and texts that are written over the cells and into the panels.
 
     Attributes:
         width: the width of a frame in pixels.
@@ -49,51 +69,101 @@ class FramePainter:
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: the size is not positive, or too large.
+        ValueError: the size is not positive, or too large, or the overlay is not as large as the
+            level.
     """
 
     def __init__(
-        self, level: Level, size: tuple[int, int] | None = None, grayscale: bool = False
+        self,
+        level: Level,
+        size: tuple[int, int] | None = None,
+        grayscale: bool = False,
+        overlay: Overlay | None = None,
     ) -> None:
-        layout = layout_of(level, cells_only=size is not None)
+        cells_only = size is not None
+        layout = layout_of(level, cells_only=cells_only, overlay=overlay)
         self.width, self.height = size or _whole_size(layout)
-        base = build_base(level, cells_only=size is not None)
-        self._base = _channels(to_rgb(base, (self.width, self.height)), grayscale)
+        layers = build_layers(level, robot=False, cells_only=cells_only, overlay=overlay)
+        below = [layers[name] for name in ("base", "grid", "underlay")]
+        above = [layers[name] for name in ("overlay", "text")]
+        self._theme, self._grayscale = level.colors_and_widths, grayscale
+        self._below = self._painted(below)
+        self._above = self._film(above, (self.width, self.height)) if overlay else None
+        self._base = self._below if self._above is None else _laid(self._above, self._below)
         scale_x, scale_y = self.width / layout.width, self.height / layout.height
         self._left = _offsets(layout.margin, layout.columns, scale_x)
         self._top = _offsets(layout.margin, layout.rows, scale_y)
-        self._paint_robot(level, scale_x * CELL, scale_y * CELL, grayscale)
+        self._cell = max(1, round(scale_x * CELL)), max(1, round(scale_y * CELL))
+        self._robots: dict[Pose, _Film] = {}
+        self._patches: dict[tuple[int, Pose], _Patch] = {}
+        self._room = max(16, _PATCH_BYTES // (3 * self._cell[0] * self._cell[1]))
 
-    def _paint_robot(
-        self, level: Level, cell_width: float, cell_height: float, grayscale: bool
-    ) -> None:
-        """Paint the robot on black and on white: what differs is what shines through."""
-        scene = Scene(CELL, CELL, robot_shapes(level.colors_and_widths, 0.0, 0.0))
-        size = max(1, round(cell_width)), max(1, round(cell_height))
-        on_black = _channels(to_rgb(scene, size, "black"), grayscale).astype(np.uint16)
-        on_white = _channels(to_rgb(scene, size, "white"), grayscale).astype(np.uint16)
-        # In 256ths, so that blending is one product and one shift.
-        self._robot = on_black * 256 + 128
-        self._through = (on_white - on_black) * 256 // 255
-
-    def frame(self, state: int) -> NDArray[np.uint8]:
+    def frame(self, state: int, pose: Pose = STANDING) -> NDArray[np.uint8]:
         """Return the picture with the robot in a state: a fresh array, `[height, width, channels]`.
 
         Args:
             state: the cell, `y * width + x` of the level.
+            pose: how the robot holds himself.
 
         Raises:
             ValueError: the level has no such state.
         """
+        patch = self._patches.get((state, pose))
+        if patch is None:
+            patch = self._patch(state, pose)
+        rows, columns, pixels = patch
+        frame = self._base.copy()
+        frame[rows, columns] = pixels
+        return frame
+
+    def _patch(self, state: int, pose: Pose) -> _Patch:
+        """Paint a cell with the robot in it, and remember it."""
         y, x = divmod(state, len(self._left))
         if not 0 <= y < len(self._top):
             raise ValueError(f"state {state} is not on the level")
-        frame = self._base.copy()
-        height, width = self._robot.shape[:2]
-        cell = frame[self._top[y] : self._top[y] + height, self._left[x] : self._left[x] + width]
-        height, width = cell.shape[:2]
-        cell[...] = (cell * self._through[:height, :width] + self._robot[:height, :width]) >> 8
-        return frame
+        robot = self._robots.get(pose)
+        if robot is None:
+            shapes = robot_shapes(self._theme, 0.0, 0.0, pose)
+            robot = self._film([Scene(CELL, CELL, shapes)], self._cell)
+            _remember(self._robots, pose, robot, _POSES)
+        left, top = self._left[x], self._top[y]
+        rows, columns = slice(top, top + self._cell[1]), slice(left, left + self._cell[0])
+        pixels = _laid(robot, self._below[rows, columns])
+        if self._above is not None:
+            ink, through = self._above
+            pixels = _laid((ink[rows, columns], through[rows, columns]), pixels)
+        patch = rows, columns, pixels
+        _remember(self._patches, (state, pose), patch, self._room)
+        return patch
+
+    def _painted(
+        self, scenes: list[Scene], size: tuple[int, int] | None = None, ground: str = "white"
+    ) -> NDArray[np.uint8]:
+        shapes = tuple(shape for scene in scenes for shape in scene.shapes)
+        pixels = to_rgb(
+            replace(scenes[0], shapes=shapes), size or (self.width, self.height), ground
+        )
+        return _gray(pixels) if self._grayscale else pixels
+
+    def _film(self, scenes: list[Scene], size: tuple[int, int]) -> _Film:
+        """Paint on black and on white: what differs is what shines through."""
+        ink = self._painted(scenes, size, "black")
+        return ink, self._painted(scenes, size, "white") - ink
+
+
+def _laid(film: _Film, ground: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return what is seen where a film lies on a ground, as far as the ground reaches."""
+    height, width = ground.shape[:2]
+    ink, through = (part[:height, :width] for part in film)
+    seen = (ground.astype(np.uint16) * through + 127) // 255
+    return ink + seen.astype(np.uint8)
+
+
+def _remember(known: dict[_Key, _Thing], key: _Key, thing: _Thing, room: int) -> None:
+    """Keep a thing under its key; the oldest makes room for it."""
+    if len(known) >= room:
+        del known[next(iter(known))]
+    known[key] = thing
 
 
 def default_image_size(width: int, height: int) -> tuple[int, int]:
@@ -124,8 +194,6 @@ def _offsets(margin: float, count: int, scale: float) -> list[int]:
     return [round((margin + index * CELL) * scale) for index in range(count)]
 
 
-def _channels(pixels: NDArray[np.uint8], grayscale: bool) -> NDArray[np.uint8]:
-    if not grayscale:
-        return pixels
+def _gray(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     brightness: NDArray[np.float64] = np.rint(pixels @ np.array(_GRAY))
     return brightness[..., np.newaxis].astype(np.uint8)

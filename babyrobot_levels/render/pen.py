@@ -45,9 +45,9 @@ class Pen:
 
     def polygon(self, points: list[Point]) -> None:
         """Fill a polygon."""
-        self.draw.polygon(
-            [(round(x) - self.left, round(y) - self.top) for x, y in points], self.ink
-        )
+        # Pillow takes coordinates for the middles of pixels.
+        corners = [(round(x - 0.5) - self.left, round(y - 0.5) - self.top) for x, y in points]
+        self.draw.polygon(corners, self.ink)
 
     def stroke(self, line: Polyline, width: float, *, round_caps: bool) -> None:
         """Draw a line of some width, with round joins."""

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.scene.layout import CELL, Layout
-from babyrobot_levels.scene.paths import Point, curve, polygon, polyline
+from babyrobot_levels.scene.paths import QUARTER, Point, curve, polygon, polyline
 from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Shape
 from babyrobot_levels.spec.looks import Colors
 from babyrobot_levels.spec.moves import shifts
@@ -48,8 +48,7 @@ def warp_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
 def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
     """Yield an arrow that goes round, by the clock."""
     x, y = centre[0], centre[1] + 4
-    # A quarter of a circle is this cubic curve, to a thousandth of its radius.
-    r, k = 11.0, 11.0 * 0.5523
+    r, k = 11.0, 11.0 * QUARTER
     shaft: tuple[Command, ...] = (
         ("M", (x + r, y)),
         ("C", (x + r, y + k, x + k, y + r, x, y + r)),
@@ -117,7 +116,7 @@ def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
             stroke=level.colors_and_widths.colors.arrows,
             width=2.5,
             cap="round",
-            opacity=0.4,
+            opacity=0.55,
         )
 
 

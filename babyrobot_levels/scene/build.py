@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.scene.ground import ground_shapes
 from babyrobot_levels.scene.layout import Layout, layout_of
-from babyrobot_levels.scene.overlays import Overlay, overlay_shapes
+from babyrobot_levels.scene.overlays import Overlay
+from babyrobot_levels.scene.overlays.draw import overlay_shapes
 from babyrobot_levels.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.scene.pose import STANDING, Pose
 from babyrobot_levels.scene.puddles import puddle_shapes
 from babyrobot_levels.scene.robot import robot_shapes
 from babyrobot_levels.scene.shapes import Scene, Shape
@@ -20,10 +23,15 @@ if TYPE_CHECKING:
     from babyrobot_levels.level import Level
 
 
+LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
+"""The layers of a picture, from the bottom up."""
+
+
 def build_scene(
     level: Level,
     *,
     state: int | None = None,
+    pose: Pose = STANDING,
     robot: bool = True,
     cells_only: bool = False,
     overlay: Overlay | None = None,
@@ -34,41 +42,82 @@ def build_scene(
         level: the level; a maze needs a seed.
         state: the cell of the robot, `y * width + x`. None shows him on the first start, if the
             level's `display` shows him at all.
+        pose: how he holds himself.
         robot: whether the robot is in the picture.
         cells_only: whether to leave out the free space around the grid, panels and compass.
-        overlay: values and arrows that are written over the cells, and over the robot.
+        overlay: values, arrows and texts that are written over the cells and into the panels.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
         ValueError: the level has no such state, or the overlay is not as large as the level.
     """
-    layout = layout_of(level, cells_only=cells_only)
-    shapes = list(_base_shapes(level, layout))
+    layers = build_layers(
+        level, state=state, pose=pose, robot=robot, cells_only=cells_only, overlay=overlay
+    )
+    shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
+    return replace(layers["base"], shapes=shapes)
+
+
+def build_layers(
+    level: Level,
+    *,
+    state: int | None = None,
+    pose: Pose = STANDING,
+    robot: bool = True,
+    cells_only: bool = False,
+    overlay: Overlay | None = None,
+) -> dict[str, Scene]:
+    """Return the same picture in layers; painted one over the other they are `build_scene`'s.
+
+    All are as large as the picture. What changes from step to step has layers of its own:
+
+    - `base`: the ground, puddles, panels and the compass;
+    - `grid`: walls, arrows and texts that are the level's own;
+    - `underlay`: what of an overlay lies below the robot;
+    - `robot`: the robot;
+    - `overlay`: arrows over the cells;
+    - `text`: numbers and texts over the cells and in the panels.
+
+    Args and errors are those of `build_scene`.
+    """
+    overlay = overlay or Overlay()
+    layout = layout_of(level, cells_only=cells_only, overlay=overlay)
+    layers: dict[str, tuple[Shape, ...]] = {
+        "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
+        "grid": tuple(_grid_shapes(level, layout)),
+        "robot": (),
+    }
     if robot and (state is not None or level.display.robot.show):
-        shapes += robot_shapes(level.colors_and_widths, *_robot_corner(level, layout, state))
-    if overlay is not None:
-        shapes += overlay_shapes(level, overlay, layout)
-    if not cells_only:
-        shapes += panel_shapes(level, layout)
-        shapes += compass_shapes(level, layout)
+        corner = _robot_corner(level, layout, state)
+        layers["robot"] = robot_shapes(level.colors_and_widths, *corner, pose)
+    layers |= overlay_shapes(level, overlay, layout)._asdict()
     title = level.title or level.name or "Level"
-    return Scene(layout.width, layout.height, tuple(shapes), title)
+    return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
 
 
-def build_base(level: Level, *, cells_only: bool = False) -> Scene:
+def build_base(level: Level, *, cells_only: bool = False, overlay: Overlay | None = None) -> Scene:
     """Return the picture of a level without the robot; see `build_scene`."""
-    return build_scene(level, robot=False, cells_only=cells_only)
+    return build_scene(level, robot=False, cells_only=cells_only, overlay=overlay)
 
 
-def _base_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def _base_shapes(
+    level: Level, overlay: Overlay, layout: Layout, *, cells_only: bool
+) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
     yield from puddle_shapes(level, layout)
+    if not cells_only:
+        yield from panel_shapes(level, overlay, layout)
+        yield from compass_shapes(level, layout)
+
+
+def _grid_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
     yield from wind_shapes(level, layout)
     yield from warp_shapes(level, layout)
     yield from end_texts(level, layout)
     yield from wall_shapes(level, layout)
     yield from label_shapes(level, layout)
-    yield from coordinate_texts(level, layout)
+    if level.display.coordinates:
+        yield from coordinate_texts(level, layout)
 
 
 def _robot_corner(level: Level, layout: Layout, state: int | None) -> tuple[float, float]:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.scene.lines import height_of, wrapped
+from babyrobot_levels.scene.overlays import Overlay
 from babyrobot_levels.spec.looks import Panel
 
 if TYPE_CHECKING:
@@ -70,13 +73,18 @@ class Layout:
         """Return the top-left corner of a cell; halves give its centre."""
         return self.margin + x * CELL, self.margin + y * CELL
 
+    def cells(self) -> Iterator[tuple[int, int]]:
+        """Yield all cells, row by row."""
+        return ((x, y) for y in range(self.rows) for x in range(self.columns))
 
-def layout_of(level: Level, *, cells_only: bool = False) -> Layout:
+
+def layout_of(level: Level, *, cells_only: bool = False, overlay: Overlay | None = None) -> Layout:
     """Return the layout of a level's picture.
 
     Args:
         level: the level.
         cells_only: whether to leave out the free space, the panels and the compass.
+        overlay: what is written on it; its lines are given a panel if the level has none.
     """
     columns, rows = level.size
     if cells_only:
@@ -85,8 +93,13 @@ def layout_of(level: Level, *, cells_only: bool = False) -> Layout:
     # Half of the outer wall stands outside of the cells, and must not be cut off.
     margin = float(math.ceil(max(widths.padding, widths.border / 2)))
     side, bottom = panel_width(level.display.side_panel), panel_width(level.display.bottom_panel)
+    if overlay is not None and overlay.side_panel and not side:
+        side = Panel().width
     if level.display.compass:
         side = max(side, COMPASS)
+    if overlay is not None and overlay.bottom_panel and not bottom:
+        width = columns * CELL + 2 * margin + side
+        bottom = height_of(wrapped(overlay.bottom_panel, width))
     return Layout(columns, rows, margin, side, bottom)
 
 

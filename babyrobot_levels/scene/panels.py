@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.scene.layout import COMPASS, Layout, panel_width
+from babyrobot_levels.scene.overlays import Overlay
 from babyrobot_levels.scene.paths import polygon
 from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.spec.looks import Panel
@@ -16,14 +17,13 @@ if TYPE_CHECKING:
 _NEEDLE = "#e5484d"
 
 
-def panel_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def panel_shapes(level: Level, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
     """Yield the ground of the panels: one beside the grid, one below both."""
     display, ground = level.display, level.colors_and_widths.colors.text_bg
-    side, bottom = panel_width(display.side_panel), panel_width(display.bottom_panel)
-    if side:
+    if panel_width(display.side_panel) or overlay.side_panel:
         fill = _ground(display.side_panel, ground)
         yield Rect(layout.left_width, 0, layout.side, layout.top_height, fill)
-    if bottom:
+    if layout.bottom:
         fill = _ground(display.bottom_panel, ground)
         yield Rect(0, layout.top_height, layout.width, layout.bottom, fill)
 

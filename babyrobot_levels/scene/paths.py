@@ -8,6 +8,10 @@ from babyrobot_levels.scene.shapes import Command
 
 Point = tuple[float, float]
 
+QUARTER = 0.5523
+"""A quarter of a circle is the cubic curve with controls this share of the radius away, to a
+thousandth of the radius."""
+
 
 def polyline(points: Iterable[Point]) -> tuple[Command, ...]:
     """Return straight lines from point to point."""
@@ -48,3 +52,36 @@ def smooth(points: Sequence[Point]) -> tuple[Command, ...]:
             )
         )
     return (*commands, ("Z", ()))
+
+
+def circle(x: float, y: float, rx: float, ry: float | None = None) -> tuple[Command, ...]:
+    """Return a circle around (`x`, `y`), or an ellipse, from its rightmost point on."""
+    ry = rx if ry is None else ry
+    a, b = QUARTER * rx, QUARTER * ry
+    return (
+        ("M", (x + rx, y)),
+        ("C", (x + rx, y + b, x + a, y + ry, x, y + ry)),
+        ("C", (x - a, y + ry, x - rx, y + b, x - rx, y)),
+        ("C", (x - rx, y - b, x - a, y - ry, x, y - ry)),
+        ("C", (x + a, y - ry, x + rx, y - b, x + rx, y)),
+        ("Z", ()),
+    )
+
+
+def rounded(x: float, y: float, width: float, height: float, radius: float) -> tuple[Command, ...]:
+    """Return a rectangle with round corners; (`x`, `y`) is its upper left one."""
+    r = min(radius, width / 2, height / 2)
+    k = r - QUARTER * r
+    right, bottom = x + width, y + height
+    return (
+        ("M", (x + r, y)),
+        ("L", (right - r, y)),
+        ("C", (right - k, y, right, y + k, right, y + r)),
+        ("L", (right, bottom - r)),
+        ("C", (right, bottom - k, right - k, bottom, right - r, bottom)),
+        ("L", (x + r, bottom)),
+        ("C", (x + k, bottom, x, bottom - k, x, bottom - r)),
+        ("L", (x, y + r)),
+        ("C", (x, y + k, x + k, y, x + r, y)),
+        ("Z", ()),
+    )

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.scene.layout import CELL, Layout
+from babyrobot_levels.scene.lines import CHARACTER_WIDTH
 from babyrobot_levels.scene.shapes import Rect, Shape, Text
 
 if TYPE_CHECKING:
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 _END_SIZE = 11.0
 _COORDINATE_SIZE = 9.5
 _LABEL_SIZES = (12.0, 10.5, 9.0)
-CHARACTER_WIDTH = 0.58
-"""About how wide a character is, as a share of the text's size."""
 
 
 def end_texts(level: Level, layout: Layout) -> Iterator[Text]:
@@ -38,7 +37,7 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         if not label:
             continue
         room = area.size[0] * CELL - 16
-        size, text = _fit(label, room)
+        size, text = fit(label, room)
         width = len(text) * size * CHARACTER_WIDTH + size
         height = 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
@@ -48,7 +47,7 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
 
 
-def _fit(text: str, room: float) -> tuple[float, str]:
+def fit(text: str, room: float) -> tuple[float, str]:
     """Return the largest size at which a text has room; what still has none is cut."""
     for size in _LABEL_SIZES:
         if len(text) * size * CHARACTER_WIDTH <= room:
@@ -57,18 +56,24 @@ def _fit(text: str, room: float) -> tuple[float, str]:
     return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
 
 
-def coordinate_texts(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the coordinates of each free cell, in its top-left corner."""
-    if not level.display.coordinates:
-        return
+def coordinate_texts(
+    level: Level, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
+) -> Iterator[Text]:
+    """Yield the coordinates of each free cell, at its left.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        tops: how many pixels below its upper edge each cell has room; by default, all have it
+            there.
+    """
     colors, blocked = level.colors_and_widths.colors, level.grid().blocked_cells
     fills = dict.fromkeys(level.starts, colors.start_text)
     fills |= dict.fromkeys(level.exits, colors.exit_text)
-    for y in range(layout.rows):
-        for x in range(layout.columns):
-            if not blocked[y * layout.columns + x]:
-                left, top = layout.corner(x, y)
-                fill = fills.get((x, y), colors.arrows)
-                yield Text(
-                    left + 6, top + 14, f"{x},{y}", _COORDINATE_SIZE, fill, "start", opacity=0.85
-                )
+    for x, y in layout.cells():
+        if not blocked[y * layout.columns + x]:
+            left, top = layout.corner(x, y)
+            baseline = top + (tops[x, y] if tops else 4.0) + 10
+            fill = fills.get((x, y), colors.arrows)
+            text = f"{x},{y}"
+            yield Text(left + 6, baseline, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 GLASS = "#8fd0f5"
 _GLASS_CORE = "#f4fbff"
+_GLASS_EXTRA = 4.0
+"""How much wider than others a wall of glass is."""
 
 Edge = tuple[bool, int, int]
 """A side of a cell: whether it runs down, and the corner `(x, y)` of the grid where it begins."""
@@ -31,6 +33,8 @@ class _Style:
     width: float
     fit: bool = False
     glass: bool = False
+    rim: str = ""
+    """Of glass, the colour of its two edges."""
 
 
 def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
@@ -39,7 +43,7 @@ def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
     Walls with a colour or width of their own are few and meant to be seen: they lie on the others.
     """
     colors, widths = level.colors_and_widths.colors, level.colors_and_widths.widths
-    glass = _Style(GLASS, widths.walls + 3, glass=True)
+    glass = _Style(GLASS, widths.walls + _GLASS_EXTRA, glass=True, rim=colors.walls)
     solid = _Style(colors.walls, widths.walls)
     border = _Style(colors.border, widths.border)
     inner = {e: glass if is_glass else solid for e, is_glass in _inner_edges(level.grid())}
@@ -102,8 +106,9 @@ def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape
     if not commands:
         return
     if style.glass:
-        yield Path(commands, stroke=style.color, width=style.width, opacity=0.9)
-        yield Path(commands, stroke=_GLASS_CORE, width=0.45 * style.width, opacity=0.9)
+        # Two edges with light between them, as windows are drawn on plans.
+        for color, width in ((style.rim, 1.0), (style.color, 0.7), (_GLASS_CORE, 0.25)):
+            yield Path(commands, stroke=color, width=width * style.width)
     else:
         cap: Literal["butt", "round"] = "butt" if style.fit else "round"
         yield Path(commands, stroke=style.color, width=style.width, cap=cap)

@@ -43,9 +43,9 @@ class Colors(Model):
     """The text of a panel, and texts on the grid."""
     blocked: Color = "#5b4a3f"
     """Blocked cells."""
-    puddle: Color = "#2f86d9"
+    puddle: Color = "#1f63b0"
     """Puddles."""
-    robot: Color = "#7a8794"
+    robot: Color = "#586370"
     """The robot."""
 
 
@@ -164,7 +164,7 @@ BUILTIN_THEMES: dict[str, Theme] = {
         arrows="#0b5563",
         text_fg="#cccccc",
         blocked="#7d7a94",
-        puddle="#3a6ea5",
+        puddle="#38699d",
         robot="#4a5568",
     ),
     "green": _theme(
@@ -179,8 +179,45 @@ BUILTIN_THEMES: dict[str, Theme] = {
         arrows="#354f52",
         text_fg="#cccccc",
         blocked="#3a5a40",
-        puddle="#2a6f97",
+        puddle="#bfe3fa",
         robot="#d5dbe1",
     ),
+    "high_contrast": _theme(
+        4,
+        7,
+        base="#000000",
+        lines="#7f7f7f",
+        start="#ffb000",
+        start_text="#000000",
+        exit="#00d68f",
+        exit_text="#000000",
+        border="#8c8c8c",
+        walls="#ffffff",
+        arrows="#ffff00",
+        text_bg="#000000",
+        text_fg="#ffffff",
+        blocked="#7f7f7f",
+        puddle="#5ab0ff",
+        robot="#f2f2f2",
+    ),
+    "print": _theme(
+        3,
+        5,
+        base="#ffffff",
+        lines="#9a9a9a",
+        start="#949494",
+        start_text="#000000",
+        exit="#000000",
+        exit_text="#ffffff",
+        border="#000000",
+        walls="#000000",
+        arrows="#000000",
+        text_bg="#ffffff",
+        text_fg="#000000",
+        blocked="#595959",
+        puddle="#8e8e8e",
+        robot="#4d4d4d",
+    ),
 }
-"""The themes that come with the package. Their colours are the ancestor's."""
+"""The themes that come with the package: four in the ancestor's colours; one for projectors and for
+weak eyes; and one for paper, in greys alone."""

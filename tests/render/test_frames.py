@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+import pickle
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 import pytest
 
+from babyrobot_levels.actions import Action
 from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.render import frames
 from babyrobot_levels.render.frames import FramePainter, default_image_size
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.scene.build import build_scene
+from babyrobot_levels.scene.overlays import Note, Overlay
+from babyrobot_levels.scene.pose import Mood, Pose
 
 
 def level(**fields: Any) -> Any:
@@ -56,6 +62,68 @@ def test_stretched_frames_are_nearly_so() -> None:
     painter = FramePainter(WORLD, (84, 84))
     scene = build_scene(WORLD, state=7, cells_only=True)
     assert np.abs(painter.frame(7) - to_rgb(scene, (84, 84)).astype(int)).mean() < 1
+
+
+POSES = [
+    Pose(),
+    Pose(Action.EAST, phase=0.25),
+    Pose(Action.NORTH, Mood.SLIP),
+    Pose(mood=Mood.CHEER),
+]
+OVERLAY = Overlay(
+    values=[[1.5] * 5] * 4,
+    actions=[[(Action.EAST,)] * 5] * 4,
+    visits=[[3] * 5] * 4,
+    notes=[Note(1.5, 2, "a note on two cells")],
+    side_panel=["beside"],
+    bottom_panel=["below"],
+)
+
+
+@pytest.mark.parametrize("overlay", [None, OVERLAY])
+@pytest.mark.parametrize("size", [None, (160, 128)])
+@pytest.mark.parametrize("pose", POSES, ids=str)
+def test_poses_and_overlays_are_what_painting_everything_gives(
+    pose: Pose, size: tuple[int, int] | None, overlay: Overlay | None
+) -> None:
+    painter = FramePainter(WORLD, size, overlay=overlay)
+    cells_only = size is not None
+    for state in (0, 7, 11, 19):
+        scene = build_scene(WORLD, state=state, pose=pose, cells_only=cells_only, overlay=overlay)
+        expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
+        difference = np.abs(painter.frame(state, pose) - expected)
+        # Edges below and edges above are smoothed apart from each other.
+        assert difference.mean() < 0.1
+        assert (difference > 24).mean() < 0.001
+
+
+def test_each_pose_is_seen_wherever_he_is() -> None:
+    painter = FramePainter(WORLD, (160, 128))
+    seen = [painter.frame(state, pose) for state in (3, 4) for pose in POSES]
+    for first, second in combinations(seen, 2):
+        assert (first != second).sum() > 50
+    # What is remembered does not depend on what was asked for before.
+    assert np.array_equal(FramePainter(WORLD, (160, 128)).frame(4, POSES[2]), seen[6])
+
+
+def test_what_is_remembered_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(frames, "_POSES", 3)
+    monkeypatch.setattr(frames, "_PATCH_BYTES", 20 * 3 * 16 * 16)
+    painter = FramePainter(WORLD, (80, 64))
+    fresh = FramePainter(WORLD, (80, 64))
+    told = [(state, Pose(phase=step / 8)) for step in range(8) for state in range(20)]
+    for state, pose in told:
+        painter.frame(state, pose)
+    assert len(painter._patches) == 20
+    assert len(painter._robots) == 3
+    for state, pose in told[::7]:
+        assert np.array_equal(painter.frame(state, pose), fresh.frame(state, pose))
+
+
+def test_a_painter_can_be_copied_with_what_it_remembers() -> None:
+    painter = FramePainter(WORLD, (80, 64))
+    kept = painter.frame(3)
+    assert np.array_equal(pickle.loads(pickle.dumps(painter)).frame(3), kept)
 
 
 def test_equal_states_give_equal_frames_that_are_the_caller_s_own() -> None:

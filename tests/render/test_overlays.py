@@ -12,9 +12,11 @@ from babyrobot_levels.actions import Action
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.flatten import polylines
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.scene.layout import CELL, layout_of
-from babyrobot_levels.scene.overlays import Overlay, overlay_shapes, short
+from babyrobot_levels.scene.build import build_layers, build_scene
+from babyrobot_levels.scene.layout import CELL, COMPASS, layout_of
+from babyrobot_levels.scene.overlays import Note, Overlay
+from babyrobot_levels.scene.overlays.draw import overlay_shapes
+from babyrobot_levels.scene.overlays.numbers import short
 from babyrobot_levels.scene.shapes import Path, Rect, Shape, Text
 from babyrobot_levels.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.spec.looks import BUILTIN_THEMES
@@ -34,7 +36,8 @@ def bare(*size: int) -> Any:
 
 
 def shapes_of(world: Any, overlay: Overlay) -> tuple[Shape, ...]:
-    return overlay_shapes(world, overlay, layout_of(world, cells_only=True))
+    layers = overlay_shapes(world, overlay, layout_of(world, cells_only=True))
+    return tuple(shape for layer in layers for shape in layer)
 
 
 def in_each_cell(world: Any, content: Any) -> list[list[Any]]:
@@ -223,16 +226,160 @@ def test_overlays_and_texts_do_not_touch(coordinates: bool) -> None:
     assert not any(touch(a, b) for a, b in combinations(pills, 2))
 
 
-def test_an_overlay_lies_over_the_robot_and_may_do_without_him() -> None:
+def test_numbers_lie_over_the_robot_and_arrows_below_him() -> None:
     world = level(size=[2, 1])
     overlay = Overlay([[1.5, None]], [[(E,), ()]])
+    layers = build_layers(world, overlay=overlay)
     plain = build_scene(world).shapes
+    arrows, robot, numbers = (layers[name].shapes for name in ("underlay", "robot", "overlay"))
     shown = build_scene(world, overlay=overlay).shapes
-    assert shown[: len(plain)] == plain
-    assert len(shown) > len(plain)
+    assert shown == (*plain[: -len(robot)], *arrows, *robot, *numbers)
+    assert arrows
+    assert any(isinstance(shape, Text) and shape.text == "1.5" for shape in numbers)
     alone = build_scene(world, robot=False, overlay=overlay).shapes
-    base = build_scene(world, robot=False).shapes
-    assert alone[len(base) :] == shown[len(plain) :]
+    assert alone == (*plain[: -len(robot)], *arrows, *numbers)
+
+
+# -- action values -------------------------------------------------------------------------
+
+
+def test_values_of_moves_stand_at_their_sides_and_the_best_are_bold() -> None:
+    shapes = shapes_of(bare(1, 2), Overlay(action_values=[[(9, 1, 2, 3, 3)], [()]]))
+    texts = {shape.text: shape for shape in shapes if isinstance(shape, Text)}
+    # For stay there is no room.
+    assert set(texts) == {"1", "2", "3"}
+    assert [texts[text].bold for text in "12"] == [False, False]
+    north, east = texts["1"], texts["2"]
+    south, west = sorted((s for s in shapes if isinstance(s, Text) and s.text == "3"), key=at_top)
+    assert north.y < east.y < south.y
+    assert west.x < north.x == south.x < east.x
+    assert west.y == east.y
+
+
+def at_top(text: Text) -> float:
+    return -text.y
+
+
+def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
+    def texts(overlay: Overlay) -> list[Text]:
+        return [shape for shape in shapes_of(bare(2, 1), overlay) if isinstance(shape, Text)]
+
+    numbers = [[(None, -12.34, -12.34, None, None), ()]]
+    north, east = texts(Overlay(action_values=numbers))
+    assert (north.text, east.text) == ("-12.34", "-12.3")
+    beside_arrows = texts(Overlay(action_values=numbers, actions=[[(E,), ()]]))
+    assert [text.text for text in beside_arrows] == ["-12.34", "-12"]
+    assert min(text.size for text in beside_arrows) > 6
+
+
+# -- visits --------------------------------------------------------------------------------
+
+
+def test_the_busier_a_cell_the_stronger_its_colour() -> None:
+    world = bare(4, 1)
+    overlay = Overlay(visits=[[1, 200, 0, None]])
+    heat, numbers, _ = overlay_shapes(world, overlay, layout_of(world, cells_only=True))
+    few, many = (shape for shape in heat if isinstance(shape, Rect))
+    assert few.opacity < many.opacity
+    assert few.x < CELL < many.x
+    assert [shape.text for shape in numbers if isinstance(shape, Text)] == ["1", "200"]
+
+
+def test_heat_and_counts_keep_clear_of_texts() -> None:
+    world = level(size=[3, 2], areas=[{"at": [1, 0], "size": [2, 1], "label": "a label"}])
+    layout = layout_of(world, cells_only=True)
+    texts = [text_box(text) for text in end_texts(world, layout)]
+    texts += [pill_box(s) for s in label_shapes(world, layout) if isinstance(s, Rect)]
+    for coordinates in (False, True):
+        overlay = Overlay(visits=in_each_cell(world, 12), coordinates=coordinates)
+        shapes = shapes_of(world, overlay)
+        boxes = [pill_box(shape) for shape in shapes if isinstance(shape, Rect)]
+        written = [text_box(t) for t in shapes if isinstance(t, Text) and "," in t.text]
+        assert len(boxes) == 12
+        assert len(written) == 6 * coordinates
+        counts = [box for box in boxes if box[2] - box[0] < CELL / 2]
+        assert len(counts) == 6
+        assert not any(touch(box, text) for box in boxes + written for text in texts)
+        assert not any(touch(box, text) for box in counts for text in written)
+
+
+def test_coordinates_that_the_level_shows_are_not_written_twice() -> None:
+    world = level(size=[2, 1], display={"coordinates": True})
+    assert shapes_of(world, Overlay(coordinates=True)) == ()
+
+
+# -- notes and panels ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", ["short", "a note that is as long as two cells", "word " * 40])
+@pytest.mark.parametrize("x", [0, 0.5, 2])
+def test_a_note_stays_on_the_grid(text: str, x: float) -> None:
+    world = level(size=[3, 2])
+    ground, written = shapes_of(world, Overlay(notes=[Note(x, 1, text)]))
+    assert isinstance(ground, Rect)
+    assert isinstance(written, Text)
+    assert ground.x >= 0
+    assert ground.x + ground.width <= 3 * CELL
+    assert CELL < ground.y < ground.y + ground.height < 2 * CELL
+    assert ground.x < text_box(written)[0] < text_box(written)[2] < ground.x + ground.width
+
+
+def test_a_note_has_the_theme_s_colour_or_its_own() -> None:
+    world = level(size=[3, 2])
+    notes = [Note(0, 0, "a"), Note(1, 0, "b", "gold"), Note(2, 0, " ")]
+    texts = [s for s in shapes_of(world, Overlay(notes=notes)) if isinstance(s, Text)]
+    assert [text.fill for text in texts] == [world.colors_and_widths.colors.text_fg, "gold"]
+
+
+def lines(world: Any, **panels: Any) -> list[Text]:
+    scene = build_layers(world, overlay=Overlay(**panels))["text"]
+    for text in scene.shapes:
+        assert isinstance(text, Text)
+        box = text_box(text)
+        assert 0 < box[0] < box[2] < scene.width
+        assert 0 < box[1] < box[3] < scene.height
+    return [text for text in scene.shapes if isinstance(text, Text)]
+
+
+def test_lines_are_written_into_the_panels_in_their_colours() -> None:
+    world = level(display={"side_panel": {"width": 90, "text_color": "gold"}, "bottom_panel": 50})
+    side, bottom = lines(world, side_panel=["beside"], bottom_panel=["below"])
+    base = build_scene(world)
+    assert (side.text, side.fill) == ("beside", "gold")
+    assert side.x > 198
+    assert (bottom.text, bottom.fill) == ("below", world.colors_and_widths.colors.text_fg)
+    assert bottom.y > 198
+    assert build_scene(world, overlay=Overlay(side_panel=["beside"])).width == base.width
+
+
+def test_long_lines_are_broken_and_those_without_room_are_left_out() -> None:
+    world = level(display={"side_panel": 120})
+    texts = [text.text for text in lines(world, side_panel=["a line of many words", "", "end"])]
+    assert " ".join(texts) == "a line of many words end"
+    assert len(texts) > 2
+    many = lines(world, side_panel=[str(number) for number in range(99)])
+    assert len(many) < 12
+    assert many[-1].text == "…"
+
+
+def test_a_level_without_panels_is_given_those_that_are_written_into() -> None:
+    world = level()
+    plain = build_scene(world)
+    scene = build_scene(world, overlay=Overlay(side_panel=["a"], bottom_panel=["b", "c"]))
+    assert scene.width > plain.width + 100
+    assert scene.height > plain.height + 30
+    ground = world.colors_and_widths.colors.text_bg
+    panels = [s for s in scene.shapes if isinstance(s, Rect) and s.fill == ground]
+    assert {(panel.x, panel.y) for panel in panels} == {(198, 0), (0, 198)}
+    assert [text.text for text in lines(world, bottom_panel=["word " * 30])][-1] != "…"
+    cells = build_scene(world, cells_only=True, overlay=Overlay(side_panel=["a"]))
+    assert cells == build_scene(world, cells_only=True)
+
+
+def test_lines_begin_below_the_compass() -> None:
+    world = level(display={"compass": True})
+    (line,) = lines(world, side_panel=["a"])
+    assert line.y > COMPASS
 
 
 @pytest.mark.parametrize("rows", [[[0.0, 0.0]], [[0.0], [0.0]], [[0.0, 0.0], [0.0]]])

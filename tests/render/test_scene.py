@@ -8,12 +8,14 @@ from typing import Any
 
 import pytest
 
+from babyrobot_levels.actions import Action
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.flatten import polylines
-from babyrobot_levels.scene.build import build_base, build_scene
+from babyrobot_levels.scene.build import build_base, build_layers, build_scene
 from babyrobot_levels.scene.layout import CELL, COMPASS
-from babyrobot_levels.scene.robot import robot_shapes
+from babyrobot_levels.scene.overlays import Note, Overlay
+from babyrobot_levels.scene.pose import Pose
 from babyrobot_levels.scene.runs import rectangles, runs
 from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Shape, Text
 
@@ -83,14 +85,49 @@ def test_a_random_maze_must_have_grown() -> None:
         build_scene(level(maze={"seed": "random"}))
 
 
+# -- layers --------------------------------------------------------------------------------
+
+OVERLAY = Overlay(
+    values=[[1.0, None, 2.0]] * 2,
+    actions=[[(Action.EAST,), (), (Action.SOUTH,)]] * 2,
+    visits=[[3, 0, 1]] * 2,
+    notes=[Note(1, 1, "here")],
+    side_panel=["beside"],
+    bottom_panel=["below"],
+)
+
+
+@pytest.mark.parametrize("cells_only", [False, True])
+@pytest.mark.parametrize("overlay", [None, OVERLAY])
+def test_layers_painted_one_over_the_other_are_the_scene(
+    overlay: Overlay | None, cells_only: bool
+) -> None:
+    world = level(size=[3, 2], puddles=[{"at": [1, 1]}], display={"compass": True})
+    told: dict[str, Any] = {"state": 4, "pose": Pose(Action.EAST), "overlay": overlay}
+    layers = build_layers(world, cells_only=cells_only, **told)
+    scene = build_scene(world, cells_only=cells_only, **told)
+    assert tuple(layers) == ("base", "grid", "underlay", "robot", "overlay", "text")
+    assert tuple(shape for layer in layers.values() for shape in layer.shapes) == scene.shapes
+    sizes = {(layer.width, layer.height, layer.title) for layer in layers.values()}
+    assert sizes == {(scene.width, scene.height, scene.title)}
+
+
+def test_what_changes_has_a_layer_of_its_own() -> None:
+    world = level(size=[3, 2])
+    panels = Overlay(side_panel=["a"], bottom_panel=["b"])
+    before = build_layers(world, state=1, overlay=panels)
+    moved = build_layers(world, state=2, pose=Pose(Action.EAST), overlay=panels)
+    told = build_layers(world, state=1, overlay=OVERLAY)
+    assert {name for name in before if before[name] != moved[name]} == {"robot"}
+    assert {name for name in before if before[name] != told[name]} == {
+        "underlay",
+        "overlay",
+        "text",
+    }
+    assert build_layers(world, robot=False)["robot"].shapes == ()
+
+
 # -- the robot -----------------------------------------------------------------------------
-
-
-def test_the_robot_never_leaves_its_cell() -> None:
-    for shape in robot_shapes(level().colors_and_widths, 0, 0):
-        left, top, right, bottom = bounds(shape)
-        assert min(left, top) >= 1
-        assert max(right, bottom) <= CELL - 1
 
 
 def robot(**options: Any) -> tuple[float, float] | None:
@@ -230,7 +267,14 @@ def test_glass_looks_unlike_other_walls() -> None:
 
     solid, glass = around(0), around(0.5)
     assert {lines(path).pop() for path in solid + glass} == {(corner(2, 0), corner(2, 1))}
-    assert {path.stroke for path in solid}.isdisjoint(path.stroke for path in glass)
+    # Light between two edges in the colour of walls.
+    (wall,) = solid
+    edge, *light = sorted(glass, key=lambda path: -path.width)
+    assert edge.stroke == wall.stroke
+    assert edge.width > wall.width
+    assert len(light) > 0
+    assert wall.stroke not in {path.stroke for path in light}
+    assert light[0].width > edge.width / 2
 
 
 # -- arrows --------------------------------------------------------------------------------

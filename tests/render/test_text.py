@@ -246,7 +246,7 @@ def test_colours_are_the_theme_s() -> None:
             row += [ground] if character else []
         rows.append(row)
     orange, red, green = "255;165;0", "237;24;24", "0;128;0"
-    plum, water = "221;160;221", "47;134;217"
+    plum, water = "221;160;221", "31;99;176"
     assert rows[1][2::4] == [red, orange, orange, orange]
     assert rows[3][2::4] == [plum, water, water, orange]
     assert rows[5][2::4] == [plum, orange, orange, green]

@@ -1,0 +1,234 @@
+"""What users ask to be shown, in the forms that they have it in."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+import babyrobot_levels as brl
+from babyrobot_levels.actions import Action
+from babyrobot_levels.learning import value_iteration
+from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.scene.build import build_scene
+from babyrobot_levels.scene.info import overlay_from
+from babyrobot_levels.scene.overlays import Note, Overlay
+from babyrobot_levels.scene.shapes import Text
+
+N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
+
+LEVEL: Any = from_mapping({"version": 1, "size": [3, 2]})
+
+
+def read(**info: Any) -> Overlay:
+    return overlay_from(info, LEVEL)
+
+
+def test_nothing_is_shown_where_nothing_is_asked_for() -> None:
+    assert overlay_from({}, LEVEL) == Overlay()
+    assert read(values=None, policy=None, text=None, precision=None) == Overlay()
+
+
+# -- numbers -------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("form", [np.array, list, tuple, lambda rows: tuple(map(tuple, rows))])
+def test_values_are_arrays_or_lists(form: Callable[[Any], Any]) -> None:
+    told = form([[1, 2.5, math.nan], [-math.inf, 0, math.inf]])
+    assert read(values=told).values == [[1, 2.5, None], [-math.inf, 0, math.inf]]
+
+
+def test_none_and_masked_entries_are_nothing() -> None:
+    assert read(values=[[None, 1, 2], [3, 4, 5]]).values == [[None, 1, 2], [3, 4, 5]]
+    masked = np.ma.masked_less(np.arange(6.0).reshape(2, 3), 1)
+    assert read(values=masked).values == [[None, 1, 2], [3, 4, 5]]
+
+
+def test_visits_are_counts() -> None:
+    counts = np.array([[3, 0, 1], [0, 0, 2]])
+    assert read(visits=counts).visits == counts.tolist()
+    for wrong in (-1, math.inf):
+        with pytest.raises(ValueError, match="`visits` must be counts"):
+            read(visits=[[0, 0, wrong], [0, 0, 0]])
+
+
+def test_values_of_the_moves_alone_are_values_of_actions_without_stay() -> None:
+    of_moves = np.arange(24.0).reshape(2, 3, 4)
+    five = np.concatenate([np.full((2, 3, 1), np.nan), of_moves], axis=2)
+    assert read(action_values=of_moves) == read(action_values=five)
+    assert read(action_values=five).action_values[1][2] == [None, 20, 21, 22, 23]  # type: ignore[index]
+
+
+@pytest.mark.parametrize(
+    ("key", "told", "message"),
+    [
+        ("values", np.zeros((3, 3)), r"shape \(3, 3\), and on this level it must be \(2, 3\)$"),
+        ("values", np.zeros((3, 2)), r"\(3, 2\).* must be \(2, 3\); arrays are told by \[y, x\]"),
+        ("values", np.zeros(6), r"\(6,\).* must be \(2, 3\); reshape it with `.reshape\(2, 3\)`"),
+        ("values", np.zeros((2, 3, 5)), r"values of actions go to `action_values`"),
+        ("values", [[1, 2, 3], [4, 5]], r"has the shape \(2,\)"),
+        ("values", 7.0, r"has the shape \(\)"),
+        ("values", [["a", 1, 2], [3, 4, 5]], "`values` must be numbers, not 'a'"),
+        ("values", [[10**400, 1, 2], [3, 4, 5]], "`values` must be numbers"),
+        ("visits", np.zeros((2, 2)), r"`visits` has the shape \(2, 2\)"),
+        ("action_values", np.zeros((2, 3, 3)), r"\(2, 3, 3\).* be \(2, 3, 5\) or \(2, 3, 4\)$"),
+        ("action_values", np.zeros((6, 4)), r"reshape it with `.reshape\(2, 3, 4\)`"),
+        ("policy", np.zeros((3, 2), int), r"`policy` has the shape \(3, 2\)"),
+        ("policy", np.zeros((2, 3, 7)), r"`policy` has the shape \(2, 3, 7\)"),
+    ],
+)
+def test_what_does_not_fit_is_refused_with_what_would(key: str, told: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        overlay_from({key: told}, LEVEL)
+
+
+@pytest.mark.parametrize("precision", [-1, 7, 1.5, True, "2", [2]])
+def test_precision_is_a_small_number(precision: Any) -> None:
+    assert read(precision=0).precision == 0
+    with pytest.raises(ValueError, match="`precision` must be 0 to 6"):
+        read(precision=precision)
+
+
+def test_numbers_have_as_many_decimals_as_asked_for() -> None:
+    def shown(precision: int) -> list[str]:
+        overlay = read(values=[[1.23456, None, None], [None] * 3], precision=precision)
+        texts = build_scene(LEVEL, overlay=overlay).shapes
+        return [text.text for text in texts if isinstance(text, Text) and text.text[0] == "1"]
+
+    assert [shown(count) for count in (0, 1, 3)] == [["1"], ["1.2"], ["1.235"]]
+
+
+# -- policies ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("told", "expected"),
+    [
+        (2, (E,)),
+        (2.0, (E,)),
+        (E, (E,)),
+        (-1, ()),
+        (None, ()),
+        (math.nan, ()),
+        ("N", (N,)),
+        ("s", (S,)),
+        ("south", (S,)),
+        ("stay", (STAY,)),
+        ([], ()),
+        ([4, 1], (N, W)),
+        ({N, "west"}, (N, W)),
+    ],
+)
+def test_a_cell_of_a_policy_is_told_in_many_ways(told: Any, expected: Any) -> None:
+    actions = read(policy=[[told, 0, 0], [0, 0, 0]]).actions
+    assert actions is not None
+    assert actions[0][0] == expected
+    assert actions[1][2] == (STAY,)
+
+
+def test_a_policy_can_be_an_array_of_actions() -> None:
+    actions = read(policy=np.array([[1, 2, 3], [4, 0, -1]])).actions
+    assert actions == [[(N,), (E,), (S,)], [(W,), (STAY,), ()]]
+
+
+def test_of_probabilities_the_largest_count() -> None:
+    shares = np.zeros((2, 3, 5))
+    shares[0, 0] = 0.2
+    shares[0, 1] = 0.1, 0.3, 0.3, 0.2, 0.1
+    shares[0, 2] = np.nan
+    shares[1, 0, 3] = 1
+    actions = read(policy=shares).actions
+    assert actions == [[(STAY, N, E, S, W), (N, E), ()], [(S,), (), ()]]
+    of_moves = read(policy=shares[:, :, 1:] > 0.25).actions
+    assert of_moves == [[(), (N, E), ()], [(S,), (), ()]]
+
+
+@pytest.mark.parametrize("wrong", [5, 1.5, "up", math.inf, [1, 9], object()])
+def test_what_is_no_action_is_refused(wrong: Any) -> None:
+    with pytest.raises(ValueError, match="policy"):
+        read(policy=[[wrong, 0, 0], [0, 0, 0]])
+
+
+def test_probabilities_are_not_negative() -> None:
+    with pytest.raises(ValueError, match="none below 0"):
+        read(policy=np.full((2, 3, 4), -1.0))
+
+
+@pytest.mark.parametrize("actions", ["all", "moves"])
+def test_a_solution_stands_for_its_arrays(actions: str) -> None:
+    solution = brl.solve(LEVEL, actions=actions)
+    whole = read(values=solution, policy=solution, action_values=solution)
+    parts = read(
+        values=solution.values, policy=solution.greedy, action_values=solution.action_values
+    )
+    assert whole == parts
+    assert whole.actions is not None
+    assert whole.actions[0] == [(E, S), (E, S), (S,)]
+    assert whole.actions[1][2] == ()
+
+
+def test_a_sweep_of_learning_stands_for_its_arrays() -> None:
+    *_, sweep = value_iteration(LEVEL)
+    whole = read(values=sweep, policy=sweep)
+    assert whole == read(values=sweep.values, policy=sweep.policy)
+    assert whole.actions is not None
+    assert whole.actions[1] == [(E,), (E,), ()]
+
+
+# -- texts ---------------------------------------------------------------------------------
+
+
+def test_texts_have_their_places_and_perhaps_colours() -> None:
+    overlay = read(text=[((0, 1), "a"), ([1.5, 0], "b", "gold"), (np.array([2, 1]), 0.12345)])
+    assert overlay.notes == (Note(0, 1, "a"), Note(1.5, 0, "b", "gold"), Note(2, 1, "0.12"))
+
+
+@pytest.mark.parametrize(
+    ("told", "message"),
+    [
+        ([((3, 0), "off")], r"'off' is at \[3, 0\], which is not on the level"),
+        ([((0, -1), "off")], "not on the level"),
+        ([((math.nan, 0), "off")], "not on the level"),
+        ([((0, 0), "a", "reddish")], "colour that is none of CSS: 'reddish'"),
+        ([((0, 0), "a", "red\n")], "colour"),
+        ([((0, 0), "a", "red", 7)], r"list of \(\(x, y\), text\)"),
+        ([(0, 0, "a")], r"list of \(\(x, y\), text\)"),
+        ("hello", r"list of \(\(x, y\), text\)"),
+        (np.zeros((2, 3)), "an array of numbers goes to `values`"),
+        (7, "`text` must be a list, not 7"),
+    ],
+)
+def test_texts_that_are_none_are_refused(told: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        read(text=told)
+
+
+def test_panels_hold_a_text_or_lines() -> None:
+    overlay = read(side_panel="one", bottom_panel=["two", "three"])
+    assert (overlay.side_panel, overlay.bottom_panel) == (("one",), ("two", "three"))
+    with pytest.raises(ValueError, match="`side_panel` must be a list of texts, and 7 is none"):
+        read(side_panel=["one", 7])
+
+
+# -- keys ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("key", "hint"),
+    [
+        ("value", "did you mean `values`"),
+        ("Policy", "did you mean `policy`"),
+        ("sidepanel", "did you mean `side_panel`"),
+        ("coords", "here it is `coordinates`"),
+        ("directions", "here it is `policy`"),
+        ("side_info", "here it is `side_panel`"),
+        ("xyzzy", "there are values, policy"),
+        (7, "there are values, policy"),
+    ],
+)
+def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:
+    with pytest.raises(ValueError, match=hint):
+        overlay_from({key: True}, LEVEL)

@@ -1,0 +1,291 @@
+"""Pages: one HTML file that holds everything that it needs, and nothing that could do harm."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from html.parser import HTMLParser
+from typing import Any
+
+import numpy as np
+import pytest
+
+from babyrobot_levels.actions import Action
+from babyrobot_levels.catalogue import load
+from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.render.page import Guide, embedded_json, to_html
+from babyrobot_levels.render.playable import EVENTS, playable
+from babyrobot_levels.scene.overlays import Overlay
+from babyrobot_levels.scene.pose import Mood, Pose
+
+VOID = {"meta", "link", "input"}
+EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
+
+
+def level(**fields: Any) -> Any:
+    return from_mapping({"version": 1, **fields})
+
+
+ROW = level(size=[3, 1], title="A row")
+GUIDE = Guide([2, 2, -1], Overlay(values=[[-1.0, 0.0, None]], actions=[[(2,), (2,), ()]]), -1.0)
+
+
+class Reader(HTMLParser):
+    """Reads a page: its elements with their attributes, and their texts by element."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.texts: dict[str, list[str]] = {}
+        self.comments: list[str] = []
+        self.feed(page)
+        self.close()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        self.texts.setdefault(tag, []).append("")
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open:
+            self.texts[self.open[-1]][-1] += data
+
+    def handle_comment(self, data: str) -> None:
+        self.comments.append(data)
+
+    def find(self, tag: str, **wanted: str) -> list[dict[str, str | None]]:
+        return [
+            attributes
+            for name, attributes in self.elements
+            if name == tag and wanted.items() <= attributes.items()
+        ]
+
+
+def data_of(page: str) -> Any:
+    return json.loads(Reader(page).texts["script"][0])
+
+
+# -- one file ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("guide", [None, GUIDE])
+def test_every_element_is_closed_and_every_id_is_there_once(guide: Guide | None) -> None:
+    page = Reader(to_html(ROW, guide=guide))
+    assert page.open == []
+    ids = [attributes["id"] for _, attributes in page.elements if "id" in attributes]
+    assert len(ids) == len(set(ids))
+    assert {"stage", "robot", "message", "steps", "return", "seed", "data"} <= set(ids)
+
+
+def test_it_loads_nothing() -> None:
+    page = to_html(ROW, guide=GUIDE)
+    addresses = [
+        value or ""
+        for _, attributes in Reader(page).elements
+        for name, value in attributes.items()
+        if name in ("src", "href", "action", "srcset", "xlink:href", "data")
+    ]
+    assert addresses
+    assert [a for a in addresses if not a.startswith(("#", "data:image/svg+xml;base64,"))] == []
+    assert re.findall(r"@import|url\(|fetch\(|XMLHttpRequest|import\(|WebSocket", page) == []
+
+
+def test_its_policy_allows_its_own_style_and_script_and_nothing_else() -> None:
+    page = Reader(to_html(ROW))
+    (policy,) = page.find("meta", **{"http-equiv": "Content-Security-Policy"})
+    rules = dict(rule.split(" ", 1) for rule in str(policy["content"]).split("; "))
+    assert rules["default-src"] == "'none'"
+
+    def hashed(text: str) -> str:
+        digest = hashlib.sha256(text.encode()).digest()
+        return f"'sha256-{base64.b64encode(digest).decode()}'"
+
+    assert rules["style-src"] == hashed(page.texts["style"][0])
+    assert rules["script-src"] == hashed(page.texts["script"][1])
+    # Nothing else is a script or a style: neither elements nor attributes.
+    assert len(page.find("script")) == 2
+    assert page.find("script", type="application/json") == [
+        {"type": "application/json", "id": "data"}
+    ]
+    for _, attributes in page.elements:
+        assert not [name for name in attributes if name == "style" or name.startswith("on")]
+
+
+def test_the_same_level_is_the_same_page() -> None:
+    assert to_html(ROW, guide=GUIDE) == to_html(level(size=[3, 1], title="A row"), guide=GUIDE)
+
+
+def test_too_large_a_level_is_refused() -> None:
+    with pytest.raises(ValueError, match="too large for a page"):
+        to_html(level(size=[129, 128]))
+
+
+# -- hostile levels ----------------------------------------------------------------------------
+
+
+def test_no_text_of_a_level_becomes_a_part_of_the_page() -> None:
+    world = level(
+        size=[3, 1],
+        title=EVIL,
+        description=EVIL,
+        author=EVIL,
+        source=EVIL,
+        license=EVIL,
+        areas=[{"at": [1, 0], "label": EVIL}],
+    )
+    plain, hostile = Reader(to_html(ROW)), Reader(to_html(world))
+    assert hostile.open == []
+    assert hostile.comments == []
+    assert len(hostile.find("script")) == len(plain.find("script"))
+    assert hostile.find("img") == []
+    assert hostile.texts["title"][0] == EVIL
+    assert hostile.texts["h1"] == [""]
+    assert hostile.texts["bdi"][0] == EVIL
+    assert hostile.texts["bdi"].count(EVIL) == 5
+
+
+@pytest.mark.parametrize("text", ["</script>", "<!--<script>", "]]>", "&lt;", "\u2028", "\ud800"])
+def test_nothing_in_the_data_ends_the_data(text: str) -> None:
+    told = embedded_json({text: [text]})
+    assert not set("<>&") & set(told)
+    assert told.isascii()
+    assert json.loads(told) == {text: [text]}
+
+
+@pytest.mark.parametrize("text", ["\ud800", "\x00\x1b[31m", "\u202e", "\ufffe"])
+def test_texts_that_no_document_can_hold(text: str) -> None:
+    page = to_html(ROW.model_copy(update={"title": f"a{text}b"}))
+    assert b"\x1b" not in page.encode()
+    assert b"\x00" not in page.encode()
+
+
+# -- what it holds -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["final-maze", "frozen-lake", "windy-gridworld", "glasshouse"])
+def test_its_tables_are_the_compiled_ones(name: str) -> None:
+    world = load(name)
+    mdp, data = world.compile(), data_of(to_html(world))
+    assert (data["width"], data["height"]) == world.size
+    assert data["starts"] == np.flatnonzero(mdp.start).tolist()
+    for state in range(mdp.num_states):
+        rows = data["outcomes"][state]
+        assert (rows is None) == bool(mdp.over[state])
+        for action in Action:
+            assert data["possible"][state] >> action & 1 == mdp.possible[state, action]
+            if rows is not None:
+                row = rows[action]
+                told = [tuple(row[at : at + 4]) for at in range(0, len(row), 6)]
+                assert told == [(p, s, r, int(t)) for p, s, r, t in mdp.outcomes(state, action)]
+
+
+def test_the_data_says_who_walks_and_how() -> None:
+    world = level(size=[3, 1], max_steps=7, display={"robot": {"speed": 2}})
+    data = data_of(to_html(world, guide=GUIDE, walker="random", seed=2**70))
+    assert (data["format"], data["version"]) == ("babyrobot-page", 1)
+    assert (data["walker"], data["policy"], data["seed"]) == ("random", [2, 2, -1], str(2**70))
+    assert (data["max_steps"], data["speed"], data["exits"]) == (7, 2, [2])
+
+
+def events(world: Any, state: int, action: Action) -> dict[int, str]:
+    """Return what can come of an action: what happened, by the state that it led to."""
+    row = playable(world)[0]["outcomes"][state][action]
+    return {row[at + 1]: EVENTS[row[at + 4]] for at in range(0, len(row), 6)}
+
+
+def test_it_says_what_happened() -> None:
+    world = level(
+        size=[4, 2],
+        exit=[3, 1],
+        puddles=[{"at": [1, 0]}],
+        walls=[{"at": [2, 0], "side": "E", "pass": 0.5}],
+        warps=[{"at": [2, 1], "to": [0, 0]}],
+    )
+    assert events(world, 0, Action.NORTH) == {0: "bump"}
+    assert events(world, 0, Action.STAY) == {0: "stay"}
+    assert events(world, 0, Action.EAST) == {1: "move"}
+    assert events(world, 1, Action.EAST) == {2: "move", 0: "skid", 5: "skid"}
+    assert events(world, 2, Action.EAST) == {3: "move", 1: "bounce"}
+    assert events(world, 5, Action.EAST) == {0: "carried"}
+
+
+def test_who_is_sent_to_a_start_by_chance_is_carried_there() -> None:
+    world = level(
+        size=[3, 1], start=[[0, 0], [1, 0]], areas=[], warps=[{"at": [2, 0], "to": "start"}],
+        exit="none",
+    )  # fmt: skip
+    assert events(world, 1, Action.EAST) == {0: "carried", 1: "stay"}
+
+
+def test_the_wind_carries() -> None:
+    world = load("windy-gridworld")
+    assert events(world, 33, Action.EAST) == {24: "carried"}
+
+
+def test_there_is_a_picture_for_every_pose_of_the_tables() -> None:
+    world = load("final-maze")
+    data, poses = playable(world)
+    numbers = {
+        row[at + 5]
+        for rows in data["outcomes"] if rows for row in rows for at in range(0, len(row), 6)
+    }  # fmt: skip
+    assert numbers <= set(range(len(poses)))
+    assert (poses[0], poses[data["cheer"]]) == (Pose(), Pose(mood=Mood.CHEER))
+    symbols = {str(found["id"]) for found in Reader(to_html(world)).find("symbol")}
+    assert symbols == {
+        f"pose-{number}-{phase}" for number in range(len(poses)) for phase in range(data["phases"])
+    }
+
+
+# -- what it shows -----------------------------------------------------------------------------
+
+
+def test_values_and_best_moves_are_there_and_shown_when_asked() -> None:
+    def hidden(page: str) -> list[bool]:
+        return [
+            Reader(page).find("g", id=name)[0].get("class") == "hidden"
+            for name in ("values", "policy")
+        ]
+
+    assert hidden(to_html(ROW, guide=GUIDE)) == [True, True]
+    assert hidden(to_html(ROW, guide=GUIDE, values=True)) == [False, True]
+    assert hidden(to_html(ROW, guide=GUIDE, arrows=True)) == [True, False]
+    assert "-1" in Reader(to_html(ROW, guide=GUIDE)).texts["text"]
+
+
+def test_a_level_without_an_answer_has_no_buttons_for_it() -> None:
+    controls = [found.get("data-control") for found in Reader(to_html(ROW)).find("button")]
+    assert not {"watch", "values", "policy"} & set(controls)
+    assert {"north", "east", "south", "west", "stay", "restart"} <= set(controls)
+    watching = Reader(to_html(ROW, walker="random")).find("button", id="watch")
+    assert len(watching) == 1
+
+
+def test_an_infinite_return_is_not_told_as_a_number() -> None:
+    page = to_html(ROW, guide=Guide([2, 2, -1], Overlay(), float("inf")))
+    assert "inf" not in Reader(page).texts["dd"]
+    assert "Best average" not in page
+
+
+def test_it_says_what_level_it_is() -> None:
+    world = load("final-maze")
+    text = " ".join(Reader(to_html(world)).texts["bdi"])
+    for part in (world.title, world.name, world.digest, world.source):
+        assert str(part) in text
+
+
+def test_panels_are_left_to_the_page() -> None:
+    wide = level(size=[3, 1], display={"side_panel": 200, "bottom_panel": 90, "compass": True})
+    narrow = level(size=[3, 1])
+    boxes = [Reader(to_html(world)).find("svg", role="img")[0] for world in (wide, narrow)]
+    assert boxes[0] == boxes[1]

@@ -1,0 +1,167 @@
+"""The robot's poses: one rule for all painters, and each of them to be told from the others."""
+
+from __future__ import annotations
+
+from itertools import combinations, product
+from typing import Any
+
+import numpy as np
+import pytest
+
+from babyrobot_levels.actions import Action
+from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.render.flatten import polylines
+from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.scene.build import build_base, build_scene
+from babyrobot_levels.scene.layout import CELL
+from babyrobot_levels.scene.pose import STANDING, Mood, Pose, pose_of
+from babyrobot_levels.scene.robot import robot_shapes
+from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
+
+POSES = [Pose(facing, mood) for mood in Mood for facing in Action]
+WIDTH = 5
+HERE = 12
+N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
+
+Pixels = np.ndarray[Any, np.dtype[np.int64]]
+
+
+def painted(pose: Pose, side: int, theme: Theme | None = None) -> Pixels:
+    theme = theme or Theme()
+    ground = Rect(0, 0, CELL, CELL, theme.colors.base)
+    scene = Scene(CELL, CELL, (ground, *robot_shapes(theme, 0, 0, pose)))
+    return to_rgb(scene, (side, side)).astype(np.int64)
+
+
+def reach(shape: Shape) -> tuple[float, float]:
+    """Return the least and the largest coordinate."""
+    assert not isinstance(shape, Text)
+    if isinstance(shape, Rect):
+        places = [shape.x, shape.y, shape.x + shape.width, shape.y + shape.height]
+    elif isinstance(shape, Ellipse):
+        places = [shape.x - shape.rx, shape.x + shape.rx, shape.y - shape.ry, shape.y + shape.ry]
+    else:
+        half = shape.width / 2 if shape.stroke else 0
+        points = [point for line, _ in polylines(shape.commands) for point in line]
+        places = [place + sign * half for point in points for place in point for sign in (-1, 1)]
+    return min(places), max(places)
+
+
+# -- the rule ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("state", "facing"), [(HERE - WIDTH, N), (HERE + 1, E), (HERE + WIDTH, S), (HERE - 1, W)]
+)
+@pytest.mark.parametrize("action", Action)
+def test_he_looks_where_he_went_whatever_he_was_told(
+    state: int, facing: Action, action: Action
+) -> None:
+    assert pose_of(HERE, state, action, WIDTH) == Pose(facing)
+
+
+@pytest.mark.parametrize("state", [HERE, 0, HERE + 2, HERE + WIDTH + 1], ids=str)
+@pytest.mark.parametrize("action", [0, 1, 2, 3, 4])
+def test_where_he_stayed_or_came_from_far_he_looks_where_he_wanted_to_go(
+    state: int, action: int
+) -> None:
+    assert pose_of(HERE, state, action, WIDTH) == Pose(Action(action))
+
+
+def test_the_end_of_a_row_is_no_neighbour_of_the_next_row() -> None:
+    assert pose_of(4, 5, N, WIDTH) == Pose(N)
+
+
+def test_he_slips_when_he_skids_and_cheers_at_an_exit() -> None:
+    assert pose_of(HERE, HERE + 1, N, WIDTH, skidded=True) == Pose(E, Mood.SLIP)
+    assert pose_of(HERE, HERE + 1, E, WIDTH, at_exit=True) == Pose(STAY, Mood.CHEER)
+    # Whoever slides into the exit has reached it.
+    assert pose_of(HERE, HERE + 1, N, WIDTH, skidded=True, at_exit=True).mood is Mood.CHEER
+
+
+def test_states_of_numpy_are_states() -> None:
+    pose = pose_of(np.int64(HERE), np.int64(HERE), np.int64(3), WIDTH)  # type: ignore[arg-type]
+    assert pose == Pose(S)
+    assert isinstance(pose.facing, Action)
+
+
+# -- the drawing ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("phase", [0.0, 0.1, 0.25, 0.5, 0.75, 0.9])
+@pytest.mark.parametrize("pose", POSES, ids=lambda pose: f"{pose.facing.name}-{pose.mood}")
+def test_he_never_leaves_his_cell(pose: Pose, phase: float) -> None:
+    for shape in robot_shapes(Theme(), 0, 0, Pose(pose.facing, pose.mood, phase)):
+        least, largest = reach(shape)
+        assert least >= 1, shape
+        assert largest <= CELL - 1, shape
+
+
+@pytest.mark.parametrize(("side", "pixels"), [(64, 80), (16, 8)])
+def test_poses_can_be_told_apart(side: int, pixels: int) -> None:
+    # Who cheers or slips may look much the same to the south and to the viewer.
+    pictures = {
+        pose: painted(pose, side)
+        for pose in POSES
+        if pose.facing is not S or (pose.mood is Mood.CALM and side == 64)
+    }
+    for (_, first), (_, second) in combinations(pictures.items(), 2):
+        changed = (np.abs(first - second).max(axis=2) > 40).sum()
+        assert changed >= pixels
+
+
+@pytest.mark.parametrize("mood", [Mood.CALM, Mood.CHEER])
+def test_west_is_the_mirror_image_of_east(mood: Mood) -> None:
+    east, west = painted(Pose(E, mood), 64), painted(Pose(W, mood), 64)
+    differs = np.abs(east - west[:, ::-1]).max(axis=2) > 60
+    # Light falls from one side all the same.
+    assert differs.mean() < 0.02
+
+
+@pytest.mark.parametrize(("facing", "side"), [(E, 1), (W, -1)])
+def test_his_eyes_are_on_the_side_that_he_looks_to(facing: Action, side: int) -> None:
+    red, green, blue = np.moveaxis(painted(Pose(facing), 64), 2, 0)
+    glow = (blue > 200) & (green > 200) & (red < 180)
+    assert (np.nonzero(glow)[1].mean() - CELL / 2) * side > 4
+
+
+def test_from_behind_he_has_no_eyes() -> None:
+    red, green, blue = np.moveaxis(painted(Pose(N), 64), 2, 0)
+    assert not ((blue > 200) & (green > 200) & (red < 180)).any()
+
+
+def test_he_bobs_on_the_way_and_stands_at_its_ends() -> None:
+    def top(phase: float) -> float:
+        shapes = robot_shapes(Theme(), 0, 0, Pose(S, phase=phase))
+        return min(shape.y - shape.ry for shape in shapes if isinstance(shape, Ellipse))
+
+    assert top(0.25) < top(0.1) < top(0.0) == pytest.approx(top(1.0)) == pytest.approx(top(0.5))
+    assert top(0.75) == pytest.approx(top(0.25))
+
+
+@pytest.mark.parametrize("name", BUILTIN_THEMES)
+@pytest.mark.parametrize("facing", Action)
+def test_he_stands_out_from_every_ground_even_when_small(name: str, facing: Action) -> None:
+    world = from_mapping(
+        {
+            "version": 1,
+            "size": [3, 1],
+            "puddles": [{"at": [1, 0], "size": "large"}],
+            "theme": name,
+            "display": {"start_text": False, "exit_text": False},
+        }
+    )
+    without = to_rgb(build_base(world, cells_only=True), (48, 16)).astype(np.int64)
+    for state in range(3):
+        scene = build_scene(world, state=state, pose=Pose(facing), cells_only=True)
+        cell = (slice(0, 16), slice(16 * state, 16 * state + 16))
+        change = np.abs(to_rgb(scene, (48, 16)) - without)[cell].max(axis=2)
+        assert (change > 40).sum() >= 45, "of 256 pixels"
+
+
+def test_a_pose_is_a_plain_value() -> None:
+    assert Pose() == STANDING == Pose(STAY, Mood.CALM, 0.0)
+    assert len({Pose(facing, mood) for facing, mood in product(Action, Mood)}) == 15
+    assert robot_shapes(Theme(), 0, 0) == robot_shapes(Theme(), 0, 0, STANDING)
+    assert any(isinstance(shape, Path) for shape in robot_shapes(Theme(), 0, 0))
