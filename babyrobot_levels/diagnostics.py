@@ -33,6 +33,20 @@ class Fix:
     edits: tuple[Edit, ...]
     safe: bool = True
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fix as plain data; lines and columns count from 1, ends are exclusive."""
+        edits = [
+            {
+                "line": edit.span.start.line,
+                "column": edit.span.start.column,
+                "end_line": edit.span.end.line,
+                "end_column": edit.span.end.column,
+                "text": edit.text,
+            }
+            for edit in self.edits
+        ]
+        return {"message": self.message, "safe": self.safe, "edits": edits}
+
 
 @dataclass(frozen=True, slots=True)
 class Diagnostic:
@@ -80,7 +94,7 @@ class Diagnostic:
             "end_line": self.end.line,
             "end_column": self.end.column,
             "help": self.help,
-            "fix": None if self.fix is None else self.fix.message,
+            "fix": None if self.fix is None else self.fix.to_dict(),
         }
 
     def __str__(self) -> str:
@@ -98,6 +112,9 @@ class Diagnostic:
             ]
         if self.help:
             lines.append(f"  help: {one_line(self.help)}")
+        if self.fix is not None:
+            option = "--fix" if self.fix.safe else "--fix --unsafe-fixes"
+            lines.append(f"  fix: {one_line(self.fix.message)} ({option})")
         return "\n".join(lines)
 
 

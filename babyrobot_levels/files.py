@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import stat
 from pathlib import Path
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
-from babyrobot_levels.source import Position, SourceFile
+from babyrobot_levels.source import START, Position, SourceFile
 from babyrobot_levels.syntax.reader import MAX_BYTES
 
 SUFFIXES = (".yaml", ".yml")
@@ -16,10 +17,16 @@ SUFFIXES = (".yaml", ".yml")
 class ReadFault(Exception):
     """A file that cannot be read as a text. Carries the diagnostic that says why."""
 
-    def __init__(self, code: str, name: str, message: str, help_text: str | None = None):
-        start = Position(1, 1)
+    def __init__(
+        self,
+        code: str,
+        name: str,
+        message: str,
+        help_text: str | None = None,
+        place: Position = START,
+    ):
         self.diagnostic = Diagnostic(
-            code, Severity.ERROR, message, name, 1, 1, start, help=help_text
+            code, Severity.ERROR, message, name, place.line, place.column, place, help=help_text
         )
         super().__init__(message)
 
@@ -62,23 +69,14 @@ def decode(data: bytes, name: str) -> SourceFile:
     if len(data) > MAX_BYTES:
         raise ReadFault("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
     try:
-        return SourceFile(name, data.decode("utf-8-sig"))
+        return SourceFile(name, data.decode("utf-8"))
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        fault = ReadFault(
-            "BR102",
-            name,
-            f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8",
-            "save the file as UTF-8",
-        )
-        before = data[data.rfind(b"\n", 0, error.start) + 1 : error.start]
-        column = len(before.decode("utf-8", "replace").removeprefix("\ufeff")) + 1
-        place = Position(line, column)
-        old = fault.diagnostic
-        fault.diagnostic = Diagnostic(
-            old.code, old.severity, old.message, name, line, column, place, help=old.help
-        )
-        raise fault from None
+        before = SourceFile(name, data[: error.start].decode("utf-8"))
+        message = f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8"
+        if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            message = "the file is UTF-16, not UTF-8"
+        place = before.position(len(before.text))
+        raise ReadFault("BR102", name, message, "save the file as UTF-8", place) from None
 
 
 def write_text(path: Path, text: str) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 import re
 from collections.abc import Mapping
 from functools import cached_property
@@ -188,6 +189,51 @@ class Level(LevelFields):
         if self._origin is not None:
             text = splice(self._origin.text, self.to_dict(), list(type(self).model_fields))
         write_text(Path(path), text if text is not None else self.to_yaml())
+
+    # -- as a picture ----------------------------------------------------------------------
+
+    def to_svg(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return the level's picture as an SVG document.
+
+        Args:
+            path: a file to write it to as well, whole or not at all, whatever is there.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        from babyrobot_levels.files import write_text
+        from babyrobot_levels.render.svg import to_svg
+        from babyrobot_levels.scene.build import build_scene
+
+        picture = to_svg(build_scene(self))
+        if path is not None:
+            write_text(Path(path), picture)
+        return picture
+
+    def to_png(self, path: str | os.PathLike[str] | None = None) -> bytes:
+        """Return the level's picture as a PNG file, 64 pixels a cell.
+
+        Of large levels a cell has fewer pixels: no side of the picture has more than 4,000.
+
+        Args:
+            path: a file to write it to as well, whole or not at all, whatever is there.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        from babyrobot_levels.files import write_bytes
+        from babyrobot_levels.render.raster import to_png
+        from babyrobot_levels.scene.build import build_scene
+
+        picture = to_png(build_scene(self))
+        if path is not None:
+            write_bytes(Path(path), picture)
+        return picture
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        from babyrobot_levels.notebook.bundle import level_mimebundle
+
+        return level_mimebundle(self)
 
     # -- as an environment -----------------------------------------------------------------
 

@@ -9,13 +9,15 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
-from babyrobot_levels.diagnostics import Diagnostic, Severity
+from babyrobot_levels.diagnostics import Diagnostic, Fix, Severity
 from babyrobot_levels.messages import complaint
 from babyrobot_levels.source import Position, SourceFile, Span
 from babyrobot_levels.spec.base import FORM_PREFIX
 from babyrobot_levels.spec.problem import Problem, SpecProblems
+from babyrobot_levels.spec.rules import MAX_PROBLEMS
 from babyrobot_levels.syntax.document import Document, Node, YamlFault, YamlProblem
 from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.syntax.words import shortened
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 
@@ -37,23 +39,33 @@ def parse(
     try:
         document = read(source)
     except YamlFault as fault:
-        return None, [_from_yaml(fault.problem, source)]
-    found = [_from_yaml(problem, source) for problem in document.problems]
+        return None, [from_yaml(fault.problem, source)]
+    return parse_document(document, model, checks)
+
+
+def parse_document(
+    document: Document,
+    model: type[ModelT],
+    checks: Iterable[Callable[[ModelT], Iterable[Problem]]] = (),
+) -> tuple[ModelT | None, list[Diagnostic]]:
+    """Read a document as a model; see `parse`."""
+    source = document.source
+    found = [from_yaml(problem, source) for problem in document.problems[:MAX_PROBLEMS]]
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not hold a mapping of fields"
         help_text = "a level begins with `version: 1`"
         if isinstance(document.data, str) and re.match(r"[a-z_]+:\S", document.data):
             help_text = "put a blank behind the `:`"
         problem = Problem("BR110", (), f"the file {what}", help_text)
-        return None, [*found, _diagnostic(problem, document)]
+        return None, [*found, diagnostic(problem, document)]
     value, problems = validate(document.data, model)
     if value is not None:
         problems = [problem for check in checks for problem in check(value)]
     # A value that could not be read is told once, and not again for what stands in its place.
     unread = {problem.span for problem in document.problems}
-    told = (_diagnostic(problem, document) for problem in problems)
-    found += [diagnostic for diagnostic in told if diagnostic.span not in unread]
-    found.sort(key=lambda diagnostic: (diagnostic.line, diagnostic.column))
+    told = (diagnostic(problem, document) for problem in problems)
+    found += [each for each in told if each.span not in unread]
+    found.sort(key=lambda each: (each.line, each.column))
     return (None if found else value), found
 
 
@@ -62,8 +74,10 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
     try:
         return model.model_validate(data), []
     except ValidationError as error:
-        details: Sequence[Any] = error.errors(include_url=False)
-    problems = _problems(details, model)
+        details: Sequence[Any] = [d for d in error.errors(include_url=False) if _is_fault(d)]
+    problems = _problems(details[:MAX_PROBLEMS], model)
+    if len(details) > MAX_PROBLEMS:
+        return None, problems
     if not any(_spec_problems(detail) for detail in details):
         # Single fields are faulty, so the whole was not checked yet: check what is left of it.
         rest = _Rest(data, [problem.route for problem in problems])
@@ -73,7 +87,7 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
             except ValidationError as error:
                 whole = [d for d in error.errors(include_url=False) if _spec_problems(d)]
                 problems += map(rest.in_whole, _problems(whole, model))
-    return None, problems
+    return None, problems[:MAX_PROBLEMS]
 
 
 def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
@@ -101,6 +115,11 @@ def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
     return problems
 
 
+def _is_fault(detail: Any) -> bool:
+    # Pydantic counts the entries that are left: a list of faulty ones is too short for it.
+    return not (detail["type"] == "too_short" and detail["input"])
+
+
 def _spec_problems(detail: Any) -> tuple[Problem, ...]:
     error = detail.get("ctx", {}).get("error")
     return error.problems if isinstance(error, SpecProblems) else ()
@@ -110,7 +129,7 @@ def _subject(route: Route) -> str:
     """Return the words that a message begins with: which field it speaks of."""
     text = ""
     for segment in route:
-        text = f"{text}[{segment}]" if isinstance(segment, int) else segment
+        text = f"{text}[{segment}]" if isinstance(segment, int) else shortened(segment)
     return f"`{text}` " if text else ""
 
 
@@ -184,7 +203,8 @@ def _is_entry(route: Route, data: dict[str, Any]) -> bool:
     )
 
 
-def _from_yaml(problem: YamlProblem, source: SourceFile) -> Diagnostic:
+def from_yaml(problem: YamlProblem, source: SourceFile) -> Diagnostic:
+    """Return what is to be said of a fault of the text itself."""
     start, end = problem.span
     return Diagnostic(
         problem.code,
@@ -199,7 +219,13 @@ def _from_yaml(problem: YamlProblem, source: SourceFile) -> Diagnostic:
     )
 
 
-def _diagnostic(problem: Problem, document: Document) -> Diagnostic:
+def diagnostic(
+    problem: Problem,
+    document: Document,
+    severity: Severity = Severity.ERROR,
+    fix: Fix | None = None,
+) -> Diagnostic:
+    """Return what is to be said of a problem, with the place in the text to which it points."""
     span = document.span(problem.route, key=problem.key)
     if problem.mark is not None:
         span = _drawing_span(document, problem) or span
@@ -207,12 +233,13 @@ def _diagnostic(problem: Problem, document: Document) -> Diagnostic:
         span = Span(Position(1, 1), Position(1, len(document.source.line(1)) + 1))
     return Diagnostic(
         problem.code,
-        Severity.ERROR,
+        severity,
         problem.message,
         document.source.name,
         span.start.line,
         span.start.column,
         span.end,
+        fix,
         help=problem.help,
         source=document.source,
     )
@@ -229,7 +256,9 @@ def _drawing_span(document: Document, problem: Problem) -> Span | None:
     if not document.source.line(first + row).strip():
         return None
     start = Position(first + row, _indent(document, node, first) + column + 1)
-    return Span(start, Position(start.line, start.column + length))
+    # What is missing at the end of a line is shown there, but takes no room.
+    end = min(start.column + length, len(document.source.line(start.line)) + 1)
+    return Span(start, Position(start.line, end))
 
 
 def _indent(document: Document, node: Node, first: int) -> int:

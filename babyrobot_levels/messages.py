@@ -8,6 +8,7 @@ from babyrobot_levels.spec.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
 from babyrobot_levels.spec.color import NAMES, PATTERN
 from babyrobot_levels.spec.looks import THEME_NAME
 from babyrobot_levels.suggest import did_you_mean
+from babyrobot_levels.syntax.words import shortened
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
@@ -48,7 +49,7 @@ def complaint(error: Any, fields: list[str]) -> Complaint:
     is_form = bool(error["loc"]) and str(error["loc"][-1]).startswith(FORM_PREFIX)
     if kind == "extra_forbidden":
         guess = did_you_mean(field, fields)
-        return "BR201", f"there is no field `{field}` here{guess}", _list(fields)
+        return "BR201", f"there is no field `{shortened(field)}` here{guess}", _list(fields)
     if kind == "missing":
         return "BR202", f"the field `{field}` is missing", _missing_help(field)
     if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
@@ -86,20 +87,15 @@ def show(value: Any) -> str:
         return "a mapping"
     if isinstance(value, list | tuple):
         if len(value) <= 3 and all(isinstance(item, int | float | str) for item in value):
-            return "`[" + ", ".join(_short(item) for item in value) + "]`"
+            return "`[" + ", ".join(shortened(item) for item in value) + "]`"
         return f"a list of {len(value)}" if value else "an empty list"
     if isinstance(value, str):
-        return f"the text `{_short(value)}`" if value else "an empty text"
-    return f"`{_short(value)}`"
+        return f"the text `{shortened(value)}`" if value else "an empty text"
+    return f"`{shortened(value)}`"
 
 
 def _named(value: Any) -> str:
-    return f"`{_short(value)}`" if value != "" else "an empty text"
-
-
-def _short(value: Any) -> str:
-    text = str(value).replace("\n", " ")
-    return text if len(text) <= 40 else text[:37] + "…"
+    return f"`{shortened(value)}`" if value != "" else "an empty text"
 
 
 def _list(names: list[str]) -> str | None:

@@ -11,12 +11,14 @@ from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
 from babyrobot_levels.level import Level, plain, slug
-from babyrobot_levels.loader import parse, validate
+from babyrobot_levels.loader import from_yaml, parse, parse_document, validate
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.spec.problem import Problem
 from babyrobot_levels.suggest import did_you_mean
+from babyrobot_levels.syntax.document import Document, YamlFault
 from babyrobot_levels.syntax.emitter import emit
+from babyrobot_levels.syntax.reader import read
 
 
 def loads(text: str, *, name: str = "<text>") -> Level:
@@ -70,15 +72,26 @@ def read_level(
 
     `path` is the file that the text is from: it gives the level's name, and themes beside it.
     """
+    try:
+        document = read(source)
+    except YamlFault as fault:
+        return None, [from_yaml(fault.problem, source)]
+    return read_document(document, path)
+
+
+def read_document(
+    document: Document, path: Path | None = None
+) -> tuple[Level | None, list[Diagnostic]]:
+    """Return the level of a text that was read as YAML; see `read_level`."""
     folder = path.parent if path is not None else None
     theme = _ThemeCheck(folder)
-    level, diagnostics = parse(source, Level, [theme])
+    level, diagnostics = parse_document(document, Level, [theme])
     diagnostics += theme.diagnostics
     if level is None or diagnostics:
         return None, diagnostics
     if level.name is None and path is not None:
         level.__dict__["name"] = slug(path.stem)
-    level.remember_origin(source, folder, theme.found)
+    level.remember_origin(document.source, folder, theme.found)
     return level, []
 
 

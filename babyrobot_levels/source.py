@@ -61,6 +61,12 @@ class SourceFile:
         line = bisect_right(self._starts, index)
         return Position(line, index - self._starts[line - 1] + 1)
 
+    def index(self, position: Position) -> int:
+        """Return the character at a place, counted from 0; past the end of the text, its length."""
+        if position.line > len(self._starts):
+            return len(self.text)
+        return min(self._starts[position.line - 1] + position.column - 1, len(self.text))
+
     @cached_property
     def _starts(self) -> list[int]:
         return [0, *(match.end() for match in _LINE_END.finditer(self.text))]

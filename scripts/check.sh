@@ -14,8 +14,10 @@ if [ "${1:-}" = sb3 ]; then
 fi
 make_venv .venv
 .venv/bin/pip install --quiet --disable-pip-version-check --editable ".[test]"
+bash scripts/browser.sh .venv/bin/python
 .venv/bin/ruff check .
 .venv/bin/ruff format --check .
 .venv/bin/mypy
 .venv/bin/babyrobot validate levels
-exec .venv/bin/python -m pytest -m "not sb3" -n 2
+# Tests of one group share a server, so they run in one process.
+exec .venv/bin/python -m pytest -m "not sb3" -n 2 --dist loadgroup

@@ -209,7 +209,8 @@ def test_the_installed_command_makes_and_checks_a_level(installed: Path, tmp_pat
     schema = Path(line.partition("file://")[2])
     assert schema.is_relative_to(installed.parent)
     assert schema.is_file()
-    run([installed / "babyrobot", "preview", "first", "-o", "first.png"], tmp_path)
+    for name in ("first.png", "first.gif", "first.html"):
+        run([installed / "babyrobot", "preview", "first", "-o", name], tmp_path)
 
 
 def test_the_installed_environments(installed: Path, tmp_path: Path) -> None:

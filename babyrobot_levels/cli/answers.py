@@ -11,6 +11,7 @@ from babyrobot_levels.cli.console import FINDINGS, note
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
+    from babyrobot_levels.render.page import Guide
     from babyrobot_levels.scene.overlays import Overlay
     from babyrobot_levels.solver.results import Solution
 
@@ -34,8 +35,18 @@ def policy_text(level: Level, solution: Solution, *, plain: bool) -> str:
     """Return the drawing of an optimal policy, in ASCII if `plain`."""
     from babyrobot_levels.render.text import policy_drawing
 
-    actions = (solution.policy + solution.first_action * (solution.policy >= 0)).tolist()
+    width = level.size[0]
+    policy = policy_of(solution)
+    actions = [policy[start : start + width] for start in range(0, len(policy), width)]
     return policy_drawing(level, level.grid(), actions, plain=plain)
+
+
+def policy_of(solution: Solution) -> list[int]:
+    """Return the best action of each state, as an `Action`; -1 where there is none."""
+    actions: list[int] = (
+        (solution.policy + solution.first_action * (solution.policy >= 0)).ravel().tolist()
+    )
+    return actions
 
 
 def values_text(solution: Solution) -> str:
@@ -62,3 +73,21 @@ def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
         for row in solution.greedy.tolist()
     ]
     return Overlay(shown if values else None, actions if policy else None)
+
+
+def guide_of(level: Level, *, needed: bool) -> Guide | None:
+    """Return the solution as a page tells it; None if there is none and it is not needed."""
+    from babyrobot_levels.render.page import Guide
+    from babyrobot_levels.solver.errors import NoTotalError
+    from babyrobot_levels.solver.optimum import solve
+
+    if needed:
+        solution = solution_of(level)
+    else:
+        try:
+            solution = solve(level)
+        except NoTotalError as error:
+            note(f"the page shows no best moves: {error}")
+            return None
+    overlay = overlay_of(solution, values=True, policy=True)
+    return Guide(policy_of(solution), overlay, solution.expected_return)

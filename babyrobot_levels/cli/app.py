@@ -13,10 +13,14 @@ import typer
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import (
     compare,
+    format_levels,
+    lint,
     list_levels,
     new_level,
+    play,
     preview,
     print_schema,
+    rule,
     show,
     solve,
     validate,
@@ -35,7 +39,11 @@ app = typer.Typer(
 
 app.command("new-level", short_help="Write a new level file.")(new_level.new_level)
 app.command("validate", short_help="Check level files.")(validate.validate)
-app.command("preview")(preview.preview)
+app.command("lint", short_help="Find faults of play and style.")(lint.lint)
+app.command("format", short_help="Write level files in one form.")(format_levels.format_levels)
+app.command("rule", short_help="Explain what can be found.")(rule.rule)
+app.command("preview", cls=preview.PreviewCommand)(preview.preview)
+app.command("play", short_help="Walk a level with the arrow keys.")(play.play)
 app.command("list", short_help="List the levels that have names.")(list_levels.list_levels)
 app.command("show", short_help="Tell all about one level.")(show.show)
 app.command("solve", short_help="Solve a level exactly.")(solve.solve)

@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import IO, Annotated, Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
 from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.render.terminal import speaks_unicode as speaks_unicode
+from babyrobot_levels.render.terminal import wants_color as wants_color
 from babyrobot_levels.source import printable
 
 FINDINGS = 1
@@ -54,21 +55,6 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
     if help_text:
         note(f"  help: {one_line(help_text)}")
     raise typer.Exit(WRONG_CALL)
-
-
-def wants_color(stream: IO[str]) -> bool:
-    """Tell whether to write colour: on a terminal, unless `NO_COLOR` is set."""
-    if os.environ.get("NO_COLOR"):
-        return False
-    if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
-        return True
-    return stream.isatty() and os.environ.get("TERM") != "dumb"
-
-
-def speaks_unicode(stream: IO[str]) -> bool:
-    """Tell whether box-drawing characters can be written to the stream."""
-    encoding = (getattr(stream, "encoding", None) or "ascii").lower().replace("-", "")
-    return encoding.startswith("utf")
 
 
 def save(path: Path, data: str | bytes, *, force: bool) -> None:

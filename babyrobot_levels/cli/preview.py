@@ -1,22 +1,18 @@
-"""`babyrobot preview`: a level as a picture, in the terminal or in a file."""
+"""`babyrobot preview`: a level in the terminal, as a picture, as a film, or as a page to play."""
 
 from __future__ import annotations
 
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
-from babyrobot_levels.cli.answers import (
-    WIDEST,
-    overlay_of,
-    policy_text,
-    solution_of,
-    values_text,
-)
+from babyrobot_levels.cli.answers import WIDEST, policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import fail, note, save, speaks_unicode, wants_color, write
+from babyrobot_levels.cli.pictures import MAX_SCALE, Walker, Wishes, film, page, picture
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
@@ -29,13 +25,39 @@ class PictureFormat(StrEnum):
     ASCII = "ascii"
     SVG = "svg"
     PNG = "png"
+    GIF = "gif"
+    HTML = "html"
 
 
 LevelArgument = Annotated[
     str, typer.Argument(metavar="LEVEL", help="A name, pack/name, or the path of a file.")
 ]
 
-_SUFFIXES = {".txt": "ascii", ".svg": "svg", ".png": "png"}
+_SUFFIXES = {
+    ".txt": "ascii",
+    ".svg": "svg",
+    ".png": "png",
+    ".gif": "gif",
+    ".html": "html",
+    ".htm": "html",
+}
+_TEXTS = (PictureFormat.TEXT, PictureFormat.ASCII)
+_SCALED = (PictureFormat.SVG, PictureFormat.PNG, PictureFormat.GIF)
+_PLAYED = (PictureFormat.GIF, PictureFormat.HTML)
+
+
+class PreviewCommand(TyperCommand):
+    """A command whose `--policy` may stand alone: it then means the best one."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Say in full what was said in short."""
+        whole: list[str] = []
+        for index, word in enumerate(args):
+            whole.append(word)
+            following = args[index + 1] if index + 1 < len(args) else ""
+            if word == "--policy" and following not in list(Walker):
+                whole.append(Walker.BEST)
+        return super().parse_args(ctx, whole)
 
 
 def preview(
@@ -64,8 +86,38 @@ def preview(
         bool, typer.Option("--values", help="Write into each cell what it is worth at best.")
     ] = False,
     policy: Annotated[
-        bool, typer.Option("--policy", help="Show where the best actions lead from each cell.")
-    ] = False,
+        Walker | None,
+        typer.Option(
+            metavar="[best|random]",
+            help="Show where the best actions lead from each cell; in a gif and in html, whom to "
+            "watch.  [default of gif and html: best]",
+            show_default=False,
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            metavar="N",
+            help="Of a gif and html: what chance is drawn from, as in `env.reset(seed=N)`.  "
+            "[default: 0]",
+            show_default=False,
+        ),
+    ] = None,
+    scale: Annotated[
+        float | None,
+        typer.Option(
+            metavar="X",
+            help="Make a picture or a gif X times its usual size of 64 pixels a cell.",
+            show_default=False,
+        ),
+    ] = None,
+    cell: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Make a picture or a gif with N pixels a cell.", show_default=False
+        ),
+    ] = None,
     maze_seed: Annotated[
         int | None,
         typer.Option(
@@ -85,24 +137,35 @@ def preview(
       babyrobot preview levels/first.yaml -o first.png
 
       babyrobot preview frozen-lake --values --policy -o answers.svg
+
+      babyrobot preview final-maze --policy best --seed 3 -o walk.gif
+
+      babyrobot preview final-maze -o play.html
     """
     chosen = _chosen_format(picture_format, output)
+    if seed is not None and chosen not in _PLAYED:
+        fail("--seed is for what moves (gif, html)")
+    wishes = Wishes(values, policy, seed or 0, _scale(scale, cell, chosen))
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-    if chosen in (PictureFormat.TEXT, PictureFormat.ASCII):
-        plain = chosen is PictureFormat.ASCII or output is not None
-        picture: str | bytes = _text(shown, values=values, policy=policy, plain=plain)
+    made: str | bytes
+    if chosen in _TEXTS:
         if coordinates:
-            note("--coordinates is for pictures (svg, png); a text has no room for them")
+            note("--coordinates is for pictures (svg, png, gif, html); a text has no room for them")
+        made = _text(shown, wishes, plain=chosen is PictureFormat.ASCII or output is not None)
+    elif chosen is PictureFormat.GIF:
+        made = film(shown, wishes)
+    elif chosen is PictureFormat.HTML:
+        made = page(shown, wishes)
     else:
-        picture = _painted(shown, chosen, values=values, policy=policy)
+        made = picture(shown, wishes, svg=chosen is PictureFormat.SVG)
     if output is not None:
-        save(output, picture, force=force)
-    elif isinstance(picture, str):
-        write(picture)
+        save(output, made, force=force)
+    elif isinstance(made, str):
+        write(made)
     elif sys.stdout.isatty():
-        fail("a PNG cannot be shown in a terminal", "name a file with -o FILE")
+        fail(f"a {chosen.upper()} cannot be shown in a terminal", "name a file with -o FILE")
     else:
-        sys.stdout.buffer.write(picture)
+        sys.stdout.buffer.write(made)
 
 
 def load_level(text: str) -> Level:
@@ -129,6 +192,26 @@ def _chosen_format(picture_format: PictureFormat | None, output: Path | None) ->
     return PictureFormat(_SUFFIXES[suffix])
 
 
+def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> float | None:
+    """Return how many times larger than usual a picture is to be."""
+    from babyrobot_levels.scene.layout import CELL
+
+    if scale is None and cell is None:
+        return None
+    if scale is not None and cell is not None:
+        fail("--scale and --cell say the same thing", "give one of them")
+    if chosen not in _SCALED:
+        fail("--scale and --cell are for pictures (svg, png, gif)")
+    times = scale if scale is not None else (cell or 0) / CELL
+    if not 0 < times <= MAX_SCALE:
+        fail(
+            f"--scale must be above 0 and at most {MAX_SCALE:g}"
+            if cell is None
+            else f"--cell must be 1 to {MAX_SCALE * CELL:g} pixels"
+        )
+    return times
+
+
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level as it is to be shown."""
     from babyrobot_levels.errors import LevelError
@@ -151,15 +234,20 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
     return level
 
 
-def _text(level: Level, *, values: bool, policy: bool, plain: bool) -> str:
-    if not (values or policy):
+def _text(level: Level, wishes: Wishes, *, plain: bool) -> str:
+    if wishes.policy is Walker.RANDOM:
+        fail("a random walk cannot be shown as a text", "`--policy random` is for gif and html")
+    if not (wishes.values or wishes.policy):
         return text_picture(level, plain=plain)
     solution = solution_of(level)
     plain = plain or not _takes_pictures()
-    text = policy_text(level, solution, plain=plain) if policy else text_picture(level, plain=plain)
-    if values and level.size[0] > WIDEST:
+    if wishes.policy:
+        text = policy_text(level, solution, plain=plain)
+    else:
+        text = text_picture(level, plain=plain)
+    if wishes.values and level.size[0] > WIDEST:
         note(f"the values of more than {WIDEST} columns are left to pictures (svg, png)")
-    elif values:
+    elif wishes.values:
         text += "\n" + values_text(solution)
     return text
 
@@ -175,21 +263,3 @@ def text_picture(level: Level, *, plain: bool = False) -> str:
 
 def _takes_pictures() -> bool:
     return wants_color(sys.stdout) and speaks_unicode(sys.stdout)
-
-
-def _painted(level: Level, chosen: PictureFormat, *, values: bool, policy: bool) -> str | bytes:
-    from babyrobot_levels.scene.build import build_scene
-
-    if values or policy:
-        overlay = overlay_of(solution_of(level), values=values, policy=policy)
-        # The robot would only hide what his cell says.
-        scene = build_scene(level, robot=False, overlay=overlay)
-    else:
-        scene = build_scene(level)
-    if chosen is PictureFormat.SVG:
-        from babyrobot_levels.render.svg import to_svg
-
-        return to_svg(scene)
-    from babyrobot_levels.render.raster import to_png
-
-    return to_png(scene)

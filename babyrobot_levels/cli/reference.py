@@ -56,9 +56,11 @@ class _Parameter:
 
     @property
     def _value(self) -> str:
+        if self.info.metavar:
+            return str(self.info.metavar)
         if isinstance(self.kind, type) and issubclass(self.kind, Enum):
             return "|".join(str(choice.value) for choice in self.kind)
-        return str(self.info.metavar or self.kind.__name__.upper())
+        return str(self.kind.__name__.upper())
 
     @property
     def help(self) -> str:

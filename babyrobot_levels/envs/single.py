@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import gymnasium
 import numpy as np
-from gymnasium import error, logger
+from gymnasium import error
 from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
@@ -21,7 +21,10 @@ from babyrobot_levels.envs.arguments import (
     checked_maze_seed,
     checked_start,
 )
+from babyrobot_levels.envs.ipython import show_wrapped_environments
 from babyrobot_levels.envs.observations import OBSERVATIONS, make_observer
+from babyrobot_levels.envs.pictures import RENDER_MODES
+from babyrobot_levels.envs.rendering import RenderedEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.level import Level
 from babyrobot_levels.mdp import GLASS, REFUSED
@@ -30,7 +33,6 @@ if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
 
     from babyrobot_levels.mdp import Mdp, Outcome
-    from babyrobot_levels.render.frames import FramePainter
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 
@@ -46,7 +48,7 @@ MAX_MAZE_SEED = 2**31
 """Mazes of `seed: random` levels have seeds below this."""
 
 
-class LevelEnv(gymnasium.Env[Any, Any]):
+class LevelEnv(RenderedEnv):
     """A robot walks a level to an exit.
 
     Observations are, by `observation`:
@@ -65,8 +67,6 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         level: the level that is played. Of a level with `seed: random`, the one of this episode.
     """
 
-    metadata = {"render_modes": ["rgb_array", "ansi", "svg"], "render_fps": 4}  # noqa: RUF012
-
     def __init__(
         self,
         level: LevelLike,
@@ -84,7 +84,8 @@ class LevelEnv(gymnasium.Env[Any, Any]):
             observation: `"position"`, `"index"`, `"walls"` or `"image"`.
             actions: `"valid"`: five actions, of which `action_space.sample()` gives only those
                 that are possible; `"all"`: five actions; `"moves"`: four, without stay.
-            render_mode: None, `"rgb_array"`, `"ansi"` or `"svg"`.
+            render_mode: None, `"human"`, `"rgb_array"`, `"ansi"`, `"svg"` or `"canvas"`; what
+                each of them gives, `render` tells.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
 
@@ -96,7 +97,7 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         check_choice("observation", observation, OBSERVATIONS)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
-            check_choice("render_mode", render_mode, self.metadata["render_modes"])
+            check_choice("render_mode", render_mode, RENDER_MODES)
         if observation != "image" and (image_size is not None or grayscale):
             raise ValueError("image_size and grayscale go with observation='image'")
         self.render_mode = render_mode
@@ -111,6 +112,8 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         # Until the first reset, a level with random mazes shows the one of seed 0.
         self._enter(self._given.with_maze_seed(0) if self._given.has_random_maze else self._given)
         self.observation_space = self._observer.space
+        self._pictures = None if render_mode is None else self._new_pictures()
+        show_wrapped_environments()
 
     def _enter(self, level: Level) -> None:
         """Make ready to play a level."""
@@ -119,7 +122,6 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         self._observer = make_observer(level, self._observation, *self._image)
         self._starts: list[int] = self._mdp.start.nonzero()[0].tolist()
         self._cells: list[_Cell | None] = [None] * self._mdp.num_states
-        self._frames: FramePainter | None = None
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
 
     # -- playing ---------------------------------------------------------------------------
@@ -163,6 +165,8 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         _, observe, copy_mask, mask = self._cells[self._state] or self._look_up(self._state)
         if self._valid is not None:
             self._valid.mask = mask
+        if self._pictures is not None:
+            self._pictures.begin(self.level, self._state)
         info["action_mask"] = copy_mask()
         return observe(), info
 
@@ -197,12 +201,15 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         _, observe, copy_mask, mask = self._cells[state] or self._look_up(state)
         if self._valid is not None:
             self._valid.mask = mask
-        info = {
-            "action_mask": copy_mask(),
-            "target_reached": target_reached,
-            "skidded": skidded,
-        }
-        return observe(), reward, terminal, False, info
+        if self._pictures is not None:
+            self._pictures.step(int(action) + self._first_action, state, skidded)
+        return (
+            observe(),
+            reward,
+            terminal,
+            False,
+            {"action_mask": copy_mask(), "target_reached": target_reached, "skidded": skidded},
+        )
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return which actions are possible now, int8 `[actions]`, as sb3-contrib asks for it."""
@@ -274,45 +281,13 @@ class LevelEnv(gymnasium.Env[Any, Any]):
         self._spec = spec
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "_cells": None, "_frames": None, "_table": None}
+        return {**vars(self), "_cells": None, "_table": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._cells = [None] * self._mdp.num_states
         if self._state >= 0:
             self._look_up(self._state)
-
-    # -- pictures --------------------------------------------------------------------------
-
-    def render(self) -> Any:
-        """Return a picture of the level as it stands; before the first reset, of its start.
-
-        Returns:
-            By `render_mode`: uint8 `[height, width, 3]` (`"rgb_array"`), a text (`"ansi"`), or
-            an SVG document as a text (`"svg"`).
-        """
-        if self.render_mode is None:
-            name = self._spec.id if self._spec is not None else "babyrobot/Level-v0"
-            logger.warn(
-                "render() needs a render_mode, given when the environment is made: "
-                f'gymnasium.make("{name}", render_mode="rgb_array")'
-            )
-            return None
-        state = self._state if self._state >= 0 else self._starts[0]
-        if self.render_mode == "rgb_array":
-            if self._frames is None:
-                from babyrobot_levels.render.frames import FramePainter
-
-                self._frames = FramePainter(self.level)
-            return self._frames.frame(state)
-        if self.render_mode == "svg":
-            from babyrobot_levels.render.svg import to_svg
-            from babyrobot_levels.scene.build import build_scene
-
-            return to_svg(build_scene(self.level, state=state))
-        from babyrobot_levels.render.text import unicode_drawing
-
-        return unicode_drawing(self.level, self.level.grid(), state=state)
 
 
 def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:

@@ -44,3 +44,31 @@ def make_action_space(actions: str) -> tuple[spaces.Discrete[Any], int]:
         return spaces.Discrete(NUM_MOVES), Action.NORTH
     space = ValidActions(NUM_ACTIONS) if actions == "valid" else spaces.Discrete(NUM_ACTIONS)
     return space, Action.STAY
+
+
+_KEYS = {
+    Action.STAY: " ",
+    Action.NORTH: "w",
+    Action.EAST: "d",
+    Action.SOUTH: "s",
+    Action.WEST: "a",
+}
+
+_ARROW_KEYS = {
+    Action.NORTH: 0x40000052,
+    Action.EAST: 0x4000004F,
+    Action.SOUTH: 0x40000051,
+    Action.WEST: 0x40000050,
+}
+"""Pygame's numbers of the arrow keys (they are SDL's)."""
+
+
+def keys_of_actions(first_action: int) -> dict[tuple[int, ...], int]:
+    """Return the number of the action that each key means, by pygame's number of the key.
+
+    Args:
+        first_action: the action that is the space's number 0.
+    """
+    keys = [(ord(letter), action) for action, letter in _KEYS.items()]
+    keys += [(key, action) for action, key in _ARROW_KEYS.items()]
+    return {(key,): action - first_action for key, action in keys if action >= first_action}

@@ -49,6 +49,25 @@ def over(color: str, ground: Rgb) -> Rgb:
     return red, green, blue
 
 
+def contrast(color: str, ground: str) -> float:
+    """Return the contrast of a colour on a ground, from 1 to 21, as WCAG 2 defines it.
+
+    What shines through a ground that is not opaque counts as white.
+    """
+    below = over(ground, (255, 255, 255))
+    dark, light = sorted((_luminance(over(color, below)), _luminance(below)))
+    return (light + 0.05) / (dark + 0.05)
+
+
+def _luminance(color: Rgb) -> float:
+    """Return the relative luminance of an sRGB colour, 0 to 1."""
+    shares = (channel / 255 for channel in color)
+    red, green, blue = (
+        share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares
+    )
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
 def _hexadecimal(digits: str) -> Rgba:
     if len(digits) < 6:
         digits = "".join(2 * digit for digit in digits)

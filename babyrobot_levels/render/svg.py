@@ -3,29 +3,42 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from xml.sax.saxutils import escape, quoteattr
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
 
-_FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
+FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that no XML document may hold, not even escaped."""
 
 
-def to_svg(scene: Scene) -> str:
-    """Return the scene as an SVG document; numbers have at most two decimals."""
+def to_svg(scene: Scene, scale: float = 1.0) -> str:
+    """Return the scene as an SVG document; numbers have at most two decimals.
+
+    Args:
+        scene: the scene.
+        scale: how large it is shown, where 1 is the scene's own size.
+    """
     width, height = number(scene.width), number(scene.height)
+    shown = (
+        f'width="{number(scale * scene.width)}" height="{number(scale * scene.height)}" '
+        f'viewBox="0 0 {width} {height}"'
+    )
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" '
-        f'viewBox="0 0 {width} {height}" role="img" font-family="{_FONT}" '
+        f'<svg xmlns="http://www.w3.org/2000/svg" {shown} role="img" font-family="{FONT}" '
         'stroke-linejoin="round">',
-        f"<title>{_escape(scene.title)}</title>",
-        *(_element(shape) for shape in scene.shapes),
+        f"<title>{escaped(scene.title)}</title>",
+        elements(scene.shapes),
         "</svg>",
     ]
-    return "\n".join(lines) + "\n"
+    return "\n".join(line for line in lines if line) + "\n"
+
+
+def elements(shapes: Iterable[Shape]) -> str:
+    """Return shapes as SVG elements, one a line, to stand inside of an `<svg>`."""
+    return "\n".join(map(_element, shapes))
 
 
 def number(value: float) -> str:
@@ -42,7 +55,7 @@ def path_data(commands: tuple[Command, ...]) -> str:
 def _element(shape: Shape) -> str:
     name, content = type(shape).__name__.lower(), ""
     if isinstance(shape, Text):
-        content = _escape(shape.text)
+        content = escaped(shape.text)
     attributes = " ".join(f"{key}={quoteattr(value)}" for key, value in _attributes(shape))
     return f"<{name} {attributes}>{content}</{name}>" if content else f"<{name} {attributes}/>"
 
@@ -96,5 +109,6 @@ def _paint(what: str, color: str | None) -> Iterator[tuple[str, str]]:
             yield f"{what}-opacity", number(alpha)
 
 
-def _escape(text: str) -> str:
+def escaped(text: str) -> str:
+    """Return a text as it may stand between tags; what no document may hold is replaced."""
     return escape(_NOT_XML.sub("\ufffd", text))

@@ -22,10 +22,13 @@ def render(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
     return "\n\n".join(shown) + "\n" if shown else ""
 
 
-def summary(diagnostics: Sequence[Diagnostic], files: int) -> str:
-    """Return the line at the end of a report: how much was wrong, and in how many files."""
+def summary(diagnostics: Sequence[Diagnostic], files: int, praise: str = "valid") -> str:
+    """Return the line at the end of a report: how much was wrong, and in how many files.
+
+    `praise` is what is said of files in which nothing was found.
+    """
     if not diagnostics:
-        return f"{files} files checked, all valid" if files != 1 else "1 file checked, valid"
+        return f"{files} files checked, all {praise}" if files != 1 else f"1 file checked, {praise}"
     counts = [
         (sum(d.severity is severity for d in diagnostics), str(severity)) for severity in Severity
     ]
@@ -45,8 +48,9 @@ def _colored(diagnostic: Diagnostic) -> str:
     lines = [head]
     for line in rest:
         mark = line.lstrip()
-        if mark.startswith("help: "):
-            lines.append(f"  {_CYAN}help{_RESET}: {mark[6:]}")
+        word, colon, told = mark.partition(": ")
+        if colon and word in ("help", "fix"):
+            lines.append(f"  {_CYAN}{word}{_RESET}: {told}")
         else:
             gutter, bar, text = line.partition("|")
             is_caret = text.strip() and not text.strip("^ ")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.spec.geometry import Cell, Route, is_inside, off_the_grid, show_cell
+from babyrobot_levels.spec.geometry import Cell, Route, is_inside, off_the_grid, painted, show_cell
 from babyrobot_levels.spec.problem import Problem
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
     """Yield the faults of starts and exits. `blocked` tells of a cell whether it is blocked."""
     exits = set(level.exits)
     left = {warp.at for warp in level.warps if warp.when == "enter"}
+    ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
     for field in ("start", "exit"):
         seen: set[Cell] = set()
         for cell, route in _cells_of(level, field):
@@ -60,7 +61,7 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                     f"the start {show_cell(cell)} is a warp, and nobody can stand there",
                     "start elsewhere, or let the warp act `when: leave`",
                 )
-            elif field == "start" and _ends(level, cell):
+            elif field == "start" and ends(cell):
                 yield Problem(
                     "BR316",
                     route,
@@ -96,12 +97,3 @@ def _start_is_exit(level: LevelFields, cell: Cell) -> str:
     if not start:
         return f"start and exit are both {show_cell(cell)} where nothing is said"
     return f"the start {show_cell(cell)} is an exit too"
-
-
-def _ends(level: LevelFields, cell: Cell) -> bool:
-    """Tell whether an area ends the episode on the cell; the last one that says so counts."""
-    for area in reversed(level.areas):
-        (x, y), (columns, rows) = area.at, area.size
-        if area.ends is not None and x <= cell[0] < x + columns and y <= cell[1] < y + rows:
-            return area.ends
-    return False

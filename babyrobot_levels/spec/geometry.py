@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.spec.problem import Problem
 
 if TYPE_CHECKING:
+    from babyrobot_levels.spec.cells import Rectangle
     from babyrobot_levels.spec.level import LevelFields
 
 Cell = tuple[int, int]
@@ -16,14 +17,32 @@ Route = tuple[str | int, ...]
 
 def blocked_cells(level: LevelFields) -> Callable[[Cell], bool]:
     """Return a test for blocked cells."""
+    return painted(level, ((rectangle, True) for rectangle in level.blocked))
+
+
+def painted(
+    level: LevelFields, rectangles: Iterable[tuple[Rectangle, bool]]
+) -> Callable[[Cell], bool]:
+    """Return a test for the cells that were painted with True, after all rectangles in turn.
+
+    What lies off the grid is left out. Files may hold thousands of rectangles: each is painted
+    along its longer side.
+    """
     width, height = level.size
     cells = bytearray(width * height)
-    for rectangle in level.blocked:
+    for rectangle, value in rectangles:
         (x, y), (columns, rows) = rectangle.at, rectangle.size
-        last = min(x + columns, width)
-        for row in range(y, min(y + rows, height)):
-            if x < last:
-                cells[row * width + x : row * width + last] = b"\1" * (last - x)
+        columns, rows = min(columns, width - x), min(rows, height - y)
+        if columns <= 0 or rows <= 0:
+            continue
+        first = y * width + x
+        if columns >= rows:
+            starts, step, count = range(first, first + rows * width, width), 1, columns
+        else:
+            starts, step, count = range(first, first + columns), width, rows
+        paint = bytes([value]) * count
+        for start in starts:
+            cells[start : start + step * (count - 1) + 1 : step] = paint
     return lambda cell: is_inside(level, cell) and bool(cells[cell[1] * width + cell[0]])
 
 

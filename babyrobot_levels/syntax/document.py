@@ -35,15 +35,24 @@ class Node:
     """A value of the document with its place. `children` and `keys` fill the containers."""
 
     data: Any
-    span: Span
+    source: SourceFile = field(repr=False)
+    first: int
+    """Where it begins in the text, in characters from 0."""
+    last: int
+    """The character just behind it."""
+    keys: dict[Any, Node]
+    """A mapping's key nodes, by key."""
+    children: dict[Any, Node]
+    """A container's value nodes, by key or index."""
     block: bool = False
     """True for a literal block (`|`), whose lines stand in the file as they are in the data."""
-    keys: dict[Any, Node] = field(default_factory=dict)
-    """A mapping's key nodes, by key."""
-    children: dict[Any, Node] = field(default_factory=dict)
-    """A container's value nodes, by key or index."""
     size: int = 1
     """How many nodes it holds, aliases expanded."""
+
+    @property
+    def span(self) -> Span:
+        """Where the value stands. Worked out when it is asked for: most nodes never are."""
+        return Span(self.source.position(self.first), self.source.position(self.last))
 
 
 @dataclass(frozen=True, slots=True)

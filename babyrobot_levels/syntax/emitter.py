@@ -5,10 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from babyrobot_levels.syntax.layout import Container, Entry, Scalar, Value, lines_of, on_one_line
 from babyrobot_levels.syntax.scalars import is_plain_string
-
-WIDTH = 88
-"""Mappings that fit on a line of this width stand on one line."""
 
 _PLAIN = re.compile(r"[^\W_](?:[^\n\r\t]*\S)?")
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
@@ -16,22 +14,18 @@ _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 def emit(data: dict[str, Any]) -> str:
     """Return a level's fields as YAML, in the order in which they stand in `data`."""
-    return "".join(emit_field(name, value) for name, value in data.items())
+    return "".join(f"{line}\n" for line in lines_of(_container(data)))
 
 
-def emit_field(name: str, value: Any, indent: str = "") -> str:
+def emit_field(name: str, value: Any) -> str:
     """Return one field with its value, as whole lines."""
-    key = f"{indent}{scalar(name)}:"
-    if isinstance(value, str):
-        return f"{key} {_text(value, indent)}\n"
-    if isinstance(value, dict):
-        flow = _flow(value)
-        if len(key) + 1 + len(flow) <= WIDTH and not _holds_mappings(value):
-            return f"{key} {flow}\n"
-        return f"{key}\n" + "".join(emit_field(k, v, indent + "  ") for k, v in value.items())
-    if isinstance(value, list) and value and isinstance(value[0], dict):
-        return f"{key}\n" + "".join(f"{indent}  - {_flow(item)}\n" for item in value)
-    return f"{key} {_flow(value)}\n"
+    return emit({name: value})
+
+
+def flow(value: Any) -> str:
+    """Return a value as YAML on one line."""
+    # What comes from data has no comments, which alone keep a value from it.
+    return on_one_line(_value(value)) or ""
 
 
 def scalar(value: Any, *, in_flow: bool = False) -> str:
@@ -41,7 +35,9 @@ def scalar(value: Any, *, in_flow: bool = False) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):
-        return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
+        if value.is_integer() and abs(value) < 1e15:
+            return str(int(value))
+        return repr(value).replace("e-0", "e-").replace("e+", "e")
     if isinstance(value, int):
         return str(value)
     text = str(value)
@@ -57,20 +53,22 @@ def scalar(value: Any, *, in_flow: bool = False) -> str:
     return text if is_plain else _quoted(text)
 
 
-def _flow(value: Any) -> str:
-    if isinstance(value, dict):
-        pairs = (f"{scalar(k, in_flow=True)}: {_flow(v)}" for k, v in value.items())
-        return "{" + ", ".join(pairs) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(map(_flow, value)) + "]"
-    return scalar(value, in_flow=True)
+def _value(value: Any) -> Value:
+    if isinstance(value, dict | list):
+        return _container(value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    text, *rest = _text_lines(value) if isinstance(value, str) else [scalar(value)]
+    return Scalar(text, scalar(value, in_flow=True), tuple(rest), is_number)
 
 
-def _holds_mappings(value: dict[str, Any]) -> bool:
-    return any(isinstance(inner, dict) for inner in value.values())
+def _container(data: dict[str, Any] | list[Any]) -> Container:
+    if isinstance(data, list):
+        return Container(False, [Entry(_value(value)) for value in data])
+    return Container(True, [Entry(_value(data[key]), scalar(key, in_flow=True)) for key in data])
 
 
-def _text(text: str, indent: str) -> str:
+def _text_lines(text: str) -> list[str]:
+    """Return a text as lines: a literal block where it has several that can stand in one."""
     lines = text.split("\n")
     fits_a_block = (
         len(lines) > 1
@@ -80,10 +78,8 @@ def _text(text: str, indent: str) -> str:
         and all(line.isprintable() for line in lines)
     )
     if not fits_a_block:
-        return scalar(text)
-    chomp = "-" if lines[-1] else ""
-    body = lines if lines[-1] else lines[:-1]
-    return f"|{chomp}\n" + "\n".join(f"{indent}  {line}" if line else "" for line in body)
+        return [scalar(text)]
+    return ["|-", *lines] if lines[-1] else ["|", *lines[:-1]]
 
 
 def _quoted(text: str) -> str:

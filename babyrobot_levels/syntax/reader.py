@@ -7,6 +7,7 @@ message can point at a line and a column.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,12 +17,13 @@ from babyrobot_levels.source import START, Position, SourceFile, Span
 from babyrobot_levels.suggest import did_you_mean
 from babyrobot_levels.syntax.document import Document, Node, YamlFault, YamlProblem
 from babyrobot_levels.syntax.scalars import is_integer, resolve
-from babyrobot_levels.syntax.words import plain_words
+from babyrobot_levels.syntax.words import plain_words, shortened
 
 MAX_BYTES = 1 << 20
 MAX_DEPTH = 64
 MAX_NODES = 100_000
 MAX_DIGITS = 40
+MAX_TAG_DIRECTIVES = 100
 
 _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE = "tag:yaml.org,2002:"
@@ -36,11 +38,16 @@ def read(source: SourceFile) -> Document:
     return _Builder(source).build()
 
 
+_NOTHING: dict[Any, Node] = {}
+"""What a scalar holds. Shared by all of them, and never written to."""
+
+
 @dataclass(slots=True)
 class _Open:
     """A container whose end has not come yet."""
 
     node: Node
+    anchor: str | None
     is_mapping: bool
     key: Node | None = None
 
@@ -50,11 +57,16 @@ class _Builder:
         self.source = source
         self.problems: list[YamlProblem] = []
         self.anchors: dict[str, Node | None] = {}
-        self.stack: list[tuple[_Open, str | None]] = []
+        self.stack: list[_Open] = []
         self.root: Node | None = None
         self.nodes = 0
+        self.has_aliases = False
 
     def build(self) -> Document:
+        if self.source.text.startswith("\ufeff"):
+            # The first byte order mark was none of the text; the parser would not count a second.
+            raise YamlFault(self._character_problem(0))
+        self._check_directives()
         try:
             parser = _Parser(self.source.text)
         except yaml.YAMLError as error:
@@ -62,88 +74,89 @@ class _Builder:
         except UnicodeEncodeError as error:
             raise YamlFault(self._character_problem(error.start)) from None
         try:
-            documents = 0
-            while True:
-                event = parser.get_event()
-                if isinstance(event, yaml.StreamEndEvent):
-                    break
-                if isinstance(event, yaml.DocumentStartEvent):
-                    documents += 1
-                    if documents > 1:
-                        raise YamlFault(
-                            YamlProblem(
-                                "BR106",
-                                self._span(event),
-                                "a level file holds one document, and here a second one begins",
-                                "remove the `---`, or put the second level into a file of its own",
-                            )
-                        )
-                else:
-                    self._take(event)
+            self._take_all(parser.get_event)
         except yaml.YAMLError as error:
             raise YamlFault(self._syntax_problem(error)) from None
         finally:
             parser.dispose()
-        root = self.root or Node(None, Span(START, START))
+        root = self.root or Node(None, self.source, 0, 0, _NOTHING, _NOTHING)
         return Document(self.source, root, tuple(self.problems))
 
-    def _take(self, event: Any) -> None:
-        if isinstance(event, yaml.ScalarEvent):
-            span = self._span(event)
-            value = self._scalar(event, span)
-            self._add(Node(value, span, block=event.style == "|"), event.anchor)
-        elif isinstance(event, yaml.AliasEvent):
-            self._add_alias(event)
-        elif isinstance(event, yaml.CollectionStartEvent):
-            is_mapping = isinstance(event, yaml.MappingStartEvent)
-            self._check_tag(event, "map" if is_mapping else "seq")
-            if len(self.stack) >= MAX_DEPTH:
-                raise YamlFault(
-                    YamlProblem(
-                        "BR109",
-                        self._span(event),
-                        f"lists and mappings are nested more than {MAX_DEPTH} deep",
+    def _take_all(self, next_event: Callable[[], Any]) -> None:
+        # Most of the time that checking a file takes is spent here.
+        documents = 0
+        while True:
+            event = next_event()
+            kind = type(event)
+            if kind is yaml.ScalarEvent:
+                self._add(self._scalar(event), event.anchor)
+            elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
+                self._open(event, kind is yaml.MappingStartEvent)
+            elif kind is yaml.MappingEndEvent or kind is yaml.SequenceEndEvent:
+                self._close(event)
+            elif kind is yaml.AliasEvent:
+                self._add(self._alias(event), None)
+            elif kind is yaml.DocumentStartEvent:
+                documents += 1
+                if documents > 1:
+                    raise YamlFault(
+                        YamlProblem(
+                            "BR106",
+                            self._span(event),
+                            "a level file holds one document, and here a second one begins",
+                            "remove the `---`, or put the second level into a file of its own",
+                        )
                     )
-                )
-            node = Node({} if is_mapping else [], self._span(event))
-            if event.anchor:
-                self.anchors[event.anchor] = None
-            self.stack.append((_Open(node, is_mapping), event.anchor))
-        elif isinstance(event, yaml.CollectionEndEvent):
-            opened, anchor = self.stack.pop()
-            start, end_of_event = self._span(event)
-            # Only flow style has a closing bracket; a block ends where its last value does.
-            end = end_of_event if end_of_event > start else None
-            last = next(reversed(opened.node.children.values()), None)
-            stop = end or (last.span.end if last else opened.node.span.end)
-            opened.node.span = Span(opened.node.span.start, stop)
-            self._add(opened.node, anchor)
+            elif kind is yaml.StreamEndEvent:
+                return
+
+    def _open(self, event: Any, is_mapping: bool) -> None:
+        if event.tag is not None:
+            self._check_tag(event, ["map" if is_mapping else "seq"])
+        if len(self.stack) >= MAX_DEPTH:
+            message = f"lists and mappings are nested more than {MAX_DEPTH} deep"
+            raise YamlFault(YamlProblem("BR109", self._span(event), message))
+        first, last = event.start_mark.index, event.end_mark.index
+        node = Node({} if is_mapping else [], self.source, first, last, {}, {})
+        if event.anchor:
+            self.anchors[event.anchor] = None
+        self.stack.append(_Open(node, event.anchor, is_mapping))
+
+    def _close(self, event: Any) -> None:
+        opened = self.stack.pop()
+        node, end = opened.node, event.end_mark.index
+        # Only flow style has a closing bracket; a block ends where its last value does.
+        if end > event.start_mark.index:
+            node.last = end
+        elif node.children:
+            node.last = next(reversed(node.children.values())).last
+        self._add(node, opened.anchor)
 
     def _add(self, node: Node, anchor: str | None) -> None:
         """Put a finished node into the container that is open, or at the top."""
         self.nodes += 1
         if self.nodes > MAX_NODES:
-            raise YamlFault(
-                YamlProblem("BR108", node.span, f"the file holds more than {MAX_NODES:,} values")
-            )
+            message = f"the file holds more than {MAX_NODES:,} values"
+            raise YamlFault(YamlProblem("BR108", node.span, message))
         if anchor:
             self.anchors[anchor] = node
         if not self.stack:
             self.root = node
             return
-        parent = self.stack[-1][0]
-        parent.node.size += node.size
-        if parent.node.size > MAX_NODES:
-            raise YamlFault(
-                YamlProblem("BR108", node.span, f"aliases expand to more than {MAX_NODES:,} values")
-            )
+        parent = self.stack[-1]
+        container = parent.node
+        container.size += node.size
+        if container.size > MAX_NODES:
+            what = "aliases expand to" if self.has_aliases else "the file holds"
+            message = f"{what} more than {MAX_NODES:,} values"
+            raise YamlFault(YamlProblem("BR108", node.span, message))
         if not parent.is_mapping:
-            parent.node.children[len(parent.node.data)] = node
-            parent.node.data.append(node.data)
+            container.children[len(container.data)] = node
+            container.data.append(node.data)
         elif parent.key is None:
             parent.key = node
         else:
-            self._add_pair(parent.node, parent.key, node)
+            self._add_pair(container, parent.key, node)
             parent.key = None
 
     def _add_pair(self, mapping: Node, key: Node, value: Node) -> None:
@@ -155,78 +168,76 @@ class _Builder:
             return
         if not isinstance(name, str):
             # `1: …` in a legend and `no: …` mean the characters that stand there.
-            first, last = key.span
-            name = self.source.line(first.line)[first.column - 1 : last.column - 1] or str(name)
+            name = self.source.text[key.first : key.last] or str(name)
         if name in mapping.keys:
             first = mapping.keys[name].span.start
-            self.problems.append(
-                YamlProblem(
-                    "BR105",
-                    key.span,
-                    f"`{name}` stands here a second time; line {first.line} has it already",
-                    "keep one of the two",
-                )
-            )
+            message = f"`{shortened(name)}` stands here a second time"
+            message += f"; line {first.line} has it already"
+            self.problems.append(YamlProblem("BR105", key.span, message, "keep one of the two"))
             return
         mapping.keys[name] = key
         mapping.children[name] = value
         mapping.data[name] = value.data
 
-    def _add_alias(self, event: Any) -> None:
-        span = self._span(event)
-        if event.anchor not in self.anchors:
-            raise YamlFault(
-                YamlProblem(
-                    "BR108",
-                    span,
-                    f"the alias `*{event.anchor}` refers to an anchor that is not above it"
-                    + did_you_mean(event.anchor, self.anchors),
-                )
-            )
-        target = self.anchors[event.anchor]
+    def _alias(self, event: Any) -> Node:
+        name = event.anchor
+        if name not in self.anchors:
+            message = f"the alias `*{shortened(name)}` refers to an anchor that is not above it"
+            message += did_you_mean(name, self.anchors)
+            raise YamlFault(YamlProblem("BR108", self._span(event), message))
+        target = self.anchors[name]
         if target is None:
-            raise YamlFault(
-                YamlProblem("BR108", span, f"the alias `*{event.anchor}` would contain itself")
-            )
-        node = Node(target.data, span, False, target.keys, target.children, target.size)
-        self._add(node, None)
+            message = f"the alias `*{shortened(name)}` would contain itself"
+            raise YamlFault(YamlProblem("BR108", self._span(event), message))
+        self.has_aliases = True
+        first, last = event.start_mark.index, event.end_mark.index
+        return Node(
+            target.data, self.source, first, last, target.keys, target.children, size=target.size
+        )
 
-    def _scalar(self, event: Any, span: Span) -> Any:
-        self._check_tag(event, None)
-        if event.tag is None or event.tag == "!":
-            quoted = event.style or event.tag == "!"
-            return event.value if quoted else self._resolve(event.value, span)
-        kind = event.tag.removeprefix(_CORE)
-        value = event.value if kind == "str" else self._resolve(event.value, span)
+    def _scalar(self, event: Any) -> Node:
+        value, style = event.value, event.style
+        if event.tag is not None:
+            value = self._tagged(event)
+        elif not style:
+            value = self._resolve(value, event)
+        first, last = event.start_mark.index, event.end_mark.index
+        return Node(value, self.source, first, last, _NOTHING, _NOTHING, style == "|")
+
+    def _tagged(self, event: Any) -> Any:
         types = {"str": str, "int": int, "float": (int, float), "bool": bool, "null": type(None)}
+        self._check_tag(event, [*types])
+        kind = event.tag.removeprefix(_CORE)
+        if kind in ("!", "str"):
+            return event.value
+        value = self._resolve(event.value, event)
         if not isinstance(value, types[kind]):  # type: ignore[arg-type]
-            self.problems.append(
-                YamlProblem("BR107", span, f"`{event.value}` cannot be read as a `!!{kind}`")
-            )
+            message = f"`{shortened(event.value)}` cannot be read as a `!!{kind}`"
+            self.problems.append(YamlProblem("BR107", self._span(event), message))
         return value
 
-    def _resolve(self, text: str, span: Span) -> Any:
+    def _resolve(self, text: str, event: Any) -> Any:
         if len(text) > MAX_DIGITS and is_integer(text):
             message = f"a number of {len(text)} characters is too long"
-            self.problems.append(YamlProblem("BR111", span, message))
+            self.problems.append(YamlProblem("BR111", self._span(event), message))
             return 0
         return resolve(text)
 
-    def _check_tag(self, event: Any, kind: str | None) -> None:
+    def _check_directives(self) -> None:
+        # The parser compares each of them with all those before it.
+        text = self.source.text
+        if text.count("%TAG") > MAX_TAG_DIRECTIVES:
+            last = self.source.position(text.rindex("%TAG"))
+            message = f"there are more than {MAX_TAG_DIRECTIVES} `%TAG`, and a level has no tags"
+            span = Span(last, Position(last.line, last.column + len("%TAG")))
+            raise YamlFault(YamlProblem("BR107", span, message, "remove them"))
+
+    def _check_tag(self, event: Any, allowed: list[str]) -> None:
         tag = event.tag
-        if tag is None or tag == "!":
-            return
-        allowed = [kind] if kind else ["str", "int", "float", "bool", "null"]
-        if tag not in [_CORE + name for name in allowed]:
+        if tag != "!" and tag not in [_CORE + name for name in allowed]:
             shown = tag.replace(_CORE, "!!")
-            raise YamlFault(
-                YamlProblem(
-                    "BR107",
-                    self._span(event),
-                    f"the tag `{shown}` is not allowed: a level is plain data",
-                    "remove the tag",
-                )
-            )
+            message = f"the tag `{shortened(shown)}` is not allowed: a level is plain data"
+            raise YamlFault(YamlProblem("BR107", self._span(event), message, "remove the tag"))
 
     def _span(self, event: Any) -> Span:
         # By index, because the parser ends lines also where editors do not.
@@ -248,11 +259,14 @@ class _Builder:
         )
         if words.at_beginning and begin is not None:
             position = self.source.position(begin.index)
-        end = Position(position.line, position.column + 1)
-        return YamlProblem("BR104", Span(position, end), words.message, words.help)
+        return YamlProblem("BR104", self._span_at(position), words.message, words.help)
 
     def _character_problem(self, index: int) -> YamlProblem:
-        position = self.source.position(index)
-        span = Span(position, Position(position.line, position.column + 1))
+        span = self._span_at(self.source.position(index))
         code = ord(self.source.text[index])
         return YamlProblem("BR104", span, f"the character U+{code:04X} cannot stand in a YAML file")
+
+    def _span_at(self, position: Position) -> Span:
+        """Return the span of one character, or of none at the end of a line."""
+        last = len(self.source.line(position.line)) + 1
+        return Span(position, Position(position.line, min(position.column + 1, last)))

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
+
+SHORT = 40
+"""How many characters of a text from a file a message repeats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,3 +66,9 @@ def plain_words(problem: str, context: str, line: str, column: int) -> Words:
             "fields of one mapping, and entries of one list, begin in one column",
         )
     return Words(f"this is not YAML: {problem}" + (f" {context}" if context else ""))
+
+
+def shortened(value: Any) -> str:
+    """Return a text or a number as a message repeats it: on one line, and not too long."""
+    text = str(value).replace("\n", " ")
+    return text if len(text) <= SHORT else text[: SHORT - 3] + "…"

@@ -1,0 +1,170 @@
+"""`babyrobot format`: level files in one canonical form, comments kept."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, fail, note, wants_color, write
+from babyrobot_levels.cli.parallel import JobsOption, map_all
+from babyrobot_levels.cli.reporting import (
+    STANDARD_INPUT,
+    PathsArgument,
+    level_paths,
+    read_path,
+    shown_name,
+)
+from babyrobot_levels.diagnostics import one_line
+
+if TYPE_CHECKING:
+    from babyrobot_levels.diagnostics import Diagnostic
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What became of a file.
+
+    Attributes:
+        before: its text, without a byte order mark.
+        text: its canonical form; the text as it is where the file is faulty.
+        differs: whether the file is to be written anew.
+        faults: why it is not formatted: its errors.
+        kept: why it is left as it is though it has none.
+    """
+
+    before: str = ""
+    text: str = ""
+    differs: bool = False
+    faults: tuple[Diagnostic, ...] = ()
+    kept: str | None = None
+
+
+def format_levels(
+    paths: PathsArgument = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing, and name the files that would change.")
+    ] = False,
+    diff: Annotated[
+        bool, typer.Option("--diff", help="Write nothing, and show what would change.")
+    ] = False,
+    jobs: JobsOption = None,
+) -> None:
+    """Write level files in one canonical form; their comments stay.
+
+    Neither data nor digest change, and formatting twice changes nothing. Standard input (`-`) is
+    written to standard output. Files with errors are reported and left alone.
+
+    Ends with status 0 if all is well, and with 1 if a file has errors or, with --check or
+    --diff, would change.
+
+    Examples:
+
+      babyrobot format
+
+      babyrobot format --check levels/first.yaml
+    """
+    from babyrobot_levels.report import text
+
+    files = level_paths(paths)
+    if STANDARD_INPUT in files and len(files) > 1:
+        fail("standard input (`-`) is formatted alone", "name the files in a call of their own")
+    outcomes = dict(zip(files, map_all(work_on, files, jobs, "formatting"), strict=True))
+    changed = [path for path, outcome in outcomes.items() if outcome.differs]
+    unwritten = 0
+    if diff:
+        _show_changes(outcomes)
+    elif not check:
+        unwritten = sum(not _write(path, outcomes[path]) for path in outcomes)
+    # Where standard output holds texts or differences, it holds nothing else.
+    stream = sys.stderr if diff or STANDARD_INPUT in files else sys.stdout
+    faults = [fault for outcome in outcomes.values() for fault in outcome.faults]
+    notes = _notes(outcomes, tell_changes=check and not diff)
+    if STANDARD_INPUT not in files:
+        faulty = sum(bool(outcome.faults) for outcome in outcomes.values())
+        counts = len(changed) - unwritten, len(files) - len(changed) - faulty, faulty
+        notes.append(_summary(*counts, would=check or diff))
+    report = text.render(faults, color=wants_color(stream))
+    stream.write(report + ("\n" if report and notes else ""))
+    stream.writelines(f"{line}\n" for line in notes)
+    if unwritten:
+        raise typer.Exit(WRONG_CALL)
+    if faults or (changed and (check or diff)):
+        raise typer.Exit(FINDINGS)
+
+
+def work_on(path: Path) -> Outcome:
+    """Format a file, or standard input for `-`. Nothing is written."""
+    from babyrobot_levels.errors import LevelError
+    from babyrobot_levels.files import ReadFault
+    from babyrobot_levels.formatting.formatter import format_source
+
+    try:
+        source = read_path(path)
+        result = format_source(source, None if path == STANDARD_INPUT else path)
+    except ReadFault as fault:
+        return Outcome(faults=(fault.diagnostic,))
+    except LevelError as error:
+        return Outcome(faults=error.diagnostics)
+    differs = result.text != source.text or (result.kept is None and _has_mark(path))
+    return Outcome(source.text, result.text, differs, kept=result.kept)
+
+
+def _has_mark(path: Path) -> bool:
+    """Tell whether a file begins with a byte order mark, which its text does not show."""
+    from codecs import BOM_UTF8
+
+    try:
+        with path.open("rb") as file:
+            return file.read(len(BOM_UTF8)) == BOM_UTF8
+    except OSError:
+        return False
+
+
+def _write(path: Path, outcome: Outcome) -> bool:
+    """Write a file's canonical form where it differs. Return whether that went well."""
+    from babyrobot_levels.files import write_text
+
+    if path == STANDARD_INPUT:
+        # A level is UTF-8 whatever the terminal is.
+        sys.stdout.buffer.write(outcome.text.encode("utf-8"))
+        sys.stdout.buffer.flush()
+    elif outcome.differs:
+        try:
+            write_text(path, outcome.text)
+        except OSError as error:
+            note(f"error: {path} cannot be written ({error.strerror or error})")
+            return False
+    return True
+
+
+def _show_changes(outcomes: dict[Path, Outcome]) -> None:
+    from babyrobot_levels.cli.diffs import unified
+
+    for path, outcome in outcomes.items():
+        color = wants_color(sys.stdout)
+        write(unified(outcome.before, outcome.text, shown_name(path), color=color))
+
+
+def _notes(outcomes: dict[Path, Outcome], *, tell_changes: bool) -> list[str]:
+    """Return what is to be said of single files that have no errors."""
+    notes = []
+    for path, outcome in outcomes.items():
+        name = one_line(shown_name(path))
+        if outcome.kept:
+            notes.append(f"left as it is: {name}: {outcome.kept}")
+        if outcome.differs and tell_changes:
+            notes.append(f"would reformat: {name}")
+    return notes
+
+
+def _summary(changed: int, unchanged: int, faulty: int, *, would: bool) -> str:
+    parts = [
+        (changed, "would be reformatted" if would else "reformatted"),
+        (unchanged, "already formatted" if would else "left unchanged"),
+        (faulty, "with errors"),
+    ]
+    return ", ".join(f"{n} file{'s' * (n != 1)} {what}" for n, what in parts if n)

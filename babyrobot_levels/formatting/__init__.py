@@ -1,0 +1,1 @@
+"""Level files in their canonical form: one way of writing each, comments kept."""

@@ -1,0 +1,96 @@
+"""What the best policy of a level comes to, followed through the tables."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from babyrobot_levels.lint.reach import adjacency, distances
+from babyrobot_levels.solver.errors import NoTotalError, TooLongError
+from babyrobot_levels.solver.optimum import solve
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+    from babyrobot_levels.lint.reach import Reach
+    from babyrobot_levels.mdp import Mdp
+    from babyrobot_levels.solver.results import Solution
+
+MAX_SOLVED = 5_000
+"""Levels of more cells are not solved: that could take seconds."""
+
+MAX_WORK = 200_000_000
+"""Cells times steps: so far the chance of arriving in time is followed."""
+
+
+def best_of(level: Level) -> Solution | None:
+    """Return the best that can be done, None where that has no value or takes too long to find."""
+    if level.size[0] * level.size[1] > MAX_SOLVED:
+        return None
+    try:
+        return solve(level)
+    except (NoTotalError, TooLongError):
+        return None
+
+
+def surely_leaves(mdp: Mdp, discount: float) -> bool:
+    """Tell whether rewards alone show that going on for ever is never better than to end.
+
+    That is so if it costs without bound; or if each step costs the same, and the last one no more.
+    """
+    happens = (mdp.probability > 0) & ~mdp.over[:, None, None]
+    ends = mdp.terminal & happens
+    going_on, ending = mdp.reward[happens & ~ends], mdp.reward[ends]
+    if not going_on.size:
+        return True
+    dearest, cheapest = going_on.min(), going_on.max()
+    if cheapest < 0 and discount == 1:
+        return True
+    return bool(dearest == cheapest <= 0 and ending.min(initial=0.0) >= cheapest)
+
+
+def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
+    """Return the states in which the best policy comes to go on for ever, though it could end."""
+    policy = solution.policy.ravel()
+    states = np.flatnonzero(policy >= 0)
+    happens = mdp.probability[states, policy[states]] > 0
+    origins = np.repeat(states, happens.sum(axis=1))
+    targets = mdp.next_state[states, policy[states]][happens]
+    visited = distances(
+        mdp.start.nonzero()[0].tolist(), adjacency(origins, targets, mdp.num_states)
+    )
+    ending = distances(mdp.over.nonzero()[0].tolist(), adjacency(targets, origins, mdp.num_states))
+    return [
+        state
+        for state in range(mdp.num_states)
+        if visited[state] >= 0 > ending[state] and reach.to_end[state] >= 0
+    ]
+
+
+def is_in_time(level: Level, solution: Solution, share: float) -> bool | None:
+    """Tell whether the best policy reaches an exit within `max_steps`, as likely as `share`.
+
+    Returns:
+        None where there are too many steps to follow.
+    """
+    mdp, limit = level.compile(), level.max_steps or 0
+    probability = solution.exit_probability
+    # Of a time that is so long on average, no more than this share takes longer than the limit.
+    if probability - solution.expected_steps / (limit + 1) >= share:
+        return True
+    policy = solution.policy.ravel()
+    states = np.flatnonzero(policy >= 0)
+    chances = mdp.probability[states, policy[states]]
+    targets = mdp.next_state[states, policy[states]]
+    exits = [y * mdp.width + x for x, y in level.exits]
+    arrived = np.zeros(mdp.num_states)
+    arrived[exits] = 1.0
+    most = MAX_WORK // chances.size
+    for _ in range(min(limit, most)):
+        ahead = (chances * arrived[targets]).sum(axis=1)
+        if (ahead == arrived[states]).all():
+            return False
+        arrived[states] = ahead
+        if mdp.start @ arrived >= share:
+            return True
+    return None if limit > most else False

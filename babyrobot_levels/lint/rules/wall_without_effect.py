@@ -1,0 +1,60 @@
+"""An entry of `walls` that changes nothing, because its walls stand there already.
+
+The maze has put them up, an entry above says the same, it is the outer wall, or all of it stands
+between blocked cells. Entries that give a wall of their own a colour, a width or `fit` change the
+picture and are not found, and neither are walls that an opening takes away, which have a rule of
+their own. Beside a drawing, an entry is found that says nothing of the walls that are drawn.
+
+## Why it is bad
+
+The line looks as if it did something. Mostly it was meant for another cell or another side.
+
+## Example
+
+```yaml
+version: 1
+walls:
+  - {at: [0, 0], side: E}
+  - {at: [1, 0], side: W}
+```
+
+## Instead
+
+```yaml
+version: 1
+walls:
+  - {at: [0, 0], side: E}
+```
+
+## Fix
+
+The entry is taken away. That is safe: neither the game nor the picture changes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from babyrobot_levels.diagnostics import Severity
+from babyrobot_levels.lint.case import Case
+from babyrobot_levels.lint.drawn import count_drawn
+from babyrobot_levels.lint.fixes import removal
+from babyrobot_levels.lint.rule import Finding, Needs
+
+CODE, SEVERITY, NEEDS = "BR506", Severity.WARNING, Needs.TABLES
+
+
+def check(case: Case) -> Iterator[Finding]:
+    """Yield a finding for each such entry."""
+    if "walls" not in case.data:
+        return
+    drawn = count_drawn(case.level, "walls")
+    for number in case.barriers.idle_walls:
+        wall = case.level.walls[number]
+        (x, y), route = wall.at, ("walls", number - drawn)
+        yield Finding(
+            route,
+            f"the wall on side {wall.side} of [{x}, {y}] changes nothing",
+            "it stands there already, or nobody ever meets it: take the entry away",
+            fix=removal(case.document, "take the wall away", route),
+        )

@@ -1,0 +1,100 @@
+"""Lints a file: its errors, or else what the rules find in it."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from babyrobot_levels.diagnostics import Diagnostic, Severity
+from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.lint.case import Case
+from babyrobot_levels.lint.rule import Finding, Needs, Rule
+from babyrobot_levels.loader import diagnostic, from_yaml
+from babyrobot_levels.reading import read_document
+from babyrobot_levels.source import SourceFile, Span
+from babyrobot_levels.spec.problem import Problem
+from babyrobot_levels.syntax.document import YamlFault
+from babyrobot_levels.syntax.reader import read
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What linting a text found.
+
+    Attributes:
+        source: the text, None where the file could not be read.
+        diagnostics: what was found, in the order of the text.
+        digest: the game's digest; None where the text has errors, or has no tables.
+    """
+
+    source: SourceFile | None
+    diagnostics: list[Diagnostic]
+    digest: str | None = None
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether the text is a level, however much could be better about it."""
+        return not any(each.severity is Severity.ERROR for each in self.diagnostics)
+
+
+def lint_file(path: Path, rules: Sequence[Rule]) -> Report:
+    """Lint a file; see `lint_source`."""
+    try:
+        source = read_source(path)
+    except ReadFault as fault:
+        return Report(None, [fault.diagnostic])
+    return lint_source(source, rules, path)
+
+
+def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = None) -> Report:
+    """Return all errors of a text, or if it has none, what the rules find in the level.
+
+    Args:
+        source: the text.
+        rules: the rules that look at it; see `registry.select`.
+        path: the file that it is from: it gives the level's name, and themes beside it.
+    """
+    try:
+        document = read(source)
+    except YamlFault as fault:
+        return Report(source, [from_yaml(fault.problem, source)])
+    level, errors = read_document(document, path)
+    if level is None:
+        return Report(source, errors)
+    case = Case(level, document, path, rules)
+    # In the order of their codes: the last one asks which silences were of use.
+    found = []
+    for rule in rules:
+        if rule.check is None or (rule.needs is Needs.TABLES and level.has_random_maze):
+            continue
+        told = [diagnostic_of(rule, finding, case) for finding in rule.check(case)]
+        found += [each for each in told if not is_silenced(rule, each, case)]
+    found.sort(key=lambda each: (each.line, each.column, each.code))
+    return Report(source, found, None if level.has_random_maze else level.digest)
+
+
+def diagnostic_of(rule: Rule, finding: Finding, case: Case) -> Diagnostic:
+    """Return what is to be said of a finding."""
+    problem = Problem(
+        rule.code, finding.route, finding.message, finding.help, finding.key, finding.mark
+    )
+    told = diagnostic(problem, case.document, rule.severity, finding.fix)
+    span = finding.span if finding.span is not None or finding.route else _first_field(case)
+    if span is None:
+        return told
+    return dataclasses.replace(told, line=span.start.line, column=span.start.column, end=span.end)
+
+
+def _first_field(case: Case) -> Span:
+    """Return where a finding about the whole file points."""
+    keys = case.document.root.keys
+    return next(iter(keys.values())).span if keys else case.document.root.span
+
+
+def is_silenced(rule: Rule, told: Diagnostic, case: Case) -> bool:
+    """Tell whether a comment of the file silences a finding, and note that it was of use."""
+    # All of them are asked, so that each notes what it silences.
+    answers = [silence.covers(rule, told.span) for silence in case.silences]
+    return any(answers)

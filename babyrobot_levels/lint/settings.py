@@ -1,0 +1,121 @@
+"""Which rules a project wants.
+
+`[tool.babyrobot.lint]` of a `pyproject.toml`, or `[lint]` of a `babyrobot.toml`: the nearest one
+upward from the level file counts.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fnmatch import fnmatch
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from babyrobot_levels.errors import BabyRobotError
+from babyrobot_levels.lint.registry import UnknownRuleError, select
+from babyrobot_levels.lint.rule import Rule
+from babyrobot_levels.suggest import did_you_mean
+
+_KEYS = ("select", "ignore", "per-file-ignores")
+
+
+class SettingsError(BabyRobotError):
+    """A settings file says something that it cannot say."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Which rules are wanted.
+
+    Attributes:
+        select: codes, beginnings of codes, names or `ALL`; None for all rules.
+        ignore: the same for rules that are not wanted.
+        per_file_ignores: the same for the files that a pattern matches, relative to `folder`.
+        folder: the folder of the settings file, None where there is none.
+    """
+
+    select: tuple[str, ...] | None = None
+    ignore: tuple[str, ...] = ()
+    per_file_ignores: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    folder: Path | None = None
+
+    def ignoring(self, words: tuple[str, ...]) -> Settings:
+        """Return the settings with further rules that are not wanted."""
+        return replace(self, ignore=(*self.ignore, *words)) if words else self
+
+    def rules_for(self, path: Path) -> tuple[Rule, ...]:
+        """Return the rules that are to look at a file."""
+        extra = (
+            word
+            for pattern, words in self.per_file_ignores
+            if self._matches(path, pattern)
+            for word in words
+        )
+        return select(self.select, (*self.ignore, *extra))
+
+    def _matches(self, path: Path, pattern: str) -> bool:
+        name = path.absolute()
+        inside = self.folder is not None and name.is_relative_to(self.folder)
+        shown = name.relative_to(self.folder) if inside and self.folder is not None else name
+        return fnmatch(shown.as_posix(), pattern) or fnmatch(path.name, pattern)
+
+
+def settings_for(path: Path) -> Settings:
+    """Return the settings for a level file: those of the nearest settings file above it.
+
+    Raises:
+        SettingsError: that file is faulty.
+    """
+    return _in_folder(path.absolute().parent)
+
+
+@cache
+def _in_folder(folder: Path) -> Settings:
+    for name, tables in (("babyrobot.toml", ("lint",)), ("pyproject.toml", ("tool", "babyrobot"))):
+        path = folder / name
+        data: Any = _read(path) if path.is_file() else None
+        for table in tables:
+            data = data.get(table) if isinstance(data, Mapping) else None
+        if data is not None:
+            return _settings(path, data if name == "babyrobot.toml" else data.get("lint", {}))
+    return Settings() if folder.parent == folder else _in_folder(folder.parent)
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text("utf-8"))
+    except (OSError, ValueError) as error:
+        raise SettingsError(f"{path} cannot be read: {error}") from None
+
+
+def _settings(path: Path, data: Any) -> Settings:
+    if not isinstance(data, Mapping):
+        raise SettingsError(f"{path}: `lint` must be a table")
+    for key in data:
+        if key not in _KEYS:
+            raise SettingsError(f"{path}: there is no setting `{key}`{did_you_mean(key, _KEYS)}")
+    ignores = data.get("per-file-ignores", {})
+    if not isinstance(ignores, Mapping):
+        raise SettingsError(f"{path}: `per-file-ignores` must be a table of lists")
+    settings = Settings(
+        _words(path, "select", data["select"]) if "select" in data else None,
+        _words(path, "ignore", data.get("ignore", [])),
+        tuple((name, _words(path, name, words)) for name, words in ignores.items()),
+        path.parent,
+    )
+    try:
+        select(settings.select, settings.ignore)
+        for _, words in settings.per_file_ignores:
+            select(words)
+    except UnknownRuleError as error:
+        raise SettingsError(f"{path}: {error}") from None
+    return settings
+
+
+def _words(path: Path, key: str, value: Any) -> tuple[str, ...]:
+    if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
+        raise SettingsError(f'{path}: `{key}` must be a list of codes, as in `["BR5"]`')
+    return tuple(value)

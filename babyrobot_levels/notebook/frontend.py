@@ -1,0 +1,58 @@
+"""Who looks at what Python shows: a notebook with a person before it, a program, or nobody."""
+
+from __future__ import annotations
+
+import os
+import sys
+from enum import Enum, auto
+from typing import Any
+
+
+class Frontend(Enum):
+    """What becomes of what is displayed."""
+
+    NONE = auto()
+    """There is no notebook."""
+    PROGRAM = auto()
+    """A program runs the notebook, as nbconvert and Papermill do: only what stays counts."""
+    PICTURES = auto()
+    """A person sees pictures, but no ipycanvas."""
+    CANVAS = auto()
+    """A person sees pictures, and ipycanvas if it is installed where the browser's files are."""
+
+
+def in_notebook() -> bool:
+    """Return whether this is a Jupyter kernel; IPython in a terminal is none."""
+    return _kernel() is not None
+
+
+def frontend() -> Frontend:
+    """Return who looks at what is displayed now."""
+    kernel = _kernel()
+    if kernel is None:
+        return Frontend.NONE
+    if "google.colab" in sys.modules:
+        return Frontend.CANVAS if _colab_shows_widgets() else Frontend.PICTURES
+    is_voila = os.environ.get("SERVER_SOFTWARE", "").startswith("voila")
+    if is_voila or _takes_input(kernel):
+        return Frontend.CANVAS
+    return Frontend.PROGRAM
+
+
+def _kernel() -> Any:
+    # Where there is a kernel, it has imported IPython.
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    return getattr(shell, "kernel", None)
+
+
+def _takes_input(kernel: Any) -> bool:
+    """Return whether who runs the cell would answer `input()`. Programs say that they do not."""
+    parent = kernel.get_parent() if hasattr(kernel, "get_parent") else {}
+    return bool(parent.get("content", {}).get("allow_stdin", True))
+
+
+def _colab_shows_widgets() -> bool:
+    """Return whether widgets that are not Colab's own have been allowed."""
+    widgets = sys.modules.get("google.colab.output._widgets")
+    return getattr(widgets, "_installed_url", None) is not None

@@ -1,0 +1,161 @@
+"""The ipycanvas painter: shapes as a canvas's commands, many of them in one message."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from ipycanvas import Canvas, MultiCanvas, hold_canvas  # type: ignore[import-untyped]
+
+from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.svg import FONT
+from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
+
+_ALIGN = {"start": "left", "middle": "center", "end": "right"}
+_SPACES = re.compile("[ \t\r\n]+")
+"""What SVG shows as one space."""
+
+
+@contextmanager
+def one_message(widget: MultiCanvas) -> Iterator[None]:
+    """Send all that is drawn on a widget's layers inside of the block in one message.
+
+    After an exception what was drawn until then is sent, and ipycanvas is left as it was: its own
+    `hold_canvas` would hold back everything that any canvas draws from then on.
+    """
+    hold = hold_canvas()
+    hold.__enter__()
+    try:
+        # ipycanvas names a canvas only where another one was drawn on last. A page that was loaded
+        # since does not know which, and would never draw again. So every message ends on another
+        # canvas than it begins with, and begins with a name.
+        widget[0].begin_path()
+        yield
+    finally:
+        widget[-1].begin_path()
+        hold.__exit__(None, None, None)
+
+
+def paint(canvas: Canvas, shapes: Iterable[Shape], scale: float = 1.0) -> None:
+    """Paint shapes on a canvas, in the place of what was there.
+
+    Args:
+        canvas: the canvas.
+        shapes: the shapes, in painting order.
+        scale: pixels of the canvas for each of the shapes'.
+    """
+    # Not `save` and `restore`: a batch that was broken off leaves them unbalanced.
+    canvas.reset_transform()
+    canvas.clear()
+    canvas.set_transform(scale, 0, 0, scale, 0, 0)
+    brush = _Brush(canvas)
+    for shape in shapes:
+        match shape:
+            case Rect():
+                brush.rect(shape)
+            case Ellipse():
+                brush.ellipse(shape)
+            case Path():
+                brush.path(shape)
+            case Text():
+                brush.text(shape)
+
+
+class _Brush:
+    """Draws shape by shape; a style is sent only where it changes."""
+
+    def __init__(self, canvas: Canvas) -> None:
+        self._canvas = canvas
+        self._style: dict[str, Any] = {}
+        self._dash: tuple[float, ...] | None = None
+        self._use(line_join="round")
+
+    def _use(self, **style: Any) -> None:
+        for name, value in style.items():
+            if self._style.get(name) != value:
+                setattr(self._canvas, name, value)
+                self._style[name] = value
+
+    def _ink(self, style: str, color: str, opacity: float) -> bool:
+        """Take a colour; return whether it can be seen at all."""
+        red, green, blue, alpha = rgba(color)
+        alpha = round(alpha * opacity, 4)
+        if alpha > 0:
+            # In numbers: there are names that browsers know and ipycanvas does not.
+            self._use(global_alpha=alpha, **{style: f"#{red:02x}{green:02x}{blue:02x}"})
+        return alpha > 0
+
+    def rect(self, rect: Rect) -> None:
+        if not self._ink("fill_style", rect.fill, rect.opacity):
+            return
+        x, y, width, height = _rounded(rect.x, rect.y, rect.width, rect.height)
+        radius = min(rect.radius, width / 2, height / 2)
+        if radius <= 0:
+            self._canvas.fill_rect(x, y, width, height)
+            return
+        right, bottom = x + width, y + height
+        self._canvas.begin_path()
+        self._canvas.move_to(x + radius, y)
+        for corner, end in (
+            ((right, y), (right, bottom)),
+            ((right, bottom), (x, bottom)),
+            ((x, bottom), (x, y)),
+            ((x, y), (right, y)),
+        ):
+            self._canvas.arc_to(*_rounded(*corner, *end, radius))
+        self._canvas.close_path()
+        self._canvas.fill()
+
+    def ellipse(self, ellipse: Ellipse) -> None:
+        if self._ink("fill_style", ellipse.fill, ellipse.opacity):
+            place = _rounded(ellipse.x, ellipse.y, ellipse.rx, ellipse.ry)
+            self._canvas.begin_path()
+            self._canvas.ellipse(*place, 0, 0, round(2 * math.pi, 5))
+            self._canvas.fill()
+
+    def path(self, path: Path) -> None:
+        filled = path.fill is not None and self._ink("fill_style", path.fill, path.opacity)
+        if filled:
+            self._trace(path.commands)
+            self._canvas.fill()
+        if path.stroke is None or not self._ink("stroke_style", path.stroke, path.opacity):
+            return
+        if not filled:
+            self._trace(path.commands)
+        self._use(line_width=round(path.width, 2), line_cap=path.cap)
+        dash = path.dash or ()
+        if dash != self._dash:
+            self._canvas.set_line_dash(_rounded(*dash))
+            self._dash = dash
+        self._canvas.stroke()
+
+    def _trace(self, commands: tuple[Command, ...]) -> None:
+        canvas = self._canvas
+        canvas.begin_path()
+        for letter, numbers in commands:
+            match letter:
+                case "M":
+                    canvas.move_to(*_rounded(*numbers))
+                case "L":
+                    canvas.line_to(*_rounded(*numbers))
+                case "C":
+                    canvas.bezier_curve_to(*_rounded(*numbers))
+                case _:
+                    canvas.close_path()
+
+    def text(self, text: Text) -> None:
+        if not self._ink("fill_style", text.fill, text.opacity):
+            return
+        weight = "bold " if text.bold else ""
+        self._use(font=f"{weight}{text.size:g}px {FONT}", text_align=_ALIGN[text.anchor])
+        # What is no character at all cannot be sent.
+        line = _SPACES.sub(" ", text.text).strip().encode("utf-8", "replace").decode()
+        self._canvas.fill_text(line, *_rounded(text.x, text.y))
+
+
+def _rounded(*numbers: float) -> list[float]:
+    """Return numbers with at most two decimals, as in an SVG: they travel as text."""
+    return [round(number, 2) for number in numbers]

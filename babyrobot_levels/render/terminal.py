@@ -1,0 +1,121 @@
+"""Drawings on a terminal, each in the place of the last; and on what is none, one below the other.
+
+This is the one module of the library that writes to standard output, because `"human"` rendering
+means that somebody watches.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+import time
+from collections.abc import Sequence
+from typing import IO
+
+_RESET = "\x1b[0m"
+_TOKEN = re.compile(r"\x1b\[[0-9;]*m|.")
+_ROOM = os.terminal_size((80, 24))
+
+
+def wants_color(stream: IO[str]) -> bool:
+    """Tell whether to write colour: on a terminal, unless `NO_COLOR` is set."""
+    if os.environ.get("NO_COLOR"):
+        return False
+    if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
+        return True
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def speaks_unicode(stream: IO[str]) -> bool:
+    """Tell whether box-drawing characters can be written to the stream."""
+    encoding = (getattr(stream, "encoding", None) or "ascii").lower().replace("-", "")
+    return encoding.startswith("utf")
+
+
+def moves_cursor(stream: IO[str]) -> bool:
+    """Tell whether the stream is a terminal on which a drawing can take the place of another."""
+    return stream.isatty() and os.environ.get("TERM") != "dumb"
+
+
+def room_of(stream: IO[str]) -> os.terminal_size:
+    """Return how many columns and lines a terminal has; 80 and 24 where it does not tell."""
+    try:
+        size = os.get_terminal_size(stream.fileno())
+    except (OSError, ValueError):
+        return _ROOM
+    return size if all(size) else _ROOM
+
+
+def cut_out(lines: Sequence[str], left: int, top: int, width: int, height: int) -> list[str]:
+    """Return the part of a picture that begins at a column and a line, with its colours."""
+    return [_cut(line, left, width) for line in lines[top : top + height]]
+
+
+def _cut(line: str, left: int, width: int) -> str:
+    """Return `width` columns of a line from `left` on; every character takes one."""
+    style, column = "", 0
+    kept: list[str] = []
+    for token in _TOKEN.findall(line):
+        if token.startswith("\x1b"):
+            style = token
+            if kept:
+                kept.append(token)
+            continue
+        if left <= column < left + width:
+            kept += [token] if kept else [style, token]
+        column += 1
+    return "".join(kept) + (_RESET if style else "")
+
+
+class Terminal:
+    """Shows drawings on standard output as it is when the first one is shown.
+
+    On a terminal each drawing takes the place of the last, and stays for as long as it was asked
+    to. Elsewhere - in a file, a pipe - drawings are written one below the other, at once and
+    without control characters. Where there is no standard output, nothing happens.
+    """
+
+    def __init__(self) -> None:
+        self._stream: IO[str] | None = sys.stdout
+        self._moves_cursor = self._stream is not None and moves_cursor(self._stream)
+        self._height = 0
+        self._due = 0.0
+
+    @property
+    def room(self) -> os.terminal_size | None:
+        """How many columns and lines a drawing may have; None for any number."""
+        if self._stream is None or not self._moves_cursor:
+            return None
+        columns, lines = room_of(self._stream)
+        # The cursor stands in the line below.
+        return os.terminal_size((columns, max(1, lines - 1)))
+
+    @property
+    def takes_color(self) -> bool:
+        """Whether drawings may have colours."""
+        return self._stream is not None and self._moves_cursor and wants_color(self._stream)
+
+    @property
+    def takes_unicode(self) -> bool:
+        """Whether drawings may have other characters than those of ASCII."""
+        return self._stream is not None and speaks_unicode(self._stream)
+
+    def show(self, lines: Sequence[str], seconds: float) -> None:
+        """Show a drawing.
+
+        Args:
+            lines: its lines; on a terminal no more than there is `room` for.
+            seconds: how long it stays on a terminal before another one may take its place.
+        """
+        if self._stream is None:
+            return
+        if not self._moves_cursor:
+            self._stream.write("".join(f"{line}\n" for line in lines) + "\n")
+            return
+        time.sleep(max(0.0, self._due - time.monotonic()))
+        self._due = time.monotonic() + seconds
+        up = f"\x1b[{self._height}A" if self._height else ""
+        self._stream.write(up + "\r" + "".join(f"{line}\x1b[K\n" for line in lines) + "\x1b[J")
+        self._stream.flush()
+        self._height = len(lines)

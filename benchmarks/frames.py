@@ -1,0 +1,90 @@
+"""Frames as films and agents want them: a step, and the picture after it as an array of pixels.
+
+    python benchmarks/frames.py
+
+All pictures are new arrays of 8 by 5 cells of 64 pixels (`rgb_array`). MiniGrid shows an empty room,
+which is the least that it can have to draw, and FrozenLake a lake of that size; ours is the final
+maze, with walls and puddles. MiniGrid asks for another pygame than the tests do, so it runs in an
+environment of its own, which the first run sets up.
+"""
+
+from __future__ import annotations
+
+import random
+import time
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+from peers import Peer
+from timing import Measure, rounds, table, versions
+
+import babyrobot_levels as brl
+
+SIZE = (8, 5)
+CELL = 64
+LAKE = ["SFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FHFFFFFF", "FFFHFFFG"]
+FRAMES = 10_000
+FEWER = 200
+"""How many frames the others draw, so that all measures take about as long."""
+
+
+def drawing(env: gymnasium.Env[Any, Any], first_action: int, count: int) -> Measure:
+    """Return a measure of an environment's frames per second; it has four moves."""
+    rng = random.Random(0)
+    actions = [first_action + rng.randrange(4) for _ in range(count)]
+
+    def measure() -> float:
+        env.reset(seed=0)
+        begin = time.perf_counter()
+        for action in actions:
+            _, _, terminated, truncated, _ = env.step(action)
+            env.render()
+            if terminated or truncated:
+                env.reset()
+        return count / (time.perf_counter() - begin)
+
+    return measure
+
+
+def asking(peer: Peer, highlight: bool) -> Measure:
+    """Return a measure of MiniGrid's frames per second, with or without the agent's field of view.
+
+    Seeing what the agent sees is MiniGrid's default.
+    """
+    question = {"size": SIZE, "tile": CELL, "frames": FEWER}
+    return lambda: FEWER / float(peer.ask(**question, highlight=highlight)["seconds"])
+
+
+def shown(env: gymnasium.Env[Any, Any]) -> str:
+    """Return the size of an environment's pictures, in pixels."""
+    env.reset(seed=0)
+    height, width, _ = env.render().shape  # type: ignore[union-attr]
+    return f"{width}x{height}"
+
+
+def main() -> None:
+    """Measure, and print the table."""
+    level = brl.load("final-maze").replace(display={})
+    plain, written = level.make(render_mode="rgb_array"), level.make(render_mode="rgb_array")
+    best = brl.solve(level)
+    written.unwrapped.show_info({"values": best.values, "policy": best.policy})  # type: ignore[attr-defined]
+    lake = gymnasium.make("FrozenLake-v1", desc=LAKE, render_mode="rgb_array")
+    peer = Peer("minigrid", Path(__file__).with_name("peer_minigrid.py"), ("minigrid==3.2.0",))
+    room = f"MiniGrid, a room, {SIZE[0] * CELL}x{SIZE[1] * CELL}"
+    rates = rounds(
+        {
+            room: asking(peer, highlight=True),
+            "MiniGrid, no field of view": asking(peer, highlight=False),
+            f"FrozenLake-v1, {shown(lake)}": drawing(lake, 0, FEWER),
+            f"the final maze, {shown(plain)}": drawing(plain, 1, FRAMES),
+            "the final maze, with values and arrows": drawing(written, 1, FRAMES),
+        }
+    )
+    peer.close()
+    print(versions(["babyrobot-levels", "gymnasium", "numpy", "pygame"]) + ", minigrid 3.2.0")
+    print(table(rates, room, "frames per second"))
+
+
+if __name__ == "__main__":
+    main()

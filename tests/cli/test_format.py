@@ -1,0 +1,186 @@
+"""`babyrobot format` and the files: what is written, how, and what is left alone."""
+
+from __future__ import annotations
+
+import os
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from support.sessions import Result, environment, run_here, run_there
+
+from babyrobot_levels import files
+
+UNTIDY = "size: [3,3]\nversion: 1 # one\n"
+TIDY = "version: 1  # one\nsize: [3, 3]\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def babyrobot(*arguments: str, given: bytes = b"") -> Result:
+    return run_here(list(arguments), environment(Path.cwd()), given)
+
+
+def write(name: str, text: str = UNTIDY) -> Path:
+    path = Path(name)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_bytes(text.encode())
+    return path
+
+
+def test_files_below_the_usual_folder() -> None:
+    paths = [write("levels/a.yaml"), write("levels/deep/b.yml")]
+    others = [write("levels/themes/a.yaml", "widths:  {}\n"), write("levels/c.txt")]
+    before = [path.read_bytes() for path in others]
+    result = babyrobot("format")
+    assert (result.status, result.out) == (0, "2 files reformatted\n")
+    assert [path.read_text() for path in paths] == [TIDY, TIDY]
+    assert [path.read_bytes() for path in others] == before
+
+
+@pytest.mark.parametrize("option", ["--check", "--diff"])
+def test_looking_writes_nothing(option: str) -> None:
+    path = write("a.yaml")
+    assert babyrobot("format", option, "a.yaml").status == 1
+    assert path.read_text() == UNTIDY
+    write("a.yaml", TIDY)
+    assert babyrobot("format", option, "a.yaml").status == 0
+
+
+def test_both_ways_of_looking() -> None:
+    write("a.yaml")
+    result = babyrobot("format", "--check", "--diff", "a.yaml")
+    assert (result.status, result.out) == (1, babyrobot("format", "--diff", "a.yaml").out)
+
+
+def test_tidy_files_are_not_touched() -> None:
+    path = write("a.yaml", TIDY)
+    os.utime(path, (1, 1))
+    assert babyrobot("format", "a.yaml").out == "1 file left unchanged\n"
+    assert path.stat().st_mtime == 1
+
+
+def test_a_byte_order_mark_is_dropped() -> None:
+    path = write("a.yaml", "\ufeff" + TIDY)
+    assert babyrobot("format", "--check", "a.yaml").status == 1
+    assert babyrobot("format", "a.yaml").out == "1 file reformatted\n"
+    assert path.read_text() == TIDY
+    assert babyrobot("format", "-", given=("\ufeff" + TIDY).encode()).out == TIDY
+
+
+def test_line_ends_stay() -> None:
+    path = write("a.yaml", UNTIDY.replace("\n", "\r\n"))
+    babyrobot("format", "a.yaml")
+    assert path.read_bytes() == TIDY.replace("\n", "\r\n").encode()
+    assert babyrobot("format", "--check", "a.yaml").status == 0
+    done = run_there(
+        ["format", "-"], environment(Path.cwd()), UNTIDY.replace("\n", "\r\n").encode()
+    )
+    assert done.out == TIDY.replace("\n", "\r\n")
+
+
+def test_what_is_left_as_it_is_is_said() -> None:
+    path = write("a.yaml", "\ufeff%YAML 1.2\n---\nversion:   1\n")
+    before = path.read_bytes()
+    result = babyrobot("format", "a.yaml")
+    assert result.status == 0
+    assert result.out.startswith("left as it is: a.yaml: ")
+    assert result.out.endswith("\n1 file left unchanged\n")
+    assert path.read_bytes() == before
+    assert babyrobot("format", "--check", "a.yaml").status == 0
+
+
+@pytest.mark.parametrize("variables", [{"PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}, {}])
+def test_texts_are_utf8_whatever_the_terminal_is(variables: dict[str, str]) -> None:
+    text = "version: 1\ntitle: 迷路 🤖\n"
+    result = run_there(["format", "-"], environment(Path.cwd(), **variables), text.encode())
+    assert (result.status, result.out) == (0, text)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs links and permissions")
+def test_links_and_permissions_stay() -> None:
+    target = write("kept/real.yaml")
+    target.chmod(0o640)
+    link = Path("link.yaml")
+    link.symlink_to(target)
+    assert babyrobot("format", "link.yaml").status == 0
+    assert link.is_symlink()
+    assert target.read_text() == TIDY
+    assert target.stat().st_mode & 0o777 == 0o640
+
+
+def test_a_file_that_cannot_be_written_does_not_stop_the_others(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    first, second = write("a.yaml"), write("b.yaml")
+    whole = files.write_bytes
+
+    def failing(path: Path, data: bytes) -> None:
+        if path == first:
+            raise PermissionError(13, "Permission denied")
+        whole(path, data)
+
+    monkeypatch.setattr(files, "write_bytes", failing)
+    result = babyrobot("format", "a.yaml", "b.yaml")
+    assert result.status == 2
+    assert result.err == "error: a.yaml cannot be written (Permission denied)\n"
+    assert result.out.endswith("1 file reformatted\n")
+    assert (first.read_text(), second.read_text()) == (UNTIDY, TIDY)
+
+
+def test_the_same_whatever_the_jobs() -> None:
+    names = [f"levels/{number:02}.yaml" for number in range(12)]
+    outputs = []
+    for jobs in ("1", "3"):
+        for number, name in enumerate(names):
+            write(name, f"size: [{number}, 2]\nversion: 1\n")
+        outputs.append(babyrobot("format", "--jobs", jobs))
+        assert Path(names[5]).read_text() == "version: 1\nsize: [5, 2]\n"
+    assert outputs[0] == outputs[1]
+    assert outputs[0].out.endswith("\n11 files reformatted, 1 file with errors\n")
+
+
+BYTES = {
+    "binary": bytes(range(256)) * 20,
+    "nul": b"version: 1\0\n",
+    "empty": b"",
+    "utf16": "version: 1".encode("utf-16"),
+    "deep": b"[" * 100_000,
+    "aliases": b"a: &a [x, x]\nb: &b [*a, *a, *a, *a, *a, *a]\n" + b"c: [*b, *b, *b, *b]\n",
+    "endless": b"a: &a [*a]",
+    "large": b"# " + b"x" * (2 << 20),
+    "number": b"version: " + b"9" * 10_000,
+    "tag": b"version: !!python/object/apply:os.system ['touch owned']",
+    "surrogate": b"version: 1\ntitle: \xed\xa0\x80\n",
+}
+
+
+@pytest.mark.parametrize("name", BYTES)
+def test_files_that_hold_no_level(name: str) -> None:
+    path = Path("level.yaml")
+    path.write_bytes(BYTES[name])
+    other = write("other.yaml")
+    result = babyrobot("format", "level.yaml", "other.yaml")
+    assert result.status == 1
+    assert result.out.startswith("level.yaml:")
+    assert path.read_bytes() == BYTES[name]
+    assert other.read_text() == TIDY
+    shown = babyrobot("format", "-", given=BYTES[name])
+    assert (shown.status, shown.out) == (1, "")
+    assert shown.err.startswith("<stdin>:")
+
+
+def test_many_files_are_formatted_quickly() -> None:
+    walls = "".join(f"- at: [{number}, 1]\n  side: E # {number}\n" for number in range(10))
+    for number in range(200):
+        write(f"levels/{number}.yaml", f"size: [20, 5]\nwalls:\n{walls}version: 1\n")
+    begin = time.process_time()
+    result = babyrobot("format", "--jobs", "1")
+    assert result.out == "200 files reformatted\n"
+    # A thousand in three seconds, on a quiet machine.
+    assert time.process_time() - begin < 6

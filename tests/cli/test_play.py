@@ -1,0 +1,356 @@
+"""`babyrobot play` in a terminal: its keys, its screen, and the terminal as it is left."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+import signal
+import struct
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import pytest
+from support.sessions import environment
+
+pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
+fcntl = pytest.importorskip("fcntl")
+termios = pytest.importorskip("termios")
+
+COMMAND = [sys.executable, "-m", "babyrobot_levels", "play"]
+UP, DOWN, RIGHT, LEFT = (b"\x1b[A", b"\x1b[B", b"\x1b[C", b"\x1b[D")
+ENTER, LEAVE = "\x1b[?1049h", "\x1b[?1049l"
+HIDE, SHOW = "\x1b[?25l", "\x1b[?25h"
+WAY_OUT = b"\x1b[C" * 3 + b"\x1b[B" * 3
+
+LEVEL = """
+version: 1
+title: The yard
+size: [4, 4]
+walls: [{at: [0, 0], side: S}, {at: [1, 0], side: S, pass: 0.0001}]
+"""
+
+
+class Game:
+    """The command in a terminal of its own, and what it has sent there."""
+
+    def __init__(
+        self, folder: Path, *arguments: str, size: tuple[int, int] = (80, 24), **variables: str
+    ) -> None:
+        self.outer, self.inner = pty.openpty()
+        self.resize(*size)
+        self.before = termios.tcgetattr(self.inner)
+        self.sent = ""
+        self.process = subprocess.Popen(
+            [*COMMAND, *arguments],
+            cwd=folder,
+            env=environment(folder, TERM="xterm-256color") | variables,
+            stdin=self.inner,
+            stdout=self.inner,
+            stderr=self.inner,
+        )
+
+    def __enter__(self) -> Game:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
+    ) -> None:
+        self.process.kill()
+        self.process.wait()
+        for descriptor in (self.outer, self.inner):
+            if descriptor >= 0:
+                os.close(descriptor)
+
+    def resize(self, columns: int, lines: int) -> None:
+        fcntl.ioctl(self.inner, termios.TIOCSWINSZ, struct.pack("HHHH", lines, columns, 0, 0))
+
+    def press(self, keys: bytes) -> None:
+        os.write(self.outer, keys)
+
+    def listen(self, seconds: float = 0.1) -> None:
+        while select.select([self.outer], [], [], seconds)[0]:
+            self.sent += os.read(self.outer, 1 << 16).decode()
+
+    def until(self, text: str) -> str:
+        """Wait until a text is on the screen, and return the screen without its colours."""
+        end = time.monotonic() + 30
+        while text not in self.screen:
+            assert time.monotonic() < end, f"no {text!r} on the screen:\n{self.screen}"
+            self.listen()
+        return self.screen
+
+    @property
+    def screen(self) -> str:
+        """The screen as it was drawn last."""
+        last = self.sent.rpartition("\x1b[H")[2].replace("\r\n", "\n")
+        return re.sub(r"\x1b\[[0-9;]*[a-zA-Z]", "", last)
+
+    def ended(self) -> tuple[int, str]:
+        """Wait for the end; return the exit status and what was written after the screen."""
+        status = self.process.wait(timeout=30)
+        self.listen()
+        return status, self.sent.rpartition(LEAVE)[2].replace("\r\n", "\n")
+
+    @property
+    def is_restored(self) -> bool:
+        """Whether the terminal is as it was: its modes, its screen, its cursor."""
+        modes: bool = termios.tcgetattr(self.inner) == self.before
+        screens = self.sent.count(ENTER) == self.sent.count(LEAVE) == 1
+        return modes and screens and self.sent.rfind(SHOW) > self.sent.rfind(HIDE)
+
+
+@pytest.fixture
+def yard(tmp_path: Path) -> Iterator[Game]:
+    (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
+    with Game(tmp_path, "yard.yaml", "--seed", "1") as game:
+        game.until("Find the way")
+        yield game
+
+
+def place(screen: str) -> tuple[int, int]:
+    """Return the cell in which the robot is on a screen."""
+    lines = screen.splitlines()
+    top = next(row for row, line in enumerate(lines) if "┌" in line)
+    row = next(row for row, line in enumerate(lines) if "☻" in line)
+    return (lines[row].index("☻") - 3) // 4, (row - top - 1) // 2
+
+
+def test_the_first_screen(yard: Game) -> None:
+    lines = [line.strip() for line in yard.screen.splitlines()]
+    assert lines[0] == "The yard"
+    assert "step 0   reward 0   return 0" in lines
+    assert lines[-1] == "←↑↓→ or WASD move · space stays · r begins anew · q quits"
+    assert place(yard.screen) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        (RIGHT, LEFT),
+        (b"d", b"a"),
+        (b"D", b"A"),
+        (b"\x1bOC", b"\x1bOD"),
+        (b"\x1b[1;5C", b"\x1b[1;5D"),
+    ],
+)
+def test_arrows_and_letters_move_the_robot(yard: Game, keys: tuple[bytes, bytes]) -> None:
+    yard.press(keys[0])
+    assert place(yard.until("step 1 ")) == (1, 0)
+    yard.press(keys[1])
+    assert place(yard.until("step 2 ")) == (0, 0)
+    yard.press(RIGHT + RIGHT + b"s")
+    assert place(yard.until("step 5 ")) == (2, 1)
+    yard.press(b"\x1b[A" if keys[0] == RIGHT else b"w")
+    screen = yard.until("step 6 ")
+    assert place(screen) == (2, 0)
+    assert "reward -1   return -6" in screen
+
+
+@pytest.mark.parametrize("key", [b" ", b"."])
+def test_he_can_stay(yard: Game, key: bytes) -> None:
+    yard.press(key)
+    assert place(yard.until("step 1 ")) == (0, 0)
+
+
+def test_other_keys_do_nothing(yard: Game) -> None:
+    yard.press(b"x\x1b[5~\x1b[200~\xc3\xa4\x1a\t\r" + RIGHT)
+    assert place(yard.until("step 1 ")) == (1, 0)
+    assert yard.process.poll() is None
+
+
+def test_a_wall_is_a_bump_and_glass_throws_back(yard: Game) -> None:
+    yard.press(DOWN)
+    assert place(yard.until("Bump! There is no way south.")) == (0, 0)
+    yard.press(RIGHT)
+    assert "Bump" not in yard.until("step 2 ")
+    yard.press(DOWN)
+    assert place(yard.until("The glass throws him back.")) == (1, 0)
+
+
+def test_the_exit_ends_the_game_and_it_can_begin_anew(yard: Game) -> None:
+    yard.press(WAY_OUT)
+    screen = yard.until("The exit! Well done.")
+    assert place(screen) == (3, 3)
+    assert "move" not in screen
+    yard.press(LEFT + b"r" + RIGHT)
+    assert place(yard.until("step 1 ")) == (1, 0)
+    yard.press(b"q")
+    assert yard.ended() == (0, "yard: left after 1 step, return -1\n")
+
+
+def test_the_last_line_says_how_it_went(yard: Game) -> None:
+    yard.press(WAY_OUT + b"q")
+    assert yard.ended() == (0, "yard: reached the exit after 6 steps, return -5\n")
+    assert yard.is_restored
+
+
+@pytest.mark.parametrize("key", [b"q", b"Q", b"\x04"])
+def test_keys_that_quit(yard: Game, key: bytes) -> None:
+    yard.press(key)
+    assert yard.ended()[0] == 0
+    assert yard.is_restored
+
+
+def test_an_interrupt_restores_the_terminal(yard: Game) -> None:
+    yard.press(b"\x03")
+    status, told = yard.ended()
+    assert status == 130
+    assert "Traceback" not in told
+    assert yard.is_restored
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGINT"])
+def test_signals_restore_the_terminal(yard: Game, name: str) -> None:
+    number = getattr(signal, name)
+    yard.process.send_signal(number)
+    status, told = yard.ended()
+    assert status == 128 + number
+    assert "Traceback" not in told
+    assert yard.is_restored
+
+
+def test_a_terminal_that_goes_away_ends_the_game(yard: Game) -> None:
+    os.close(yard.inner)
+    os.close(yard.outer)
+    yard.inner = yard.outer = -1
+    assert yard.process.wait(timeout=30) >= 0
+
+
+def test_a_fault_restores_the_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    from babyrobot_levels.cli.keyboard import keyboard
+
+    outer, inner = pty.openpty()
+    with os.fdopen(inner, "r") as terminal:
+        monkeypatch.setattr("sys.stdin", terminal)
+        before = termios.tcgetattr(terminal)
+
+        def play() -> None:
+            with keyboard():
+                assert termios.tcgetattr(terminal) != before
+                raise RuntimeError("torn cable")
+
+        with pytest.raises(RuntimeError, match="torn cable"):
+            play()
+        assert termios.tcgetattr(terminal) == before
+    os.close(outer)
+
+
+def test_keys_that_come_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    from babyrobot_levels.cli.keyboard import keyboard
+
+    outer, inner = pty.openpty()
+    with os.fdopen(inner, "r") as terminal:
+        monkeypatch.setattr("sys.stdin", terminal)
+        with keyboard() as next_key:
+            os.write(outer, b"\x1b[Aw\x1b\xc3")
+            found = [next_key(1.0), next_key(1.0), next_key(1.0), next_key(0.0)]
+            os.write(outer, b"\xa4")
+            assert [*found, next_key(1.0), next_key(0.0)] == ["up", "w", "\x1b", None, "ä", None]
+    os.close(outer)
+
+
+def test_the_screen_follows_the_window(yard: Game) -> None:
+    yard.resize(12, 8)
+    yard.until("Fin")
+    yard.listen(0.6)
+    lines = yard.screen.splitlines()
+    assert max(map(len, lines)) <= 12
+    assert len(lines) <= 8
+    assert "☻" in yard.screen
+    yard.resize(80, 24)
+    assert place(yard.until("WASD")) == (0, 0)
+
+
+def test_a_large_level_is_seen_through_a_window(tmp_path: Path) -> None:
+    text = "version: 1\nsize: [100, 60]\nstart: [50, 30]\n"
+    (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
+    with Game(tmp_path, "large.yaml", size=(40, 15)) as game:
+        lines = game.until("Find").splitlines()
+        assert len(lines) <= 15
+        assert max(map(len, lines)) <= 40
+        row = next(n for n, line in enumerate(lines) if "☻" in line)
+        assert 4 <= row <= 9
+        assert 15 <= lines[row].index("☻") <= 25
+        game.press(RIGHT * 20)
+        screen = game.until("step 20 ")
+        assert 15 <= next(line for line in screen.splitlines() if "☻" in line).index("☻") <= 25
+
+
+def test_the_seed_decides_about_luck(tmp_path: Path) -> None:
+    seen = []
+    for seed in ("3", "3", "5"):
+        with Game(tmp_path, "frozen-lake", "--seed", seed) as game:
+            game.until("step 0 of 100")
+            game.press(b"w" * 4)
+            game.until("step 4 ")
+            seen.append(game.screen)
+    assert seen[0] == seen[1] != seen[2]
+
+
+def test_a_random_maze_by_its_seed(tmp_path: Path) -> None:
+    with Game(tmp_path, "random-maze", "--maze-seed", "5") as game:
+        first = game.until("maze 5")
+        game.press(b".")
+        game.until("step 1 ")
+        game.press(b"r")
+        assert game.until("step 0 ") == first
+
+
+def test_time_is_up(tmp_path: Path) -> None:
+    text = "version: 1\nsize: [3, 1]\nmax_steps: 2\n"
+    (tmp_path / "short.yaml").write_text(text, encoding="utf-8")
+    with Game(tmp_path, "short.yaml") as game:
+        game.until("step 0 of 2")
+        game.press(b"..")
+        game.until("Time is up.")
+        game.press(b"q")
+        assert game.ended() == (0, "short: ran out of time after 2 steps, return -2\n")
+
+
+def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
+    variables = {"NO_COLOR": "1", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    with Game(tmp_path, "final-maze", size=(80, 24), **variables) as game:
+        screen = game.until("WASD")
+        assert screen.isascii()
+        assert "| @ " in screen
+        assert not re.search(r"\x1b\[[0-9;]*m", game.sent)
+
+
+@pytest.mark.parametrize(
+    ("variables", "stdin"), [({"TERM": "dumb"}, None), ({}, subprocess.DEVNULL)]
+)
+def test_without_a_terminal_it_says_so(
+    tmp_path: Path, variables: dict[str, str], stdin: Any
+) -> None:
+    outer, inner = pty.openpty()
+    done = subprocess.run(
+        [*COMMAND, "final-maze"],
+        env=environment(tmp_path, TERM="xterm") | variables,
+        stdin=inner if stdin is None else stdin,
+        stdout=inner,
+        stderr=subprocess.PIPE,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 2
+    assert done.stderr.decode() == (
+        "error: a game needs a terminal, for its keys and its picture\n"
+        "  help: `babyrobot preview` shows a level everywhere\n"
+    )
+    assert not select.select([outer], [], [], 0.1)[0]
+    os.close(outer)
+    os.close(inner)
+
+
+def test_a_maze_seed_is_for_random_mazes(tmp_path: Path) -> None:
+    with Game(tmp_path, "final-maze", "--maze-seed", "5") as game:
+        status = game.process.wait(timeout=30)
+        game.listen()
+        assert status == 2
+        assert "--maze-seed is for `maze: {seed: random}`" in game.sent

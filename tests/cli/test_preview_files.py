@@ -1,0 +1,241 @@
+"""`babyrobot preview` into files: as large as asked, films of episodes, pages to play."""
+
+from __future__ import annotations
+
+import io
+import json
+import re
+import shlex
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image, ImageSequence
+from support.sessions import Result, environment, run_here
+
+from babyrobot_levels.catalogue import load
+from babyrobot_levels.cli.pictures import MAX_STEPS
+from babyrobot_levels.render.animation import Step, to_gif
+from babyrobot_levels.render.svg import to_svg
+from babyrobot_levels.scene.build import build_scene
+from babyrobot_levels.solver.optimum import solve
+
+DOCS = Path(__file__).parents[2] / "docs"
+HEAD = "version: 1\nsize: [3, 1]\n"
+ENDLESS = HEAD + "exit: none\n"
+WITHOUT_ANSWER = (
+    HEAD + "start: [1, 0]\nexit: none\nblocked: [{at: [2, 0]}]\nrewards: {stay: -9, bump: -9}\n"
+    "areas: [{at: [0, 0], reward: 1}, {at: [1, 0], reward: -1}]\n"
+)
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def preview(*arguments: str) -> Result:
+    return run_here(["preview", *arguments], environment(Path.cwd()))
+
+
+def made(*arguments: str) -> bytes:
+    """Return the file that a call writes; it must not have anything to say."""
+    *options, output = arguments
+    result = preview(*options, "-o", output)
+    assert (result.status, result.out, result.err) == (0, "", "")
+    return Path(output).read_bytes()
+
+
+def written(text: str) -> str:
+    Path("mine.yaml").write_text(text, encoding="utf-8")
+    return "mine.yaml"
+
+
+def film(data: bytes) -> Any:
+    with Image.open(io.BytesIO(data)) as image:
+        return np.array([np.array(frame.convert("RGB")) for frame in ImageSequence.Iterator(image)])
+
+
+def data_of(page: bytes) -> Any:
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', page.decode())
+    assert found
+    return json.loads(found[1])
+
+
+# -- as large as asked -------------------------------------------------------------------------
+
+
+def test_an_svg_is_shown_larger_and_is_the_same_otherwise() -> None:
+    scene = build_scene(load("maze"))
+    usual, twice = made("maze", "a.svg").decode(), made("maze", "--scale", "2", "b.svg").decode()
+    assert usual == to_svg(scene)
+    root = ET.fromstring(twice)
+    assert float(root.attrib["width"]) == 2 * scene.width
+    assert float(root.attrib["height"]) == 2 * scene.height
+    assert root.attrib["viewBox"] == ET.fromstring(usual).attrib["viewBox"]
+    assert usual.splitlines()[1:] == twice.splitlines()[1:]
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.gif"])
+@pytest.mark.parametrize("options", [("--scale", "0.5"), ("--cell", "32")])
+def test_pictures_of_pixels_are_as_large_as_asked(name: str, options: tuple[str, ...]) -> None:
+    scene = build_scene(load("maze"))
+    with Image.open(io.BytesIO(made("maze", *options, name))) as image:
+        assert image.size == (round(scene.width / 2), round(scene.height / 2))
+
+
+# -- films -------------------------------------------------------------------------------------
+
+
+def episode(name: str, seed: int, policy: Any) -> list[Step]:
+    """Play an episode in the environment; without a policy, at random."""
+    env = load(name).make(observation="index")
+    state, _ = env.reset(seed=seed)
+    env.action_space.seed(seed)
+    steps, is_over = [], False
+    while not is_over:
+        action = int(env.action_space.sample() if policy is None else policy[state])
+        following, reward, is_over, _, info = env.step(action)
+        steps.append(Step(int(state), action, int(following), float(reward), info["skidded"]))
+        state = following
+    return steps
+
+
+@pytest.mark.parametrize("options", [(), ("--policy",), ("--policy", "best"), ("--policy=best",)])
+def test_a_film_shows_the_best_policys_episode(options: tuple[str, ...]) -> None:
+    steps = episode("puddles", 5, solve("puddles").policy.ravel())
+    expected = to_gif(load("puddles"), steps)
+    assert made("puddles", *options, "--seed", "5", "walk.gif") == expected
+
+
+def test_a_random_walk_is_the_environments() -> None:
+    expected = to_gif(load("frozen-lake"), episode("frozen-lake", 2, None))
+    assert made("frozen-lake", "--policy", "random", "--seed", "2", "walk.gif") == expected
+
+
+def test_the_seed_is_0_if_none_is_given() -> None:
+    first, again = made("frozen-lake", "a.gif"), made("frozen-lake", "--seed", "0", "b.gif")
+    assert first == again != made("frozen-lake", "--seed", "1", "c.gif")
+
+
+def test_a_film_shows_values_and_coordinates() -> None:
+    plain, values, coordinates = (
+        film(made("maze", "--cell", "64", *options, f"{number}.gif"))[0].astype(int)
+        for number, options in enumerate([(), ("--values",), ("--coordinates",)])
+    )
+    assert (plain != values).any()
+    assert (plain != coordinates).any()
+
+
+def test_an_episode_without_an_end_is_cut() -> None:
+    result = preview(written(ENDLESS), "--policy", "random", "--cell", "16", "-o", "walk.gif")
+    assert result.status == 0
+    assert (
+        result.err == f"the episode does not end within {MAX_STEPS} steps; the film is cut there\n"
+    )
+    assert len(film(Path("walk.gif").read_bytes())) > 100
+
+
+def test_a_levels_time_limit_ends_the_film() -> None:
+    frames = film(made(written(ENDLESS + "max_steps: 2\n"), "--policy", "random", "walk.gif"))
+    assert 1 <= len(frames) <= 11
+
+
+def test_too_large_a_film_is_refused() -> None:
+    name = written("version: 1\nsize: [99, 99]\nmaze: {seed: 1}\n")
+    result = preview(name, "--scale", "1", "-o", "walk.gif")
+    assert result.status == 2
+    assert "too large" in result.err
+    assert not Path("walk.gif").exists()
+
+
+def test_a_film_goes_into_a_pipe() -> None:
+    data = made("maze", "walk.gif")
+    assert data[:6] == b"GIF89a"
+
+
+# -- pages -------------------------------------------------------------------------------------
+
+
+def test_a_page_holds_the_answers() -> None:
+    page = made("final-maze", "--seed", "4", "play.html")
+    data = data_of(page)
+    assert data["policy"] == solve("final-maze").policy.ravel().tolist()
+    assert (data["walker"], data["seed"]) == ("best", "4")
+    assert b"\xe2\x88\x9236.58" in page
+
+
+def test_a_page_shows_at_once_what_was_asked_for() -> None:
+    def shown(*options: str) -> list[str]:
+        page = made("maze", *options, "--force", "play.html").decode()
+        return [name for name in ("values", "policy") if f'<g id="{name}">' in page]
+
+    assert shown() == []
+    assert shown("--values") == ["values"]
+    assert shown("--policy") == ["policy"]
+    assert shown("--values", "--policy", "random") == ["values"]
+
+
+def test_a_random_maze_is_the_one_of_its_seed() -> None:
+    pages = [
+        made("random-maze", "--maze-seed", seed, f"{number}.html")
+        for number, seed in enumerate(["3", "3", "4"])
+    ]
+    digest = load("random-maze").with_maze_seed(3).digest
+    assert digest.encode() in pages[0]
+    assert pages[0] == pages[1] != pages[2]
+
+
+def test_a_level_without_an_answer_can_be_played_but_not_watched() -> None:
+    name = written(WITHOUT_ANSWER)
+    result = preview(name, "-o", "play.html")
+    assert result.status == 0
+    assert "no best moves" in result.err
+    data = data_of(Path("play.html").read_bytes())
+    assert (data["walker"], data["policy"]) == (None, None)
+    for options in (["--policy"], ["--values"]):
+        refused = preview(name, *options, "-o", "answers.html")
+        assert refused.status == 1
+        assert not Path("answers.html").exists()
+
+
+def test_too_large_a_level_is_no_page() -> None:
+    result = preview(written("version: 1\nsize: [200, 200]\n"), "-o", "play.html")
+    assert result.status == 2
+    assert "too large for a page" in result.err
+
+
+# -- the page on pictures ----------------------------------------------------------------------
+
+PICTURES = (DOCS / "pictures.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        line
+        for block in re.findall(r"^```sh\n(.*?)^```", PICTURES, re.MULTILINE | re.DOTALL)
+        for line in block.splitlines()
+    ],
+)
+def test_the_examples_of_the_docs_run(line: str) -> None:
+    program, *arguments = shlex.split(line, comments=True)
+    assert program == "babyrobot"
+    result = run_here(arguments, environment(Path.cwd()))
+    assert (result.status, result.err) == (0, "")
+
+
+def test_the_film_of_the_docs_is_what_is_made_now() -> None:
+    """Renew it with `babyrobot preview final-maze --seed 3 -o docs/images/final-maze.gif --force`.
+
+    Its frames are compared, not its bytes: these depend on the version of Pillow.
+    """
+    there = (DOCS / "images" / "final-maze.gif").read_bytes()
+    assert len(there) < 300_000
+    now = film(made("final-maze", "--seed", "3", "walk.gif"))
+    then = film(there)
+    assert then.shape == now.shape
+    assert np.abs(then.astype(int) - now).mean() < 1

@@ -1,0 +1,102 @@
+"""Files that ask for too much get a short answer: 2 seconds and 500 MiB, start included."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.hostile import BROKEN, MIB, VALID
+
+SECONDS = 2.0
+MEMORY = 500 * MIB
+
+MEASURE = """
+import resource, subprocess, sys
+done = subprocess.run([sys.executable, "-m", "babyrobot_levels", *sys.argv[1:]])
+used = resource.getrusage(resource.RUSAGE_CHILDREN)
+unit = 1 if sys.platform == "darwin" else 1024
+print(used.ru_utime + used.ru_stime, used.ru_maxrss * unit, file=sys.stderr)
+sys.exit(done.returncode)
+"""
+"""A small process in between: what a child used begins with what its parent had."""
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="has no such measures")
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command said, and what it took."""
+
+    status: int
+    out: str
+    err: str
+    seconds: float
+    memory: float
+
+
+def babyrobot(*arguments: str) -> Answer:
+    done = subprocess.run(
+        [sys.executable, "-c", MEASURE, *arguments],
+        capture_output=True,
+        text=True,
+        encoding="utf-8",
+        timeout=60,
+        check=False,
+        env={**os.environ, "PYTHONUTF8": "1"},
+    )
+    *said, measures = done.stderr.splitlines()
+    # Processor time: the machine may have other things to do.
+    seconds, memory = map(float, measures.split())
+    return Answer(done.returncode, done.stdout, "\n".join(said), seconds, memory)
+
+
+def write(folder: Path, data: bytes) -> Path:
+    path = folder / "level.yaml"
+    path.write_bytes(data)
+    return path
+
+
+@pytest.mark.parametrize("name", BROKEN)
+def test_broken_files(name: str, tmp_path: Path) -> None:
+    code, data = BROKEN[name]
+    path = write(tmp_path, data())
+    answer = babyrobot("validate", "--format", "json", str(path))
+    assert (answer.status, answer.err) == (1, "")
+    assert answer.seconds < SECONDS
+    assert answer.memory < MEMORY
+    found: list[dict[str, Any]] = json.loads(answer.out)["diagnostics"]
+    assert code in {each["code"] for each in found}
+    assert all(each["line"] >= 1 for each in found)
+    # What nobody can read to the end is no answer.
+    assert len(found) <= 400
+    assert all(len(each["message"]) < 300 for each in found)
+
+
+@pytest.mark.parametrize("name", VALID)
+def test_large_levels(name: str, tmp_path: Path) -> None:
+    path = write(tmp_path, VALID[name]())
+    answer = babyrobot("validate", str(path))
+    assert (answer.status, answer.out, answer.err) == (0, "1 file checked, valid\n", "")
+    assert answer.seconds < SECONDS
+    assert answer.memory < MEMORY
+
+
+def test_the_measure_sees_what_is_slow_and_large(tmp_path: Path) -> None:
+    small = babyrobot("validate", str(write(tmp_path, b"version: 1\n")))
+    large = babyrobot("validate", str(write(tmp_path, BROKEN["tags"][1]())))
+    assert 0.02 < small.seconds < large.seconds
+    assert 10 * MIB < small.memory < large.memory - 10 * MIB
+
+
+@pytest.mark.parametrize("name", ["tags", "a bomb of aliases", "unknown fields", "brackets"])
+def test_reports_for_people_are_short_too(name: str, tmp_path: Path) -> None:
+    answer = babyrobot("validate", str(write(tmp_path, BROKEN[name][1]())))
+    assert (answer.status, answer.err) == (1, "")
+    assert answer.seconds < SECONDS
+    assert len(answer.out) < 200_000

@@ -1,0 +1,99 @@
+"""Fixes: what they leave as it stands, and what they never do."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from babyrobot_levels.diagnostics import Edit, Fix, Severity
+from babyrobot_levels.lint.case import Case
+from babyrobot_levels.lint.edits import remove, replace
+from babyrobot_levels.lint.fixer import apply, fix
+from babyrobot_levels.lint.rule import Finding, Needs, Rule
+from babyrobot_levels.source import SourceFile
+from babyrobot_levels.syntax.reader import read
+
+Route = tuple[str | int, ...]
+
+
+def without(text: str, route: Route) -> str:
+    source = SourceFile("x.yaml", text)
+    return apply([remove(read(source), route)], source)
+
+
+@pytest.mark.parametrize(
+    ("text", "route", "after"),
+    [
+        ("a: 1\nb: 2\nc: 3\n", ("b",), "a: 1\nc: 3\n"),
+        ("a: 1\nb: 2\n", ("b",), "a: 1\n"),
+        ("a: 1\nb: 2", ("b",), "a: 1\n"),
+        ("a: 1\nb:\n  - 1\n  - 2\nc: 3\n", ("b",), "a: 1\nc: 3\n"),
+        ("a: 1\n# why\nb: |\n  x\n\n  y\n\nc: 3\n", ("b",), "a: 1\n# why\n\nc: 3\n"),
+        ("{a: 1, b: 2, c: 3}\n", ("b",), "{a: 1, c: 3}\n"),
+        ("{a: 1, b: 2}\n", ("b",), "{a: 1}\n"),
+        ("x:\n  - {a: 1, b: 2} # c\n", ("x", 0, "a"), "x:\n  - {b: 2} # c\n"),
+        ("x:\n  - a: 1\n    b: 2\n", ("x", 0, "a"), "x:\n  - b: 2\n"),
+        ("x:\n  - a: 1\n    b: 2\n", ("x", 0, "b"), "x:\n  - a: 1\n"),
+        ("x:\n- 1 # one\n- 2 # two\n- 3\n", ("x", 1), "x:\n- 1 # one\n- 3\n"),
+        ("x:\n-\n  a: 1\n- {a: 2}\n", ("x", 0), "x:\n- {a: 2}\n"),
+        ("x: [1, [2, 3], 4]\n", ("x", 1), "x: [1, 4]\n"),
+        ("x: [1, 2]\n", ("x", 1), "x: [1]\n"),
+        # What would be left empty goes too.
+        ("y: 1\nx: [2]\n", ("x", 0), "y: 1\n"),
+        ("y: 1\nx:\n  - {a: 1}\n", ("x", 0, "a"), "y: 1\n"),
+        ("x:\n  - {a: 1}\n  - {b: 2}\n", ("x", 0, "a"), "x:\n  - {b: 2}\n"),
+        ("y: 1\r\nx: 2\r\nz: 3\r\n", ("x",), "y: 1\r\nz: 3\r\n"),
+    ],
+)
+def test_what_is_removed_and_nothing_else(text: str, route: Route, after: str) -> None:
+    assert without(text, route) == after
+
+
+def test_what_is_not_there_cannot_be_removed() -> None:
+    document = read(SourceFile("x.yaml", "a: {b: 1}\n"))
+    with pytest.raises(KeyError):
+        remove(document, ("a", "c"))
+    with pytest.raises(KeyError):
+        replace(document, ("a", "b", "c"), "1")
+
+
+def rule(text: str, new: str, *, safe: bool = True) -> Rule:
+    """Return a rule that writes `new` for `text`, wherever it stands."""
+
+    def check(case: Case) -> Iterator[Finding]:
+        at = case.source.text.find(text)
+        if at >= 0:
+            start, end = case.source.position(at), case.source.position(at + len(text))
+            edit = Edit(type(case.document.root.span)(start, end), new)
+            yield Finding((), "odd", fix=Fix("mend it", (edit,), safe))
+
+    return Rule("BR999", "odd", "", "", Severity.INFO, Needs.LEVEL, check)
+
+
+def test_a_safe_fix_is_applied_an_unsafe_one_only_on_request() -> None:
+    source = SourceFile("x.yaml", "version: 1\ntitle: old # c\n")
+    assert fix(source, [rule("old", "new")]).text == "version: 1\ntitle: new # c\n"
+    daring = rule("old", "new", safe=False)
+    assert fix(source, [daring]).count == 0
+    assert fix(source, [daring], unsafe=True).text == "version: 1\ntitle: new # c\n"
+
+
+def test_a_fix_that_calls_itself_safe_and_changes_the_game_is_dropped() -> None:
+    source = SourceFile("x.yaml", "version: 1\nsize: [3, 4]\n")
+    mended = fix(source, [rule("[3, 4]", "[4, 4]")])
+    assert (mended.text, mended.count) == (source.text, 0)
+    assert fix(source, [rule("[3, 4]", "[4, 4]", safe=False)], unsafe=True).count == 1
+
+
+@pytest.mark.parametrize("new", ["[3, 0]", "[", "{"])
+def test_a_fix_after_which_the_level_does_not_load_is_dropped(new: str) -> None:
+    source = SourceFile("x.yaml", "version: 1\nsize: [3, 4]\n")
+    mended = fix(source, [rule("[3, 4]", new, safe=False)], unsafe=True)
+    assert (mended.text, mended.count) == (source.text, 0)
+
+
+def test_fixes_that_lay_bare_others_are_followed_and_rounds_are_bounded() -> None:
+    source = SourceFile("x.yaml", "version: 1\ntitle: aaaa\n")
+    assert fix(source, [rule("aa", "a")]).text == "version: 1\ntitle: a\n"
+    assert fix(source, [rule("a", "b"), rule("b", "a")]).count > 1

@@ -1,0 +1,95 @@
+"""Which rules a project wants, and which a call does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from babyrobot_levels.lint.registry import UnknownRuleError, all_rules, select
+from babyrobot_levels.lint.settings import SettingsError, settings_for
+
+
+def codes(path: Path) -> set[str]:
+    return {rule.code for rule in settings_for(path).rules_for(path)}
+
+
+DEFAULT = {rule.code for rule in all_rules() if rule.default}
+ALL = {rule.code for rule in all_rules()}
+
+
+def test_without_settings_the_usual_rules_run(tmp_path: Path) -> None:
+    assert codes(tmp_path / "x.yaml") == DEFAULT < ALL
+
+
+@pytest.mark.parametrize(
+    ("name", "head"), [("babyrobot.toml", "lint"), ("pyproject.toml", "tool.babyrobot.lint")]
+)
+def test_settings_are_found_upward(tmp_path: Path, name: str, head: str) -> None:
+    (tmp_path / name).write_text(f'[{head}]\nselect = ["BR6"]\nignore = ["side-spelling"]\n')
+    found = codes(tmp_path / "deep" / "deeper" / "x.yaml")
+    assert found == {code for code in ALL if code.startswith("BR6")} - {"BR608"}
+
+
+def test_the_nearest_settings_count_alone(tmp_path: Path) -> None:
+    (tmp_path / "babyrobot.toml").write_text('[lint]\nselect = ["BR6"]\n')
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "pyproject.toml").write_text('[tool.babyrobot.lint]\nselect = ["BR503"]\n')
+    assert codes(tmp_path / "deep" / "x.yaml") == {"BR503"}
+
+
+def test_a_project_that_says_nothing_of_us_is_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "babyrobot.toml").write_text('[lint]\nselect = ["BR503"]\n')
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "pyproject.toml").write_text('[project]\nname = "x"\n')
+    assert codes(tmp_path / "deep" / "x.yaml") == {"BR503"}
+
+
+def test_some_files_can_be_spared_some_rules(tmp_path: Path) -> None:
+    (tmp_path / "babyrobot.toml").write_text(
+        '[lint]\nselect = ["BR503", "BR608"]\n[lint.per-file-ignores]\n"old/*" = ["BR608"]\n'
+    )
+    assert codes(tmp_path / "old" / "x.yaml") == {"BR503"}
+    assert codes(tmp_path / "new" / "x.yaml") == {"BR503", "BR608"}
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('[lint]\nselct = ["BR5"]\n', "did you mean `select`?"),
+        ('[lint]\nselect = "BR5"\n', "must be a list of codes"),
+        ('[lint]\nselect = ["trp"]\n', "did you mean `trap`?"),
+        ('[lint]\nignore = ["BR999"]\n', "no rule `BR999`"),
+        ('[lint]\nper-file-ignores = ["x"]\n', "table of lists"),
+        ('[lint.per-file-ignores]\n"x" = ["nonsense"]\n', "no rule `nonsense`"),
+        ("lint = 3\n", "must be a table"),
+        ("[lint\n", "cannot be read"),
+    ],
+)
+def test_faulty_settings_are_told_with_their_file(tmp_path: Path, text: str, told: str) -> None:
+    (tmp_path / "babyrobot.toml").write_text(text)
+    with pytest.raises(SettingsError) as caught:
+        settings_for(tmp_path / "x.yaml")
+    assert told in str(caught.value)
+    assert str(tmp_path / "babyrobot.toml") in str(caught.value)
+
+
+def selected(wanted: list[str] | None, ignore: list[str]) -> set[str]:
+    return {rule.code for rule in select(wanted, ignore)}
+
+
+def test_the_longer_beginning_wins() -> None:
+    play = {code for code in ALL if code.startswith("BR5")}
+    assert selected(["ALL"], []) == ALL
+    assert selected(["ALL"], ["BR5"]) == ALL - play
+    assert selected(["BR503"], ["BR5"]) == {"BR503"}
+    assert selected(["BR5"], ["BR503"]) == play - {"BR503"}
+    assert selected(["trap"], ["BR503"]) == {"BR503"}
+    assert selected(["BR503"], ["trap"]) == set()
+    assert selected(None, ["BR5"]) == DEFAULT - play
+
+
+def test_no_rule_is_meant_by_too_little() -> None:
+    for word in ("", "B", "BR7", "tra"):
+        with pytest.raises(UnknownRuleError):
+            select([word])

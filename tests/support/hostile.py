@@ -1,0 +1,211 @@
+"""Files that ask for too much: each as large as a level file may be, or nearly."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+
+MIB = 1 << 20
+HUGE = "size: [1024, 1024]\n"
+
+
+def level(text: str) -> bytes:
+    """Return a level of the language's version 1."""
+    return b"version: 1\n" + text.encode()
+
+
+def entries(field: str, entry: str, count: int, before: str = "") -> bytes:
+    """Return a level with a list of the same entry, `count` times."""
+    return level(f"{before}{field}:\n" + f"- {entry}\n" * count)
+
+
+def listed(field: str, values: Iterable[str], before: str = "") -> bytes:
+    """Return a level with a list of entries."""
+    return level(f"{before}{field}:\n" + "".join(f"- {value}\n" for value in values))
+
+
+def cell(number: int) -> str:
+    """Return a cell of the largest grid, counted row by row from below the first row."""
+    return f"[{number % 1024}, {number // 1024 + 1}]"
+
+
+def cells(count: int) -> str:
+    """Return a list of cells, the first row's first."""
+    return "[" + ",".join(cell(number - 1024) for number in range(count)) + "]"
+
+
+def drawing(
+    width: int, height: int, mark: Callable[[int, int], str], wall: str = " ", floor: str = "   "
+) -> bytes:
+    """Return a level that is drawn, with the same wall between all cells."""
+    lines = []
+    for y in range(height):
+        lines.append("+" + "+".join(["---" if y == 0 else floor] * width) + "+")
+        lines.append("|" + wall.join(f" {mark(x, y)} " for x in range(width)) + "|")
+    lines.append("+" + "+".join(["---"] * width) + "+")
+    return level("map: |\n" + "".join(f"  {line}\n" for line in lines))
+
+
+def start_and(other: str) -> Callable[[int, int], str]:
+    """Return marks with a start in the corner, and something else everywhere."""
+    return lambda x, y: "S" if x == y == 0 else other
+
+
+def bomb() -> bytes:
+    """Return aliases of aliases: 4 to the power of 20 values."""
+    lines = ["a: &a [x, x]"]
+    for number in range(20):
+        this, before = chr(98 + number), chr(97 + number)
+        lines.append(f"{this}: &{this} [*{before}, *{before}, *{before}, *{before}]")
+    return "\n".join(lines).encode()
+
+
+def warps(goals: Callable[[int], int], count: int, before: str = HUGE) -> bytes:
+    """Return a level of warps, each given by where it leads."""
+    values = (f"{{at: {cell(n)}, to: {cell(goals(n))}}}" for n in range(count))
+    return listed("warps", values, before)
+
+
+BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
+    # The bytes.
+    "not utf-8": ("BR102", lambda: b"version: 1\nname: \xff\xfe\n"),
+    "utf-16": ("BR102", lambda: "version: 1\n".encode("utf-16")),
+    "binary": ("BR102", lambda: bytes(range(256)) * 4000),
+    "zeros": ("BR104", lambda: b"\0" * MIB),
+    "a zero": ("BR104", lambda: b"version: 1\0\n"),
+    "half a character": ("BR104", lambda: level('title: "\\ud800"\n')),
+    "two MiB": ("BR103", lambda: b"a" * (2 * MIB)),
+    # Depth.
+    "brackets": ("BR109", lambda: b"[" * 100_000),
+    "braces": ("BR109", lambda: b"{" * MIB),
+    "pairs": ("BR109", lambda: b"{a: " * 100_000),
+    "dashes": ("BR109", lambda: b"- " * 100_000),
+    "questions": ("BR109", lambda: b"? " * 100_000),
+    "steps": ("BR109", lambda: "".join(" " * n + "a:\n" for n in range(1440)).encode()),
+    "flow in block": ("BR109", lambda: b"a:\n - b:\n    - " + b"[{c: " * 50_000),
+    # Tags and aliases.
+    "a tag": ("BR107", lambda: b"!!python/object/apply:os.system ['touch owned']"),
+    "a long tag": ("BR107", lambda: b"!" * MIB),
+    "tag directives": (
+        "BR107",
+        lambda: "".join(f"%TAG !a{n}! x\n" for n in range(60_000)).encode() + b"--- x\n",
+    ),
+    "a bomb of aliases": ("BR108", bomb),
+    "an alias in itself": ("BR108", lambda: b"a: &a [*a]"),
+    "anchors": ("BR108", lambda: level("tags: [" + "&a x, " * 90_000 + "*b]")),
+    # Numbers and words.
+    "a number": ("BR111", lambda: level("max_steps: " + "9" * 5000)),
+    "numbers": ("BR111", lambda: level("start: [" + ", ".join(["9" * 5000] * 200) + "]")),
+    "a hexadecimal number": ("BR111", lambda: level("max_steps: 0x" + "f" * MIB)[:MIB]),
+    "an exponent": ("BR205", lambda: level("rewards: {step: 1e999999999}")),
+    "not a number": ("BR205", lambda: level("rewards: {step: .nan}")),
+    "cells": ("BR205", lambda: level("size: [100000, 100000]")),
+    "a theme as path": ("BR401", lambda: level("theme: ../../../etc/passwd")),
+    "a colour as script": (
+        "BR403",
+        lambda: level('areas: [{at: [0, 0], color: "javascript:alert(1)"}]'),
+    ),
+    "a long colour": (
+        "BR205",
+        lambda: level("areas: [{at: [0, 0], color: 'rgb(" + " " * 900_000 + "'}]"),
+    ),
+    "a long name": ("BR205", lambda: level("name: " + "a-" * 500_000 + "!\n")),
+    # Length.
+    "a long line": ("BR201", lambda: level("title: " + "x" * (MIB - 100) + "\nfoo: 1\n")),
+    "wide characters": ("BR201", lambda: level("title: " + "🤖" * 250_000 + "\nfoo: 1\n")),
+    "a long field": ("BR201", lambda: level("? " + "a" * 900_000 + "\n: 1\n")),
+    "comments": ("BR202", lambda: b"# x\n" * (MIB // 4 - 3) + b"size: 1\n"),
+    "line ends": ("BR201", lambda: b"version: 1" + b"\r" * (MIB - 20) + b"foo: 1\r"),
+    "an open quote": ("BR104", lambda: level("title: '" + "''" * 520_000)),
+    "an open list": ("BR104", lambda: level("title: [" + "x, " * 45_000)),
+    "documents": ("BR106", lambda: b"---\n" * 200_000),
+    # Many values.
+    "keys": ("BR108", lambda: "".join(f"k{n}: \n" for n in range(100_000)).encode()[:MIB]),
+    "the same key": ("BR105", lambda: level("a: 1\n" * 49_000)),
+    "unknown fields": ("BR201", lambda: level("".join(f"fiel{n}: 1\n" for n in range(49_000)))),
+    "unknown colours": (
+        "BR201",
+        lambda: level("theme: {colors: {" + ",".join(f"k{n}: 1" for n in range(40_000)) + "}}"),
+    ),
+    "tags": ("BR207", lambda: level("tags: [" + "A," * 90_000 + "]")),
+    "lists as keys": ("BR203", lambda: b"? [a, b]\n: 1\n" * 20_000),
+    "legend": (
+        "BR207",
+        lambda: level("map: x\nlegend: {" + ", ".join(f"k{n}: 1" for n in range(40_000)) + "}"),
+    ),
+    "words for wind": ("BR203", lambda: level("wind: {north: [" + "x," * 90_000 + "]}")),
+    "words for starts": ("BR203", lambda: level("start: [" + "[x,9]," * 33_000 + "]")),
+    # Geometry.
+    "starts off the grid": ("BR301", lambda: level("start: [" + "[9,9]," * 33_000 + "]")),
+    "starts on blocked cells": (
+        "BR302",
+        lambda: (
+            entries("blocked", "{at: [0, 0], size: [9, 1024]}", 1800, HUGE)
+            + f"exit: none\nstart: {cells(25_000)}\n".encode()
+        ),
+    ),
+    "exits on one cell": ("BR305", lambda: level(HUGE + "exit: [" + "[9,9]," * 33_000 + "]")),
+    "walls off the grid": ("BR301", lambda: entries("walls", "{at: [9, 9], side: N}", 14_000)),
+    "openings of the outer wall": (
+        "BR310",
+        lambda: entries("openings", "{at: [0, 0], side: N}", 14_000, HUGE),
+    ),
+    "puddles on one cell": ("BR307", lambda: entries("puddles", "{at: [1, 0]}", 19_000, HUGE)),
+    "areas over all": (
+        "BR205",
+        lambda: entries("areas", "{at: [0, 0], size: [1024, 1024]}", 9_000, HUGE),
+    ),
+    "warps in one circle": ("BR308", lambda: warps(lambda n: (n + 1) % 10_000, 10_000)),
+    "warps in many circles": ("BR308", lambda: warps(lambda n: n ^ 1, 10_000)),
+    "starts on warps": (
+        "BR309",
+        lambda: warps(
+            lambda n: 900_000,
+            7_000,
+            HUGE + "start: [" + ",".join(cell(n) for n in range(6_999, -1, -1)) + "]\n",
+        ),
+    ),
+    # Drawings.
+    "a drawing that is cut off": (
+        "BR312",
+        lambda: drawing(1024, 1024, start_and(" "))[: MIB - 5],
+    ),
+    "a drawing on one line": ("BR312", lambda: level('map: "' + "+---" * 250_000 + '"')),
+    "a drawing of one row": (
+        "BR312",
+        lambda: level("map: |\n  " + "+---" * 130_000 + "\n  " + "|   " * 130_000 + "\n"),
+    ),
+    "a drawing of nothing": ("BR312", lambda: level("map: |\n" + "  xxx\n" * 170_000)),
+    "blank lines for a drawing": ("BR312", lambda: level("map: |\n" + " \n" * 500_000)),
+    "letters that nobody knows": ("BR312", lambda: drawing(360, 360, lambda x, y: "Q")),
+    "walls that are not drawn": (
+        "BR314",
+        lambda: (
+            drawing(250, 250, start_and(" "))
+            + b"walls:\n"
+            + b"- {at: [0, 0], side: S, length: 250, pass: 0.5}\n" * 8000
+        ),
+    ),
+}
+"""Files with faults: one that must be told, and the file."""
+
+VALID: dict[str, Callable[[], bytes]] = {
+    "many areas, many starts": lambda: (
+        entries("areas", "{at: [1023, 1023], ends: true}", 7_000, HUGE)
+        + f"exit: none\nstart: {cells(16_000)}\n".encode()
+    ),
+    "drawn areas, drawn starts": lambda: (
+        drawing(350, 350, lambda x, y: "a" if (x + y) % 2 else "S")
+        + b"legend: {a: {ends: false}}\n"
+    ),
+    "narrow blocked columns": lambda: entries(
+        "blocked", "{at: [5, 5], size: [1, 1000]}", 11_000, HUGE
+    ),
+    "blocked squares": lambda: entries("blocked", "{at: [9, 9], size: [38, 38]}", 9_000, HUGE),
+    "a chain of warps": lambda: warps(lambda n: n + 1, 10_000),
+    "a chain of warps, last first": lambda: warps(lambda n: n - 1, 10_000),
+    "long walls": lambda: entries("walls", "{at: [1, 0], side: E, length: 1024}", 11_000, HUGE),
+    "glass": lambda: drawing(300, 300, start_and(" "), ":", "- -"),
+    "walls and puddles": lambda: drawing(360, 360, start_and("o"), "|", "---"),
+    "a number with many digits": lambda: level("discount: 0." + "9" * 5000),
+}
+"""Files that are levels, and large."""
