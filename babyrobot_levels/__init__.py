@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.errors import BabyRobotError as BabyRobotError
     from babyrobot_levels.errors import LevelError as LevelError
     from babyrobot_levels.errors import LevelNotFoundError as LevelNotFoundError
+    from babyrobot_levels.formatting.formatter import format_text as format_text
     from babyrobot_levels.games import ComparisonError as ComparisonError
     from babyrobot_levels.grid import Grid as Grid
     from babyrobot_levels.learning.monte_carlo import monte_carlo as monte_carlo
@@ -36,8 +37,8 @@ if TYPE_CHECKING:
     from babyrobot_levels.learning.temporal_difference import q_learning as q_learning
     from babyrobot_levels.learning.temporal_difference import sarsa as sarsa
     from babyrobot_levels.level import Level as Level
+    from babyrobot_levels.lint.check import check as check
     from babyrobot_levels.mdp import Mdp as Mdp
-    from babyrobot_levels.reading import check as check
     from babyrobot_levels.reading import loads as loads
     from babyrobot_levels.solver.errors import NoTotalError as NoTotalError
     from babyrobot_levels.solver.errors import TooLongError as TooLongError
@@ -71,9 +72,10 @@ _HOMES = {
     "Sweep": "learning.results",
     "TooLongError": "solver.errors",
     "Trials": "learning.results",
-    "check": "reading",
+    "check": "lint.check",
     "compare": "certificate",
     "evaluate": "solver.evaluation",
+    "format_text": "formatting.formatter",
     "levels": "catalogue",
     "load": "catalogue",
     "loads": "reading",

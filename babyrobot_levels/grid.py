@@ -20,6 +20,8 @@ BIT = {side: 1 << index for index, side in enumerate(SIDES)}
 OPPOSITE = {"N": "S", "S": "N", "E": "W", "W": "E"}
 ALL_SIDES = 15
 
+_OTHER_SIDES = bytes(ALL_SIDES & ~bits for bits in range(256))
+
 
 @dataclass(frozen=True, eq=False)
 class Grid:
@@ -39,14 +41,13 @@ class Grid:
     @cached_property
     def open_bits(self) -> bytes:
         """For each cell a bit set of the sides that nothing closes: no wall, nothing blocked."""
-        open_bits = bytearray(ALL_SIDES & ~walls for walls in self.wall_bits)
-        for cell, blocked in enumerate(self.blocked_cells):
-            if blocked:
-                open_bits[cell] = 0
-                for side in SIDES:
-                    other = self.neighbour(cell, side)
-                    if other is not None:
-                        open_bits[other] &= ~BIT[OPPOSITE[side]]
+        open_bits = bytearray(self.wall_bits.translate(_OTHER_SIDES))
+        for cell in _ones(self.blocked_cells):
+            open_bits[cell] = 0
+            for side in SIDES:
+                other = self.neighbour(cell, side)
+                if other is not None:
+                    open_bits[other] &= ~BIT[OPPOSITE[side]]
         return bytes(open_bits)
 
     @property
@@ -154,7 +155,7 @@ def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
         open_sides = carve(
             width, height, bytes(blocked), y * width + x, maze.seed, maze.algorithm, maze.loops
         )
-        return bytearray(ALL_SIDES & ~sides for sides in open_sides)
+        return bytearray(open_sides.translate(_OTHER_SIDES))
     walls = bytearray(width * height)
     for x in range(width):
         walls[x] |= BIT["N"]
@@ -179,12 +180,16 @@ def _both_sides(entry: Opening, width: int, height: int) -> list[tuple[int, str]
 
 def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height: int) -> None:
     """Take away the walls between two blocked cells: nobody sees or meets them."""
-    for cell, is_blocked in enumerate(blocked):
-        if is_blocked:
-            for side in SIDES:
-                other = neighbour(cell, side, width, height)
-                if other is not None and blocked[other]:
-                    walls[cell] &= ~BIT[side]
+    for cell in _ones(blocked):
+        for side in SIDES:
+            other = neighbour(cell, side, width, height)
+            if other is not None and blocked[other]:
+                walls[cell] &= ~BIT[side]
+
+
+def _ones(flags: bytes | bytearray) -> list[int]:
+    """Return the cells that have a 1: most levels have few of them, or none."""
+    return [cell for cell, flag in enumerate(flags) if flag] if any(flags) else []
 
 
 def _joins_free_cells(cell: int, side: str, blocked: bytearray, width: int, height: int) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -41,19 +40,6 @@ def load_file(path: Path) -> Level:
         LevelError: the file cannot be read, or is not a valid level.
     """
     return _whole(read_file(path))
-
-
-def check(path_or_text: str | Path) -> list[Diagnostic]:
-    """Return all that is wrong with a level, given as a path or as a text; nothing if all is well.
-
-    A `str` counts as a text if it has a line end or a `: ` in it, else as a path.
-    """
-    if isinstance(path_or_text, str) and ("\n" in path_or_text or ": " in path_or_text):
-        return read_level(SourceFile("<text>", path_or_text))[1]
-    path = Path(path_or_text)
-    with suppress(RuntimeError):
-        path = path.expanduser()
-    return read_file(path)[1]
 
 
 def read_file(path: Path) -> tuple[Level | None, list[Diagnostic]]:

@@ -6,7 +6,7 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from babyrobot_levels.maze.lattice import below
+from babyrobot_levels.maze.draws import below
 from babyrobot_levels.syntax.emitter import scalar
 
 TEMPLATES = ("grid", "maze", "drawing")

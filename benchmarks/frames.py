@@ -2,10 +2,10 @@
 
     python benchmarks/frames.py
 
-All pictures are new arrays of 8 by 5 cells of 64 pixels (`rgb_array`). MiniGrid shows an empty room,
-which is the least that it can have to draw, and FrozenLake a lake of that size; ours is the final
-maze, with walls and puddles. MiniGrid asks for another pygame than the tests do, so it runs in an
-environment of its own, which the first run sets up.
+All pictures are new arrays (`rgb_array`) of 8 by 5 cells of 64 pixels. MiniGrid shows an empty
+room, which is the least that it can have to draw, and FrozenLake a lake of that size; ours is the
+final maze, with walls and puddles. MiniGrid asks for another pygame than the tests do, so it runs
+in an environment of its own, which the first run sets up.
 """
 
 from __future__ import annotations

@@ -19,5 +19,4 @@ bash scripts/browser.sh .venv/bin/python
 .venv/bin/ruff format --check .
 .venv/bin/mypy
 .venv/bin/babyrobot validate levels
-# Tests of one group share a server, so they run in one process.
-exec .venv/bin/python -m pytest -m "not sb3" -n 2 --dist loadgroup
+exec .venv/bin/python -m pytest -m "not sb3" -n 2

@@ -24,9 +24,6 @@ METADATA = {
 }
 """A notebook's own metadata: nothing that depends on who ran it."""
 
-NOT_STORED = ("application/vnd.jupyter.widget-view+json",)
-"""Outputs that are of no use without the kernel that they came from."""
-
 
 def run(path: Path) -> str:
     """Return the text of a notebook with the outputs of a fresh run.
@@ -43,14 +40,12 @@ def run(path: Path) -> str:
             km=kernels,
             timeout=120,
             record_timing=False,
+            coalesce_streams=True,
             resources={"metadata": {"path": empty}},
         ).execute()
     notebook["metadata"] = METADATA
     for cell in notebook["cells"]:
         cell["metadata"] = {}
-        for output in cell.get("outputs", []):
-            for kind in NOT_STORED:
-                output.get("data", {}).pop(kind, None)
     text: str = nbformat.writes(notebook)  # type: ignore[no-untyped-call]
     return text + "\n"
 

@@ -75,6 +75,7 @@ OWNERS = {
     "ipycanvas": {"render.canvas", "render.stage"},
     "IPython": {"notebook"},
     "matplotlib": set(),
+    "numba": {"maze.compiled", "maze.kernel"},
     "scipy": {"solver"},
 }
 """Who may import what is not ours: a module, or all of a package's."""
@@ -82,7 +83,7 @@ OWNERS = {
 MAY_WRITE = {"render.terminal": {"sys.stdout"}}
 """The one module of the library that writes to a stream: `"human"` rendering is there for that."""
 
-FOR_VALIDATE_TOO_HEAVY = {"numpy", "gymnasium", "ipycanvas", "PIL", "rich"}
+FOR_VALIDATE_TOO_HEAVY = {"numba", "numpy", "gymnasium", "ipycanvas", "PIL", "rich"}
 
 MODULES = {
     ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path

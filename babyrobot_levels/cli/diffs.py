@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import difflib
+from collections.abc import Iterator
 
+from babyrobot_levels.diagnostics import one_line
 from babyrobot_levels.source import printable
 
 _RESET = "\x1b[0m"
@@ -15,10 +17,22 @@ def unified(before: str, after: str, name: str, *, color: bool = False) -> str:
 
     Control characters are shown as escapes, so that no file can move the reader's cursor.
     """
-    lines = difflib.unified_diff(
-        before.splitlines(), after.splitlines(), printable(name), printable(name), lineterm=""
-    )
-    return "".join(f"{_painted(printable(line), color)}\n" for line in lines)
+    shown = one_line(name)
+    lines = difflib.unified_diff(_lines(before), _lines(after), shown, shown)
+    return "".join(f"{_painted(text, color)}\n" for line in lines for text in _texts(line))
+
+
+def _lines(text: str) -> list[str]:
+    """Return the lines of a text with their ends, which can be all that changes."""
+    lines = [f"{line}\n" for line in text.split("\n")]
+    last = lines.pop().removesuffix("\n")
+    return [*lines, last] if last else lines
+
+
+def _texts(line: str) -> Iterator[str]:
+    yield printable(line.removesuffix("\n"))
+    if not line.endswith("\n"):
+        yield "\\ No newline at end of file"
 
 
 def _painted(line: str, color: bool) -> str:

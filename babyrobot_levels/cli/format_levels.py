@@ -146,7 +146,8 @@ def _show_changes(outcomes: dict[Path, Outcome]) -> None:
 
     for path, outcome in outcomes.items():
         color = wants_color(sys.stdout)
-        write(unified(outcome.before, outcome.text, shown_name(path), color=color))
+        name = one_line(shown_name(path))
+        write(unified(outcome.before, outcome.text, name, color=color))
 
 
 def _notes(outcomes: dict[Path, Outcome], *, tell_changes: bool) -> list[str]:

@@ -29,6 +29,16 @@ class Algorithm(StrEnum):
     """How a maze is grown."""
 
     DEPTH_FIRST = "depth-first"
+    WILSON = "wilson"
+    ALDOUS_BRODER = "aldous-broder"
+    KRUSKAL = "kruskal"
+    PRIM = "prim"
+    GROWING_TREE = "growing-tree"
+    HUNT_AND_KILL = "hunt-and-kill"
+    RECURSIVE_DIVISION = "recursive-division"
+    BINARY_TREE = "binary-tree"
+    SIDEWINDER = "sidewinder"
+    ELLER = "eller"
 
 
 def new_level(
@@ -73,6 +83,8 @@ def new_level(
       babyrobot new-level first
 
       babyrobot new-level wet-maze --size 10x6 --maze-seed 7 --puddles 4
+
+      babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
     from babyrobot_levels.catalogue import gallery_folder, yaml_files
     from babyrobot_levels.level import slug
@@ -86,8 +98,13 @@ def new_level(
         )
     if template is Template.DRAWING and maze_seed is not None:
         fail("a drawing has no maze", "leave out --maze-seed or --template drawing")
-    if template is not Template.MAZE and maze_seed is None and loops:
-        fail("--loops is for mazes", "add --maze-seed N or --template maze")
+    if template is not Template.MAZE and maze_seed is None:
+        for option, given in (
+            ("--loops", loops),
+            ("--algorithm", algorithm is not Algorithm.DEPTH_FIRST),
+        ):
+            if given:
+                fail(f"{option} is for mazes", "add --maze-seed N or --template maze")
     if not 0 <= loops <= 1:
         fail(f"--loops is a share from 0 to 1, not {loops:g}")
     if not 0 <= puddles <= MAX_PUDDLES:

@@ -100,7 +100,7 @@ def _block(raw: str, data: str) -> Scalar:
         lines = body.split("\n")
         begin = next(line for line in lines if line)
         # Where the first line is indented itself, YAML wants to be told what is not part of it.
-        step = "2" if begin[0] == " " else ""
+        step = "2" if begin[0] in " \t" else ""
         return Scalar(f"|{step}{chomp}", None, tuple(lines))
     header, *lines = _LINE_END.split(raw)
     if re.match(r">[-+]?[0-9]", header):

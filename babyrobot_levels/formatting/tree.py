@@ -47,7 +47,8 @@ class _Builder:
         self.taken = 0
         self.line = 0
         """The line on which what was read last ends."""
-        self.seen = [self._place(comment) for comment in self.comments]
+        self.places = [self._place(comment) for comment in self.comments]
+        self.seen = [*self.places]
         """Where comments, scalars, anchors and tags stand: all that is not punctuation."""
         self.sorts = not _has_aliases(self.root, self.text)
         """Whether fields change places: an anchor has to stay above its aliases."""
@@ -63,7 +64,7 @@ class _Builder:
         if not root.entries or root.properties:
             raise KeptAsIs("the file as a whole is written in an unusual way")
         first = root.entries[0]
-        first.above[:0] = [*holder.above, holder.behind]
+        first.above[:0] = [*holder.above, *filter(None, [holder.behind])]
         head = _head(first.above)
         first.above = first.above[len(head) :]
         self._sort(root, self.root, fields)
@@ -154,7 +155,7 @@ class _Builder:
 
     def _next(self, limit: int) -> Comment | None:
         """Return the next comment if it begins before `limit`."""
-        if self.taken == len(self.comments) or self.seen[self.taken][0] >= limit:
+        if self.taken == len(self.comments) or self.places[self.taken][0] >= limit:
             return None
         return self.comments[self.taken]
 

@@ -30,7 +30,7 @@ class Undoing:
     Attributes:
         opening: its number.
         wall: the number of the wall.
-        wholly: whether openings take all of the wall away.
+        wholly: whether nothing is left of it that would not be there anyway.
         idle: whether without that wall the opening would take nothing away.
     """
 
@@ -94,18 +94,19 @@ class Barriers:
             way, where = place(opening)
             owner = self._owner[way][where]
             for wall in np.unique(owner[(owner >= 0) & ~self._hidden[way][where]]).tolist():
-                its_way, its = place(self._level.walls[wall])
-                gone = (self._openings[its_way][its] > 0) | self._hidden[its_way][its]
                 rest = self._walls[way][where] - (owner == wall) > 0
-                found.append(
-                    Undoing(
-                        number,
-                        wall,
-                        bool(gone.all()),
-                        not self._takes_away(way, where, self._base[way][where] | rest),
-                    )
-                )
+                idle = not self._takes_away(way, where, self._base[way][where] | rest)
+                found.append(Undoing(number, wall, self._is_undone(wall), idle))
         return found
+
+    def _is_undone(self, number: int) -> bool:
+        """Tell whether openings leave nothing of a wall, or nothing that is not there anyway."""
+        wall = self._level.walls[number]
+        way, where = place(wall)
+        gone = (self._openings[way][where] > 0) | self._hidden[way][where]
+        if "pass_" not in wall.model_fields_set and not _has_looks(wall):
+            gone |= self._base[way][where] | (self._walls[way][where] > 1)
+        return bool(gone.all())
 
     def _idle_openings(self) -> list[int]:
         found = []

@@ -2,16 +2,25 @@
 
 from __future__ import annotations
 
-import random
-
 NORTH, EAST, SOUTH, WEST = 1, 2, 4, 8
+
+THERE = (WEST, EAST, SOUTH, NORTH)
+"""The side that is opened for each way. Their order is the ancestor's: its mazes depend on it."""
+
+BACK = (EAST, WEST, NORTH, SOUTH)
+"""The side of the neighbour that is opened with it."""
+
+WAYS = tuple(tuple(way for way in range(4) if not bits >> way & 1) for bits in range(16))
+"""For four bits, one a way: the ways whose bits are not set."""
 
 
 class Lattice:
     """Cells with a margin of one around them. Cells are numbered in the padded array.
 
-    `closed[cell]` is 1 for cells that cannot be carved: the margin, blocked cells and, as an
-    algorithm goes on, the cells that it has visited. `open[cell]` is a bit set of open sides.
+    The ways out of a cell are numbered 0 west, 1 east, 2 south, 3 north; `steps[way]` is what to
+    add to a cell's number. `blocked[cell]` is 1 for cells that are not there: the margin and
+    blocked cells. `closed[cell]` begins as the same, for algorithms to mark what they have
+    visited. `open[cell]` is a bit set of open sides.
     """
 
     def __init__(self, width: int, height: int, blocked: bytes):
@@ -19,51 +28,57 @@ class Lattice:
         self.stride = width + 2
         self.closed = bytearray(b"\1") * (self.stride * (height + 2))
         self.open = bytearray(len(self.closed))
-        for y in range(height):
-            first = self.index(y * width)
-            self.closed[first : first + width] = blocked[y * width : (y + 1) * width]
+        for y, row in enumerate(self.rows()):
+            self.closed[row] = blocked[y * width : (y + 1) * width]
         self.blocked = bytes(self.closed)
-        # The order of the ancestor, on which the bits of its mazes depend.
         self.steps = (-1, 1, self.stride, -self.stride)
-        self.bits = {-1: (WEST, EAST), 1: (EAST, WEST)}
-        self.bits[self.stride] = (SOUTH, NORTH)
-        self.bits[-self.stride] = (NORTH, SOUTH)
+
+    def rows(self) -> list[slice]:
+        """Return where each row stands in the padded array, without the margin."""
+        begins = range(self.stride + 1, self.stride * (self.height + 1), self.stride)
+        return [slice(begin, begin + self.width) for begin in begins]
 
     def index(self, cell: int) -> int:
         """Return the padded number of a cell that is numbered row by row."""
         return (cell // self.width + 1) * self.stride + cell % self.width + 1
 
-    def join(self, cell: int, other: int) -> None:
-        """Open the side between two neighbours."""
-        there, back = self.bits[other - cell]
-        self.open[cell] |= there
-        self.open[other] |= back
+    def join(self, cell: int, way: int) -> int:
+        """Open the side between a cell and its neighbour, and return the neighbour."""
+        other = cell + self.steps[way]
+        self.open[cell] |= THERE[way]
+        self.open[other] |= BACK[way]
+        return other
+
+    def ways(self, cell: int, marks: bytes | bytearray) -> tuple[int, ...]:
+        """Return the ways that lead from a cell to neighbours without a mark (1, else 0)."""
+        north, south = cell - self.stride, cell + self.stride
+        return WAYS[marks[cell - 1] | marks[cell + 1] << 1 | marks[south] << 2 | marks[north] << 3]
 
     def cells(self) -> list[int]:
         """Return the padded numbers of all cells that are not blocked, row by row."""
-        return [
-            cell
-            for y in range(self.height)
-            for cell in range((y + 1) * self.stride + 1, (y + 1) * self.stride + 1 + self.width)
-            if not self.blocked[cell]
-        ]
+        blocked = self.blocked
+        rows = (range(row.start, row.stop) for row in self.rows())
+        return [cell for row in rows for cell in row if not blocked[cell]]
+
+    def component(self, start: int) -> list[int]:
+        """Return the cells that hang together with a cell, row by row."""
+        found = bytearray(self.blocked)
+        found[start] = 1
+        waiting, members = [start], [start]
+        while waiting:
+            cell = waiting.pop()
+            for way in self.ways(cell, found):
+                other = cell + self.steps[way]
+                found[other] = 1
+                waiting.append(other)
+                members.append(other)
+        return sorted(members)
 
     def sides(self) -> bytes:
         """Return the open sides of the cells, row by row and without the margin."""
-        rows = (
-            self.open[(y + 1) * self.stride + 1 : (y + 1) * self.stride + 1 + self.width]
-            for y in range(self.height)
-        )
-        return b"".join(rows)
+        return b"".join([self.open[row] for row in self.rows()])
 
-
-def below(rng: random.Random, count: int) -> int:
-    """Draw a number from 0 to count - 1, as `Random.choice` does it, on every Python version.
-
-    It draws also when there is one choice: the ancestor's mazes depend on it.
-    """
-    bits = count.bit_length()
-    number = rng.getrandbits(bits)
-    while number >= count:
-        number = rng.getrandbits(bits)
-    return number
+    def set_sides(self, sides: bytes) -> None:
+        """Take over open sides, as `sides` returns them."""
+        for y, row in enumerate(self.rows()):
+            self.open[row] = sides[y * self.width : (y + 1) * self.width]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import random
 
-from babyrobot_levels.maze.lattice import Lattice, below
+from babyrobot_levels.maze.draws import below, shuffle
+from babyrobot_levels.maze.lattice import THERE, Lattice
 
 
 def open_dead_ends(lattice: Lattice, share: float, rng: random.Random) -> None:
@@ -15,16 +16,14 @@ def open_dead_ends(lattice: Lattice, share: float, rng: random.Random) -> None:
     """
     dead_ends = [cell for cell in lattice.cells() if _is_dead_end(lattice, cell)]
     wanted = int(share * len(dead_ends) + 0.5)
-    for last in range(len(dead_ends) - 1, 0, -1):
-        chosen = below(rng, last + 1)
-        dead_ends[last], dead_ends[chosen] = dead_ends[chosen], dead_ends[last]
+    shuffle(rng, dead_ends)
     for cell in dead_ends[:wanted]:
         if not _is_dead_end(lattice, cell):
             continue
         walled = [
-            cell + step
-            for step in lattice.steps
-            if not lattice.blocked[cell + step] and not lattice.open[cell] & lattice.bits[step][0]
+            way
+            for way in lattice.ways(cell, lattice.blocked)
+            if not lattice.open[cell] & THERE[way]
         ]
         if walled:
             lattice.join(cell, walled[below(rng, len(walled))])

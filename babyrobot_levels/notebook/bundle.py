@@ -29,7 +29,7 @@ MAX_PIXELS = 1_000_000
 """A PNG is made smaller until it has no more: it is only a substitute."""
 
 MAX_CELLS = 40_000
-"""Of larger levels notebooks would grow by megabytes."""
+"""Notebooks would grow by megabytes for the pictures of levels that have more."""
 
 
 def picture_mimebundle(scene: Scene, text: str) -> Bundle:
@@ -52,10 +52,21 @@ def level_mimebundle(level: Level) -> Bundle:
 
     Of a level that grows another maze at each reset, the one of seed 0 is shown.
     """
-    columns, rows = level.size
-    if columns * rows > MAX_CELLS:
-        name = level.title or level.name or "a level"
-        return {TEXT: f"{name}: {columns} × {rows} cells, too many for a notebook"}
+    if is_too_large(level):
+        return in_words(level)
     if level.has_random_maze:
         level = level.with_maze_seed(0)
     return picture_mimebundle(build_scene(level), level.draw())
+
+
+def is_too_large(level: Level) -> bool:
+    """Return whether a level has more than `MAX_CELLS` cells."""
+    columns, rows = level.size
+    return columns * rows > MAX_CELLS
+
+
+def in_words(level: Level) -> Bundle:
+    """Return what stands for the picture of a level that is too large."""
+    columns, rows = level.size
+    name = level.title or level.name or "a level"
+    return {TEXT: f"{name}: {columns} × {rows} cells, too many for a notebook"}

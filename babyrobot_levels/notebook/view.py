@@ -14,6 +14,8 @@ from babyrobot_levels.notebook.bundle import (
     TEXT,
     WIDGET,
     Bundle,
+    in_words,
+    is_too_large,
     picture_mimebundle,
 )
 from babyrobot_levels.notebook.frontend import Frontend, frontend
@@ -130,6 +132,8 @@ class LevelView:
         return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: _NOTE}
 
     def _picture(self) -> Bundle:
+        if is_too_large(self._level):
+            return in_words(self._level)
         shapes = tuple(shape for layer in self._layers.values() for shape in layer.shapes)
         text = TextPainter(self._level, overlay=self._overlay).lines(self._state)
         bundle = picture_mimebundle(replace(self._layers["base"], shapes=shapes), "\n".join(text))

@@ -14,7 +14,7 @@ from babyrobot_levels.spec.geometry import (
     show_cell,
 )
 from babyrobot_levels.spec.problem import Problem
-from babyrobot_levels.spec.walls import Opening, sides_of
+from babyrobot_levels.spec.walls import RECTANGULAR, Opening, sides_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.spec.level import LevelFields
@@ -32,7 +32,7 @@ def problems_of(level: LevelFields) -> list[Problem]:
     if too_much:
         return too_much
     problems: list[Problem] = []
-    for check in (_check_rectangles, _check_sides, _check_wind):
+    for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
         _collect(problems, check(level))
     blocked = blocked_cells(level)
     for check_cells in (check_ends, _check_puddles, _check_warps):
@@ -72,6 +72,16 @@ def _check_rectangles(level: LevelFields) -> Iterator[Problem]:
                 yield off_the_grid(level, "the cell", first, (field, index, "at"))
             elif not is_inside(level, last):
                 yield off_the_grid(level, "the rectangle's last cell", last, (field, index))
+
+
+def _check_maze(level: LevelFields) -> Iterator[Problem]:
+    if level.maze is not None and level.maze.algorithm in RECTANGULAR and level.blocked:
+        yield Problem(
+            "BR317",
+            ("maze", "algorithm"),
+            f"`{level.maze.algorithm}` needs the whole rectangle, and cells of it are blocked",
+            "take another algorithm, say `wilson` or `kruskal`; or block no cells",
+        )
 
 
 def _check_sides(level: LevelFields) -> Iterator[Problem]:

@@ -20,6 +20,23 @@ from babyrobot_levels.spec.base import (
 )
 from babyrobot_levels.spec.color import Color
 
+Algorithm = Literal[
+    "depth-first",
+    "wilson",
+    "aldous-broder",
+    "kruskal",
+    "prim",
+    "growing-tree",
+    "hunt-and-kill",
+    "recursive-division",
+    "binary-tree",
+    "sidewinder",
+    "eller",
+]
+
+RECTANGULAR = frozenset({"recursive-division", "binary-tree", "sidewinder", "eller"})
+"""The algorithms that need the whole rectangle: no cell of it may be blocked."""
+
 
 class Maze(Model):
     """A maze grown from a seed: the same seed gives the same maze, for ever."""
@@ -29,7 +46,7 @@ class Maze(Model):
         forms(lambda value: "word" if isinstance(value, str) else "number"),
     ]
     """The seed, or `random` for another maze at each reset."""
-    algorithm: Literal["depth-first"] = "depth-first"
+    algorithm: Algorithm = "depth-first"
     """How the maze is grown."""
     loops: Probability = 0.0
     """The share of the dead ends that are opened up."""

@@ -59,6 +59,7 @@ class _Builder:
         self.anchors: dict[str, Node | None] = {}
         self.stack: list[_Open] = []
         self.root: Node | None = None
+        self.documents = 0
         self.nodes = 0
         self.has_aliases = False
 
@@ -84,33 +85,31 @@ class _Builder:
 
     def _take_all(self, next_event: Callable[[], Any]) -> None:
         # Most of the time that checking a file takes is spent here.
-        documents = 0
-        while True:
+        takers: dict[type, Callable[[Any], None]] = {
+            yaml.ScalarEvent: self._take_scalar,
+            yaml.MappingStartEvent: self._open,
+            yaml.SequenceStartEvent: self._open,
+            yaml.MappingEndEvent: self._close,
+            yaml.SequenceEndEvent: self._close,
+            yaml.AliasEvent: self._take_alias,
+            yaml.DocumentStartEvent: self._begin_document,
+        }
+        kind: type | None = None
+        while kind is not yaml.StreamEndEvent:
             event = next_event()
             kind = type(event)
-            if kind is yaml.ScalarEvent:
-                self._add(self._scalar(event), event.anchor)
-            elif kind is yaml.MappingStartEvent or kind is yaml.SequenceStartEvent:
-                self._open(event, kind is yaml.MappingStartEvent)
-            elif kind is yaml.MappingEndEvent or kind is yaml.SequenceEndEvent:
-                self._close(event)
-            elif kind is yaml.AliasEvent:
-                self._add(self._alias(event), None)
-            elif kind is yaml.DocumentStartEvent:
-                documents += 1
-                if documents > 1:
-                    raise YamlFault(
-                        YamlProblem(
-                            "BR106",
-                            self._span(event),
-                            "a level file holds one document, and here a second one begins",
-                            "remove the `---`, or put the second level into a file of its own",
-                        )
-                    )
-            elif kind is yaml.StreamEndEvent:
-                return
+            if kind in takers:
+                takers[kind](event)
 
-    def _open(self, event: Any, is_mapping: bool) -> None:
+    def _begin_document(self, event: Any) -> None:
+        self.documents += 1
+        if self.documents > 1:
+            message = "a level file holds one document, and here a second one begins"
+            help_text = "remove the `---`, or put the second level into a file of its own"
+            raise YamlFault(YamlProblem("BR106", self._span(event), message, help_text))
+
+    def _open(self, event: Any) -> None:
+        is_mapping = type(event) is yaml.MappingStartEvent
         if event.tag is not None:
             self._check_tag(event, ["map" if is_mapping else "seq"])
         if len(self.stack) >= MAX_DEPTH:
@@ -179,7 +178,7 @@ class _Builder:
         mapping.children[name] = value
         mapping.data[name] = value.data
 
-    def _alias(self, event: Any) -> Node:
+    def _take_alias(self, event: Any) -> None:
         name = event.anchor
         if name not in self.anchors:
             message = f"the alias `*{shortened(name)}` refers to an anchor that is not above it"
@@ -191,18 +190,20 @@ class _Builder:
             raise YamlFault(YamlProblem("BR108", self._span(event), message))
         self.has_aliases = True
         first, last = event.start_mark.index, event.end_mark.index
-        return Node(
+        node = Node(
             target.data, self.source, first, last, target.keys, target.children, size=target.size
         )
+        self._add(node, None)
 
-    def _scalar(self, event: Any) -> Node:
+    def _take_scalar(self, event: Any) -> None:
         value, style = event.value, event.style
         if event.tag is not None:
             value = self._tagged(event)
         elif not style:
-            value = self._resolve(value, event)
+            value = self._resolved(event)
         first, last = event.start_mark.index, event.end_mark.index
-        return Node(value, self.source, first, last, _NOTHING, _NOTHING, style == "|")
+        node = Node(value, self.source, first, last, _NOTHING, _NOTHING, style == "|")
+        self._add(node, event.anchor)
 
     def _tagged(self, event: Any) -> Any:
         types = {"str": str, "int": int, "float": (int, float), "bool": bool, "null": type(None)}
@@ -210,13 +211,14 @@ class _Builder:
         kind = event.tag.removeprefix(_CORE)
         if kind in ("!", "str"):
             return event.value
-        value = self._resolve(event.value, event)
+        value = self._resolved(event)
         if not isinstance(value, types[kind]):  # type: ignore[arg-type]
             message = f"`{shortened(event.value)}` cannot be read as a `!!{kind}`"
             self.problems.append(YamlProblem("BR107", self._span(event), message))
         return value
 
-    def _resolve(self, text: str, event: Any) -> Any:
+    def _resolved(self, event: Any) -> Any:
+        text = event.value
         if len(text) > MAX_DIGITS and is_integer(text):
             message = f"a number of {len(text)} characters is too long"
             self.problems.append(YamlProblem("BR111", self._span(event), message))

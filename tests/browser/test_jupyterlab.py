@@ -18,8 +18,6 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.scene.build import build_base, build_scene
 from babyrobot_levels.scene.layout import layout_of
 
-pytestmark = pytest.mark.xdist_group("jupyterlab")
-
 LEVEL = brl.load("final-maze")
 WAY = [2, 2, 3, 4, 4, 3, 2, 2, 2, 2]
 SEED = 9

@@ -184,3 +184,14 @@ def test_many_files_are_formatted_quickly() -> None:
     assert result.out == "200 files reformatted\n"
     # A thousand in three seconds, on a quiet machine.
     assert time.process_time() - begin < 6
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="such names are not allowed there")
+@pytest.mark.parametrize("options", [(), ("--check",), ("--diff",)])
+def test_nothing_can_steer_the_terminal(options: tuple[str, ...]) -> None:
+    write("levels/\x1b[31m\r\n.yaml", UNTIDY.replace("one", "\u202e"))
+    write("levels/b.yaml", "%YAML 1.2\n---\nversion: 1\n")
+    result = babyrobot("format", *options)
+    shown = result.out + result.err
+    assert all(character.isprintable() or character == "\n" for character in shown)
+    assert "\n.yaml" not in shown

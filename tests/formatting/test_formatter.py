@@ -124,6 +124,11 @@ def test_the_last_line_of_a_text_that_keeps_its_line_ends() -> None:
     assert format_text(text) == text
 
 
+def test_a_block_that_begins_with_a_tab() -> None:
+    text = "version: 1\ntitle: |2\n  \tIndented\n"
+    assert format_text(text) == text
+
+
 # -- time --------------------------------------------------------------------------------------
 
 

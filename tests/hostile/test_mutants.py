@@ -15,7 +15,8 @@ from support.mutants import BROKEN, WHOLE, mutants
 from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.files import ReadFault, decode
 from babyrobot_levels.level import Level
-from babyrobot_levels.reading import check, loads, read_level
+from babyrobot_levels.lint.check import check
+from babyrobot_levels.reading import loads, read_level
 from babyrobot_levels.report import render
 from babyrobot_levels.source import SourceFile
 

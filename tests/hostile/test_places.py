@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.reading import check
+from babyrobot_levels.lint.check import check
 from babyrobot_levels.source import Position
 
 needs_posix = pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")

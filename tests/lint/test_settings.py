@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+import babyrobot_levels as brl
 from babyrobot_levels.lint.registry import UnknownRuleError, all_rules, select
 from babyrobot_levels.lint.settings import SettingsError, settings_for
 
@@ -93,3 +94,19 @@ def test_no_rule_is_meant_by_too_little() -> None:
     for word in ("", "B", "BR7", "tra"):
         with pytest.raises(UnknownRuleError):
             select([word])
+
+
+# -- from Python -----------------------------------------------------------------------------
+
+
+def test_check_lints_on_request_by_the_rules_of_the_project(tmp_path: Path) -> None:
+    path = tmp_path / "x.yaml"
+    path.write_text("version: 1\nopenings: []\n")
+    assert brl.check(path) == []
+    assert [each.code for each in brl.check(path, lint=True)] == ["BR609"]
+    (tmp_path / "deep").mkdir()
+    (tmp_path / "deep" / "babyrobot.toml").write_text('[lint]\nignore = ["BR609"]\n')
+    other = path.rename(tmp_path / "deep" / "x.yaml")
+    assert brl.check(other, lint=True) == []
+    assert [each.code for each in brl.check(other.read_text(), lint=True)] == ["BR609"]
+    assert [each.code for each in brl.check("version: 1\nnonsense: 1\n", lint=True)] == ["BR201"]

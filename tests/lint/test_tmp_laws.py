@@ -61,7 +61,7 @@ def found(text: str) -> list[Diagnostic]:
     return lint_source(SourceFile("x.yaml", text), RULES).diagnostics
 
 
-slow = settings(max_examples=1500, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+slow = settings(max_examples=2000, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 # -- fixes -------------------------------------------------------------------------------------
@@ -107,21 +107,27 @@ def without(level: Level, field: str, number: int) -> Level | None:
 
 
 def is_meant(entry: World, level: Level) -> bool:
-    """Tell whether an entry should have an effect: it has no looks, nor lies where nobody moves."""
+    """Tell whether an entry should have an effect on the game: it is not there for its looks,
+
+    and is no slippery cell from which nobody gets away, be it for walls or for the wind.
+    """
     if {"color", "label", "width", "fit"} & {*entry}:
         return False
-    if "side" in entry or not {"skid", "at"} & {*entry}:
+    if {"side", "to"} & {*entry}:
         return True
-    width = level.size[0]
-    return all(
-        level.grid().open_bits[y * width + x] or level.grid().blocked_cells[y * width + x]
-        for x, y in inside({"at": entry["at"], "size": rectangle_size(entry)})
-    )
-
-
-def rectangle_size(entry: World) -> list[int]:
     size = entry.get("size", [1, 1])
-    return size if isinstance(size, list) else [1, 1]
+    cells = inside({"at": entry["at"], "size": size if isinstance(size, list) else [1, 1]})
+    return level.wind is None and not cells & {*lonely(level)}
+
+
+def lonely(level: Level) -> list[tuple[int, int]]:
+    """Return the free cells that nothing is open from."""
+    grid, width = level.grid(), level.size[0]
+    return [
+        (cell % width, cell // width)
+        for cell, sides in enumerate(grid.open_bits)
+        if not sides and not grid.blocked_cells[cell]
+    ]
 
 
 @slow
@@ -131,14 +137,17 @@ def test_what_no_rule_finds_matters(world: World) -> None:
     fixed = fix(SourceFile("x.yaml", emit(world)), RULES, unsafe=True)
     level = loaded(fixed.text)
     data, known = level.to_dict(), game(level)
+    # Walls with a gap are told, and left to their authors.
+    gaps = any(each.code == "BR513" for each in fixed.report.diagnostics)
     for field in INSIDE:
-        for number, entry in enumerate(data.get(field, [])):
+        for number, entry in enumerate(data.get(field, []) if not gaps or field != "walls" else ()):
             if is_meant(entry, level):
                 other = without(level, field, number)
                 assert other is None or game(other) != known, f"{field} {number}\n{fixed.text}"
-    for field in ("wind", "skid"):
-        if field in data and any(level.grid().open_bits):
-            assert game(level.replace(**{field: None})) != known, f"{field}\n{fixed.text}"
+    if "wind" in data:
+        assert game(level.replace(wind=None)) != known, fixed.text
+    if "skid" in data and "wind" not in data and not lonely(level):
+        assert game(level.replace(skid=None)) != known, fixed.text
     for name, value in data.get("rewards", {}).items():
         assert name == "step" or value is None or gives(level, name)
 
@@ -267,9 +276,7 @@ def test_unreachable_cells_are_told_where_the_air_is_calm(world: World) -> None:
 
 @slow
 @given(worlds(4), st.sampled_from([0.5, 0.9, 1.0]))
-def test_rewards_alone_are_right_that_the_best_policy_leaves(
-    world: World, discount: float
-) -> None:
+def test_rewards_alone_are_right_that_the_best_policy_leaves(world: World, discount: float) -> None:
     level = level_of({**world, "discount": discount})
     mdp, best = level.compile(), best_of(level)
     assume(best is not None and surely_leaves(mdp, discount))

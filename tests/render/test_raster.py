@@ -228,6 +228,6 @@ def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_large_maze_is_painted_soon() -> None:
     world = level(size=[100, 100], maze={"seed": 1})
     world.grid()
-    began = time.perf_counter()
+    began = time.process_time()
     to_png(build_scene(world), (2048, 2048))
-    assert time.perf_counter() - began < 8, "usually a second"
+    assert time.process_time() - began < 8, "usually a second of the processor"

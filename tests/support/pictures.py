@@ -22,7 +22,7 @@ TOLERANCE = 48
 """Colours that differ by no more in any channel look alike: edges are smoothed differently."""
 
 CHANGED = 0.08
-"""The share of a cell's pixels that differ where the robot stands; where only fonts differ, fewer."""
+"""The share of a cell's pixels that differ where the robot stands: more than where fonts do."""
 
 
 def photograph(element: Locator) -> Pixels:

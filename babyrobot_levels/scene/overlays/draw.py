@@ -44,7 +44,7 @@ def overlay_shapes(level: Level, overlay: Overlay, layout: Layout) -> OverlaySha
     ground: list[Shape] = [*heat_shapes(visits, rooms, layout, colors.arrows)]
     tops = _corners(level, overlay, visits, rooms, layout)
     numbers = [*_counts(visits, tops, colors, layout)]
-    numbers += _values(overlay, rooms, colors, layout)
+    numbers += _values(level, overlay, rooms, layout)
     crowded = {
         cell: values
         for cell, values in _cells(overlay.action_values, layout)
@@ -84,10 +84,11 @@ def _counts(
         yield from pill(count, right - 4, under, _COUNT_ROOM, 0, colors, "end")
 
 
-def _values(overlay: Overlay, rooms: Rooms, colors: Colors, layout: Layout) -> Iterator[Shape]:
-    """Yield values, at the feet of the cells."""
+def _values(level: Level, overlay: Overlay, rooms: Rooms, layout: Layout) -> Iterator[Shape]:
+    """Yield values, at the feet of the cells; an exit, where all is over, needs no 0."""
+    colors = level.colors_and_widths.colors
     for cell, value in _cells(overlay.values, layout):
-        if value is not None:
+        if value is not None and not (value == 0 and cell in level.exits):
             middle, upper = layout.corner(cell[0] + 0.5, cell[1])
             under = upper + rooms.take_foot(cell, HEIGHT)
             yield from pill(value, middle, under, CELL - 4, overlay.precision, colors)

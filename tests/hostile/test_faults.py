@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 
 from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.reading import check, loads
+from babyrobot_levels.lint.check import check
+from babyrobot_levels.reading import loads
 from babyrobot_levels.source import Position
 from babyrobot_levels.spec.rules import MAX_PROBLEMS
 

@@ -1,0 +1,98 @@
+"""The engine of the extra `fast`: one compiled loop a call."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.engine import loops
+from babyrobot_levels.engine.draws import Draws
+from babyrobot_levels.engine.robots import Record, Results, Robots
+from babyrobot_levels.engine.tables import Floats, Ints, Tables
+
+
+class CompiledEngine:
+    """Steps with compiled loops."""
+
+    name = "compiled"
+
+    def __init__(self, tables: Tables, observations: NDArray[np.int64], num_robots: int) -> None:
+        """Bring tables into the order in which the loops take them.
+
+        Args:
+            tables: what the robots walk in.
+            observations: what each state shows, int64 `[states, numbers]`.
+            num_robots: how many there are.
+        """
+        self._tables = tables
+        self._world = loops.world_of(tables)
+        self._beginning = loops.beginning_of(tables)
+        self._observations = observations
+
+    def begin(self, robots: Robots, which: Ints, draws: Draws) -> None:
+        """Begin new episodes for the robots of these numbers."""
+        draws.position = loops.begin_all(
+            which,
+            robots.state,
+            robots.level,
+            robots.deadline,
+            robots.over,
+            robots.clock,
+            draws.block,
+            draws.position,
+            self._beginning,
+        )
+
+    def step(self, robots: Robots, actions: Ints, draws: Draws, results: Results) -> bool:
+        """Have robots act, and those whose episodes are over begin anew in the place of it."""
+        position = loops.step(
+            actions,
+            robots.state,
+            robots.level,
+            robots.deadline,
+            robots.over,
+            robots.clock + 1,
+            draws.block,
+            draws.position,
+            self._tables.num_actions,
+            self._world,
+            self._beginning,
+            self._observations,
+            results.observations,
+            results.rewards,
+            results.terminated,
+            results.truncated,
+            results.words,
+            results.acted,
+        )
+        if position < 0:
+            return False
+        draws.position = position
+        robots.clock += 1
+        return True
+
+    def walk(
+        self, robots: Robots, policy: Floats, chances: Floats, draws: Draws, record: Record
+    ) -> None:
+        """Have robots follow a policy, begin anew where episodes end, and note all of it."""
+        draws.position = loops.walk(
+            policy,
+            chances,
+            robots.state,
+            robots.level,
+            robots.deadline,
+            robots.clock,
+            draws.block,
+            draws.position,
+            self._world,
+            self._beginning,
+            self._tables.offset,
+            record.observations,
+            record.actions,
+            record.rewards,
+            record.terminations,
+            record.truncations,
+            record.next_observations,
+            record.words,
+        )
+        robots.clock += len(record.rewards)

@@ -1,0 +1,1 @@
+"""Many robots in one environment."""
