@@ -33,11 +33,12 @@ def rgba(color: str) -> Rgba:
         r, g, b = (round(255 * share) for share in shares)
         return r, g, b, 1.0
     # Pillow has the table of names; what only needs numbers shall not wait for it.
-    from PIL.ImageColor import colormap
+    from PIL.ImageColor import colormap, getrgb
 
     if color not in colormap:
         raise ValueError(f"{color!r} is not a colour")
-    return _hexadecimal(str(colormap[color])[1:])
+    red, green, blue = getrgb(color)[:3]
+    return red, green, blue, 1.0
 
 
 def over(color: str, ground: Rgb) -> Rgb:

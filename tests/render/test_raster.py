@@ -231,3 +231,8 @@ def test_a_large_maze_is_painted_soon() -> None:
     began = time.process_time()
     to_png(build_scene(world), (2048, 2048))
     assert time.process_time() - began < 8, "usually a second of the processor"
+
+
+def test_names_are_colours_also_when_pillow_used_them_before() -> None:
+    Image.new("RGB", (1, 1), "rebeccapurple")
+    assert rgba("rebeccapurple") == (102, 51, 153, 1.0)
