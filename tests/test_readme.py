@@ -15,6 +15,7 @@ ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 ENVIRONMENTS = (ROOT / "docs" / "environments.md").read_text(encoding="utf-8")
 ANSWERS = (ROOT / "docs" / "exact-answers.md").read_text(encoding="utf-8")
+LINTING = (ROOT / "docs" / "linting.md").read_text(encoding="utf-8")
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -27,7 +28,12 @@ def test_the_levels_of_the_readme_are_valid(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "code", [block for text in (README, ENVIRONMENTS, ANSWERS) for block in blocks(text, "python")]
+    "code",
+    [
+        block
+        for text in (README, ENVIRONMENTS, ANSWERS, LINTING)
+        for block in blocks(text, "python")
+    ],
 )
 def test_the_python_examples_run(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
@@ -43,8 +49,21 @@ def test_the_error_of_the_readme_is_what_is_reported(
     (tmp_path / "levels").mkdir()
     path = Path("levels", "first.yaml")
     path.write_text("version: 1\nsize: [8, 5]\nmaze: {seed: 7}\nexit: [9, 4]\n", encoding="utf-8")
-    (shown,) = blocks(README, "text")
+    shown, _ = blocks(README, "text")
     assert "\n\n".join(map(str, brl.check(path))) == shown.strip()
+
+
+def test_the_finding_of_the_readme_is_what_is_reported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "levels").mkdir()
+    path = Path("levels", "second.yaml")
+    drawing = "+---+---+---+\n| S     |   |\n+   +   +---+\n|         E |\n+---+---+---+\n"
+    level = brl.load({"version": 1, "map": drawing, "warps": [{"at": (0, 1), "to": (2, 0)}]})
+    level.save(path)
+    _, shown = blocks(README, "text")
+    assert "\n\n".join(map(str, brl.check(path, lint=True))) == shown.strip()
 
 
 def test_the_picture_of_the_readme_is_painted_by_this_version() -> None:
@@ -64,6 +83,7 @@ def test_the_readme_counts_the_gallery() -> None:
 
 
 def test_links_lead_somewhere() -> None:
-    for text, folder in ((README, ROOT), (ENVIRONMENTS, ROOT / "docs"), (ANSWERS, ROOT / "docs")):
-        for target in re.findall(r"\]\(([^)#:]+)\)", text):
-            assert (folder / target).exists(), target
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md"), ROOT / "benchmarks" / "README.md"]
+    for page in pages:
+        for target in re.findall(r"\]\(([^)#:]+)[^):]*\)", page.read_text(encoding="utf-8")):
+            assert (page.parent / target).exists(), f"{page.name}: {target}"

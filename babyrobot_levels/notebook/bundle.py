@@ -28,6 +28,9 @@ WIDGET = "application/vnd.jupyter.widget-view+json"
 MAX_PIXELS = 1_000_000
 """A PNG is made smaller until it has no more: it is only a substitute."""
 
+PNG_COLORS = 128
+"""So few colours make it a third as large, and are hardly seen."""
+
 MAX_CELLS = 40_000
 """Notebooks would grow by megabytes for the pictures of levels that have more."""
 
@@ -42,7 +45,7 @@ def picture_mimebundle(scene: Scene, text: str) -> Bundle:
     size = max(1, int(scale * scene.width)), max(1, int(scale * scene.height))
     return {
         SVG: to_svg(scene, screen_scale(scene)),
-        PNG: base64.b64encode(to_png(scene, size)).decode(),
+        PNG: base64.b64encode(to_png(scene, size, colors=PNG_COLORS)).decode(),
         TEXT: text,
     }
 

@@ -53,7 +53,8 @@ class LevelView:
     """A level as a notebook shows it, with the robot.
 
     Where a person watches, the robot takes his time: every `move` waits until the one before is
-    over. A program that runs a notebook is not held up.
+    over, and what is written over the picture can be read. A program that runs a notebook is not
+    held up.
 
     Args:
         level: the level; a maze needs a seed.
@@ -71,7 +72,7 @@ class LevelView:
         self._output: Output | None = None
         # The CSS class by which the canvas and its picture are known.
         self._name = ""
-        self._busy_until = 0.0
+        self._busy_until = self._read_until = 0.0
         x, y = level.starts[0]
         self._build(level, y * level.size[0] + x, STANDING, None)
 
@@ -156,7 +157,7 @@ class LevelView:
         columns, rows = self._level.size
         if not 0 <= state < columns * rows:
             raise ValueError(f"state {state} is not on the level")
-        self._wait()
+        self._wait(self._busy_until)
         frames = [*self._on_the_way(state, pose), self._robot(*divmod(state, columns), pose)]
         self._state, self._pose, self._layers["robot"] = state, pose, frames[-1]
         if self._stage is not None:
@@ -169,11 +170,16 @@ class LevelView:
     def set_overlay(self, overlay: Overlay | None) -> None:
         """Write something over the picture, in the place of what was there; None for nothing.
 
+        Where a person watches, what was written before stays as long as a step takes.
+
         Raises:
             ValueError: the overlay is not as large as the level.
         """
+        self._wait(self._read_until)
         self._build(self._level, self._state, self._pose, overlay)
         self._paint()
+        if self._is_watched:
+            self._read_until = time.monotonic() + self._step_seconds
 
     def set_level(self, level: Level, state: int) -> None:
         """Show another level, with the robot in a state. What is written over it stays.
@@ -215,9 +221,9 @@ class LevelView:
     def _is_watched(self) -> bool:
         return self._frontend in (Frontend.CANVAS, Frontend.PICTURES)
 
-    def _wait(self) -> None:
-        """Wait until the last step is over."""
-        time.sleep(max(0.0, self._busy_until - time.monotonic()))
+    def _wait(self, until: float) -> None:
+        """Wait until a moment of the monotonic clock: until the last step is over, say."""
+        time.sleep(max(0.0, until - time.monotonic()))
 
     def close(self) -> None:
         """Leave the last picture where the view was shown; nothing moves there any more.
@@ -226,7 +232,7 @@ class LevelView:
         """
         if self._output is None:
             return
-        self._wait()
+        self._wait(self._busy_until)
         self._output.close()
         if self._stage is not None:
             self._stage.close()

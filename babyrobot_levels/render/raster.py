@@ -49,10 +49,15 @@ def to_rgb(
     return np.array(_paint(scene, size, background))
 
 
-def to_png(scene: Scene, size: tuple[int, int] | None = None) -> bytes:
-    """Return the scene as a PNG file; see `to_rgb`."""
+def to_png(
+    scene: Scene, size: tuple[int, int] | None = None, *, colors: int | None = None
+) -> bytes:
+    """Return the scene as a PNG file; see `to_rgb`. `colors` is how many it has at most."""
     buffer = io.BytesIO()
-    _paint(scene, size, "white").save(buffer, "PNG", compress_level=4)
+    image = _paint(scene, size, "white")
+    if colors is not None:
+        image = image.quantize(colors)
+    image.save(buffer, "PNG", compress_level=4 if colors is None else 9)
     return buffer.getvalue()
 
 

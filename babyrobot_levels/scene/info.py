@@ -68,6 +68,8 @@ def overlay_from(info: Mapping[str, Any], level: Level) -> Overlay:
     Raises:
         ValueError: a key is unknown, or what it says cannot be shown on the level.
     """
+    if not isinstance(info, Mapping):
+        raise ValueError(f"what is shown is given as a mapping, not as {type(info).__name__}")
     for key in info:
         if key not in KEYS:
             raise ValueError(f"nothing called `{key}` can be shown{_hint(str(key))}")

@@ -4,18 +4,31 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from babyrobot_levels.actions import NUM_ACTIONS
 from babyrobot_levels.mdp import Mdp
-from babyrobot_levels.solver.model import Flags, Floats
-from babyrobot_levels.solver.results import Solution, num_actions
+from babyrobot_levels.solver.model import Flags, Floats, Ints
+from babyrobot_levels.solver.results import num_actions
 from babyrobot_levels.suggest import did_you_mean
 
-Policy = str | ArrayLike | Callable[[int, int], int] | Solution
+
+class HasPolicy(Protocol):
+    """An answer that holds a policy and knows how its actions are numbered: a `Solution`, say."""
+
+    @property
+    def policy(self) -> Ints:
+        """An action for each cell, `[height, width]`."""
+
+    @property
+    def first_action(self) -> int:
+        """The `brl.Action` that is number 0 there."""
+
+
+Policy = str | ArrayLike | Callable[[int, int], int] | HasPolicy
 """How a policy can be told; see `read_policy`."""
 
 WORDS = ("random", "uniform")
@@ -34,7 +47,7 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
             - an array of ints `[height, width]`: an action for each cell;
             - an array `[height, width, actions]` or `[states, actions]` of probabilities;
             - a function that is called with `x, y` and returns an action;
-            - a `Solution`, whose policy it is.
+            - a `Solution`, or a `Sweep` of learning, whose policy it is.
         mdp: the level's tables.
         actions: the set of actions that the policy's numbers mean, `"all"` or `"moves"`.
 
@@ -45,7 +58,7 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
     if isinstance(policy, str):
         return _in_words(policy, mdp, count)
     first = 0
-    if isinstance(policy, Solution):
+    if hasattr(policy, "first_action"):
         policy, first = policy.policy, policy.first_action - (NUM_ACTIONS - count)
     elif callable(policy):
         policy = _called(policy, mdp)

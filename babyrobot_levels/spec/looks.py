@@ -98,7 +98,7 @@ class Robot(Model):
     """How the robot is shown."""
 
     show: Flag = True
-    """Whether it is shown."""
+    """Whether it is shown where nobody plays."""
     speed: Annotated[Number, Field(gt=0, le=100)] = 1.0
     """How fast it glides: 1 is its usual speed."""
 

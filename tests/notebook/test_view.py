@@ -116,6 +116,17 @@ def test_the_speed_is_the_levels_if_nothing_else_is_said(watched: Clock) -> None
     assert watched.now == pytest.approx(100.05)
 
 
+def test_what_is_written_can_be_read_before_the_next_is(watched: Clock, sent: Sent) -> None:
+    view = LevelView(LEVEL)
+    view.set_overlay(Overlay(coordinates=True))
+    assert watched.now == 100
+    view.set_overlay(None)
+    assert watched.now == pytest.approx(100.25)
+    # Walking and writing go on at the same time.
+    view.move(1)
+    assert watched.now == pytest.approx(100.25)
+
+
 @pytest.mark.parametrize("who", [Frontend.NONE, Frontend.PROGRAM])
 def test_nobody_waits_where_nobody_watches(
     who: Frontend, clock: Clock, sent: Sent, monkeypatch: pytest.MonkeyPatch
@@ -126,6 +137,8 @@ def test_nobody_waits_where_nobody_watches(
     sent.clear()
     for state in (1, 2, 3):
         view.move(state, EAST)
+    for _ in range(3):
+        view.set_overlay(None)
     assert clock.now == 100
     assert len(places(sent)) == 3
 

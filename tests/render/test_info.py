@@ -232,3 +232,9 @@ def test_panels_hold_a_text_or_lines() -> None:
 def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:
     with pytest.raises(ValueError, match=hint):
         overlay_from({key: True}, LEVEL)
+
+
+@pytest.mark.parametrize("told", [5, "values", [("values", 1)]])
+def test_what_is_no_mapping_is_refused(told: Any) -> None:
+    with pytest.raises(ValueError, match="given as a mapping"):
+        overlay_from(told, brl.load("default"))
