@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import random
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,7 +17,8 @@ from timing import Measure
 
 SCRIPTS = Path(sys.executable).parent
 BABYROBOT = (sys.executable, "-m", "babyrobot_levels")
-YAMLLINT = (str(SCRIPTS / "yamllint"), "-d", "{extends: relaxed}")
+YAMLLINT_RULES = "{extends: relaxed}"
+YAMLLINT = (str(SCRIPTS / "yamllint"), "-d", YAMLLINT_RULES)
 COUNT = 1000
 
 
@@ -28,7 +31,7 @@ def running(*command: str, worth: float = 1) -> Measure:
     """
 
     # As installed packages have it: what was imported once need not be compiled again.
-    variables = {**os.environ, "PYTHONPYCACHEPREFIX": _compiled().name}
+    variables = {**os.environ, "PYTHONPYCACHEPREFIX": _compiled()}
     variables.pop("PYTHONDONTWRITEBYTECODE", None)
 
     def measure() -> float:
@@ -42,9 +45,11 @@ def running(*command: str, worth: float = 1) -> Measure:
 
 
 @cache
-def _compiled() -> tempfile.TemporaryDirectory[str]:
+def _compiled() -> str:
     """Return the folder for compiled modules, the same for all commands, until the end."""
-    return tempfile.TemporaryDirectory()
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder)
+    return folder
 
 
 def write_levels(folder: Path) -> None:

@@ -20,13 +20,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         write_levels(Path(folder))
         measures = {
-            "babyrobot lint, all rules": running(*BABYROBOT, "lint", folder, worth=COUNT),
-            "babyrobot lint, rules of style": running(
-                *BABYROBOT, "lint", "--select", "BR6", folder, worth=COUNT
+            "babyrobot lint": running(*BABYROBOT, "lint", "--jobs=1", folder, worth=COUNT),
+            "babyrobot lint --select BR6 (style)": running(
+                *BABYROBOT, "lint", "--jobs=1", "--select=BR6", folder, worth=COUNT
             ),
             "yamllint": running(*YAMLLINT, folder, worth=COUNT),
         }
-        rates = rounds(measures)
+        rates = rounds(measures, count=3)
     print(versions(["babyrobot-levels", "yamllint"]))
     print(table(rates, "yamllint", f"{COUNT} files, files per second"))
 

@@ -1,13 +1,17 @@
-"""Write the expected reports of `levels/bad` anew. Read the difference before you keep it.
+"""Write the expected reports of `levels/bad` and `lint/rules` anew.
+
+Read the difference before you keep it.
 
 From the top of the repository: `PYTHONPATH=tests python tests/renew_reports.py`
 """
 
 from __future__ import annotations
 
-from support.reports import BAD, report
+from support.reports import BAD, LINT_BAD, lint_report, report
 
 if __name__ == "__main__":
     for path in BAD:
         path.with_suffix(".txt").write_text(report(path), encoding="utf-8", newline="\n")
-    print(f"{len(BAD)} reports")
+    for path in LINT_BAD:
+        path.with_suffix(".txt").write_text(lint_report(path), encoding="utf-8", newline="\n")
+    print(f"{len(BAD) + len(LINT_BAD)} reports")

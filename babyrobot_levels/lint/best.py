@@ -50,21 +50,32 @@ def surely_leaves(mdp: Mdp, discount: float) -> bool:
 
 
 def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
-    """Return the states in which the best policy comes to go on for ever, though it could end."""
+    """Return the states between which the best policy goes on for ever, though it could end.
+
+    Where there are several such loops, they are those of one of them.
+    """
     policy = solution.policy.ravel()
     states = np.flatnonzero(policy >= 0)
     happens = mdp.probability[states, policy[states]] > 0
     origins = np.repeat(states, happens.sum(axis=1))
     targets = mdp.next_state[states, policy[states]][happens]
-    visited = distances(
-        mdp.start.nonzero()[0].tolist(), adjacency(origins, targets, mdp.num_states)
-    )
-    ending = distances(mdp.over.nonzero()[0].tolist(), adjacency(targets, origins, mdp.num_states))
-    return [
+    ahead = adjacency(origins, targets, mdp.num_states)
+    back = adjacency(targets, origins, mdp.num_states)
+    visited = distances(mdp.start.nonzero()[0].tolist(), ahead)
+    ending = distances(mdp.over.nonzero()[0].tolist(), back)
+    stuck = [
         state
         for state in range(mdp.num_states)
         if visited[state] >= 0 > ending[state] and reach.to_end[state] >= 0
     ]
+    # From a loop that the robot may leave for another one, on to that one.
+    while stuck:
+        loop = [s for s, steps in enumerate(distances(stuck[:1], ahead)) if steps >= 0]
+        returns = distances(stuck[:1], back)
+        stuck = [state for state in loop if returns[state] < 0]
+        if not stuck:
+            return loop
+    return []
 
 
 def is_in_time(level: Level, solution: Solution, share: float) -> bool | None:

@@ -41,6 +41,18 @@ def is_same_game(level: Level, mdp: Mdp) -> bool:
     return digest(level.grid(), mdp) == level.digest
 
 
+def is_same_play(one: Mdp, other: Mdp, states: NDArray[np.intp]) -> bool:
+    """Tell whether the same can happen in some of the states."""
+    return all(map(np.array_equal, _outcomes(one, states), _outcomes(other, states)))
+
+
+def _outcomes(mdp: Mdp, states: NDArray[np.intp]) -> tuple[NDArray[Any], ...]:
+    probability = mdp.probability[states]
+    happens = probability > 0
+    tables = (mdp.next_state[states], mdp.reward[states])
+    return happens.sum(axis=2), probability[happens], *(table[happens] for table in tables)
+
+
 def gives(level: Level, field: str) -> bool:
     """Tell whether any outcome of a level has one of its `rewards`."""
     rewards = level.rewards.model_copy(update={field: np.nan})

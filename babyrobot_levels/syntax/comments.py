@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 from babyrobot_levels.source import Position, Span
-from babyrobot_levels.syntax.document import Document, Node
+from babyrobot_levels.syntax.document import Document
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,47 +23,45 @@ class Comment:
 def comments(document: Document) -> list[Comment]:
     """Return the comments of a document, in the order of the text."""
     source = document.source
-    if "#" not in source.text:
-        return []
-    inside = _scalar_columns(document)
-    found = []
-    for number, line in enumerate(source.lines, 1):
-        column = line.find("#")
-        while column >= 0:
-            is_free = column == 0 or line[column - 1] in " \t"
-            spans = inside.get(number, ())
-            if is_free and not any(first <= column < last for first, last in spans):
-                span = Span(Position(number, column + 1), Position(number, len(line) + 1))
-                found.append(Comment(line[column:], span, not line[:column].strip()))
-                break
-            column = line.find("#", column + 1)
+    text, found, index = source.text, [], -1
+    texts: list[tuple[int, int]] | None = None
+    while (index := text.find("#", index + 1)) >= 0:
+        if index and text[index - 1] not in " \t\r\n\ufeff":
+            continue
+        if texts is None:
+            texts = sorted(_texts(document))
+        place = bisect_right(texts, (index, len(text))) - 1
+        if place >= 0 and index < texts[place][1]:
+            # Within a text it is a character like others; there may be a comment behind the text.
+            index = texts[place][1] - 1
+            continue
+        start = source.position(index)
+        line = source.line(start.line)
+        end = Position(start.line, len(line) + 1)
+        column = start.column - 1
+        found.append(Comment(line[column:], Span(start, end), not line[:column].strip()))
+        index += len(line) - column
     return found
 
 
-def _scalar_columns(document: Document) -> dict[int, list[tuple[int, int]]]:
-    """Return, for each line, the columns (from 0, the last exclusive) that texts take."""
-    source = document.source
-    columns: dict[int, list[tuple[int, int]]] = {}
-    for node in _scalars(document.root):
-        start, end = node.span
-        is_block = source.line(start.line)[start.column - 1 : start.column] in ("|", ">")
-        # Behind the sign of a block there is room for a comment.
-        for line in range(start.line + is_block, end.line + 1):
-            first = start.column - 1 if line == start.line else 0
-            last = end.column - 1 if line == end.line else len(source.line(line))
-            columns.setdefault(line, []).append((first, last))
-    return columns
-
-
-def _scalars(root: Node) -> Iterator[Node]:
-    waiting, seen = [root], set()
+def _texts(document: Document) -> Iterator[tuple[int, int]]:
+    """Yield where texts and other scalars begin and end, in characters from 0."""
+    waiting, seen = [document.root], set()
+    text = document.source.text
     while waiting:
         node = waiting.pop()
-        # Aliases lead to the same node again.
-        if id(node) in seen:
-            continue
-        seen.add(id(node))
         if isinstance(node.data, dict | list):
-            waiting += [*node.keys.values(), *node.children.values()]
+            # Aliases lead to the same nodes again.
+            if id(node.children) not in seen:
+                seen.add(id(node.children))
+                waiting += [*node.keys.values(), *node.children.values()]
+        elif text[node.first : node.first + 1] in ("|", ">"):
+            # Behind the sign of a block there is room for a comment.
+            yield _line_end(text, node.first), node.last
         else:
-            yield node
+            yield node.first, node.last
+
+
+def _line_end(text: str, index: int) -> int:
+    ends = (text.find(end, index) for end in "\r\n")
+    return min((end for end in ends if end >= 0), default=len(text))

@@ -200,7 +200,7 @@ class _Builder:
         if event.tag is not None:
             value = self._tagged(event)
         elif not style:
-            value = self._resolved(event)
+            value = resolve(value) if len(value) <= MAX_DIGITS else self._resolved(event)
         first, last = event.start_mark.index, event.end_mark.index
         node = Node(value, self.source, first, last, _NOTHING, _NOTHING, style == "|")
         self._add(node, event.anchor)

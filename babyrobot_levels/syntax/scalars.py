@@ -35,6 +35,8 @@ def resolve(text: str) -> Any:
         return _WORDS[text]
     if text[0] not in "+-.0123456789":
         return text
+    if text.isascii() and text.isdigit():
+        return int(text)
     if is_integer(text):
         prefix = text[:2]
         return int(text, 8 if prefix == "0o" else 16 if prefix == "0x" else 10)

@@ -107,9 +107,9 @@ def without(level: Level, field: str, number: int) -> Level | None:
 
 
 def is_meant(entry: World, level: Level) -> bool:
-    """Tell whether an entry should have an effect on the game: it is not there for its looks,
+    """Tell whether an entry must have an effect on the game.
 
-    and is no slippery cell from which nobody gets away, be it for walls or for the wind.
+    It need not if it is there for its looks, or slippery where walls or wind let nobody away.
     """
     if {"color", "label", "width", "fit"} & {*entry}:
         return False
@@ -196,8 +196,10 @@ def test_ways_are_those_of_the_book(world: World) -> None:
         for target in targets:
             back.setdefault(target, set()).add(origin)
 
+    width: int = reference.width
+
     def state(cell: tuple[int, int]) -> int:
-        return cell[1] * reference.width + cell[0]
+        return cell[1] * width + cell[0]
 
     ends = [
         state(cell)

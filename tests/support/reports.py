@@ -7,11 +7,16 @@ from pathlib import Path
 from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.files import ReadFault, read_source
 from babyrobot_levels.level import Level
+from babyrobot_levels.lint.registry import find
+from babyrobot_levels.lint.runner import lint_source
 from babyrobot_levels.reading import read_level
 
 LEVELS = Path(__file__).parents[1] / "levels"
 GOOD = sorted((LEVELS / "good").glob("*.yaml"))
 BAD = sorted((LEVELS / "bad").glob("*.yaml"))
+RULES = Path(__file__).parents[1] / "lint" / "rules"
+LINT_GOOD = sorted(RULES.glob("*/good-*.yaml"))
+LINT_BAD = sorted(RULES.glob("*/bad-*.yaml"))
 
 
 def read(path: Path) -> tuple[Level | None, list[Diagnostic]]:
@@ -25,3 +30,15 @@ def read(path: Path) -> tuple[Level | None, list[Diagnostic]]:
 def report(path: Path) -> str:
     """Return all that is said about a file, ending with a line end."""
     return "\n\n".join(map(str, read(path)[1])) + "\n"
+
+
+def linted(path: Path) -> list[Diagnostic]:
+    """Return what the rule that a file's folder is named for finds in it."""
+    rule = find(path.parent.name)
+    assert rule is not None, f"there is no rule {path.parent.name}"
+    return lint_source(read_source(path, path.name), [rule]).diagnostics
+
+
+def lint_report(path: Path) -> str:
+    """Return all that the rule of its folder says about a file, ending with a line end."""
+    return "\n\n".join(map(str, linted(path))) + "\n"

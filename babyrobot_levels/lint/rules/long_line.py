@@ -46,10 +46,13 @@ CODE, SEVERITY, NEEDS = "BR603", Severity.INFO, Needs.LEVEL
 
 def check(case: Case) -> Iterator[Finding]:
     """Yield a finding for each such line."""
-    comments = {comment.span.start.line: comment.span.start.column for comment in case.comments}
     for number, line in enumerate(case.source.lines, 1):
-        width = len(line[: comments.get(number, len(line) + 1) - 1].rstrip())
-        if width > WIDTH and ("{" in line or "[" in line):
+        if len(line) <= WIDTH or not ("{" in line or "[" in line):
+            continue
+        comments = (each for each in case.comments if each.span.start.line == number)
+        ends = (comment.span.start.column - 1 for comment in comments)
+        width = len(line[: next(ends, len(line))].rstrip())
+        if width > WIDTH:
             yield Finding(
                 (),
                 f"the line has {width} characters, more than {WIDTH}",

@@ -34,7 +34,7 @@ from collections.abc import Iterator
 
 from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.case import Case
-from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.lint.rule import Finding, Needs, Route
 from babyrobot_levels.lint.wording import cells_text
 
 CODE, SEVERITY, NEEDS = "BR504", Severity.WARNING, Needs.TABLES
@@ -51,18 +51,27 @@ def check(case: Case) -> Iterator[Finding]:
         return
     states = lingering(case.mdp, reach, case.best)
     if states:
+        cells = [case.cell(state) for state in states]
         route, mark = case.place(states[0])
-        if mark is None and "rewards" in case.data:
-            route = ("rewards",)
-        for number, area in level.written("areas"):
-            (x, y), (columns, rows) = area.at, area.size
-            cells = {(x + i, y + j) for i in range(columns) for j in range(rows)}
-            if (area.reward or 0) > 0 and cells & {case.cell(state) for state in states}:
-                route, mark = ("areas", number), None
-        place = cells_text([case.cell(state) for state in states])
+        prize = _prize(case, {*cells})
+        if prize is not None or (mark is None and "rewards" in case.data):
+            route, mark = prize or ("rewards",), None
         yield Finding(
             route,
-            f"the best policy never leaves: going on for ever on {place} is worth more",
+            f"the best policy never leaves: going on for ever on {cells_text(cells)} is worth more",
             "let a step cost something, let the end give more, or let what pays end the episode",
             mark=mark,
         )
+
+
+def _prize(case: Case, cells: set[tuple[int, int]]) -> Route | None:
+    """Return the area or the warp that pays on one of the cells."""
+    for number, area in case.level.written("areas"):
+        (x, y), (columns, rows) = area.at, area.size
+        covered = any(x <= a < x + columns and y <= b < y + rows for a, b in cells)
+        if (area.reward or 0) > 0 and covered:
+            return ("areas", number)
+    for number, warp in enumerate(case.level.warps):
+        if (warp.reward or 0) > 0 and (warp.at in cells or warp.to in cells):
+            return ("warps", number)
+    return None

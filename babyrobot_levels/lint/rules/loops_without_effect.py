@@ -52,7 +52,7 @@ def check(case: Case) -> Iterator[Finding]:
         yield Finding(
             ("maze", "loops"),
             f"`loops: {maze.loops:g}` opens none of the maze's dead ends",
-            "it is the share of the dead ends that are opened: give it a larger one",
+            "it is the share of the dead ends that are opened, and comes to none here",
             key=True,
             fix=removal(case.document, "take `loops` away", ("maze", "loops")),
         )
