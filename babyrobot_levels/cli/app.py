@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import sys
@@ -13,14 +14,18 @@ import typer
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import (
     compare,
+    diff,
     format_levels,
+    generate,
     lint,
     list_levels,
     new_level,
     play,
     preview,
     print_schema,
+    resolve,
     rule,
+    share,
     show,
     solve,
     validate,
@@ -30,7 +35,8 @@ from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note
 app = typer.Typer(
     name="babyrobot",
     help="Grid worlds as files: make, check, preview and play levels.",
-    epilog="A LEVEL is a name (`babyrobot list` shows them), pack/name, or the path of a file.",
+    epilog="A LEVEL is a name (`babyrobot list` shows them), pack/name, the path of a "
+    "file, or a share code.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -38,6 +44,7 @@ app = typer.Typer(
 )
 
 app.command("new-level", short_help="Write a new level file.")(new_level.new_level)
+app.command("generate", short_help="Write levels to order.")(generate.generate)
 app.command("validate", short_help="Check level files.")(validate.validate)
 app.command("lint", short_help="Find faults of play and style.")(lint.lint)
 app.command("format", short_help="Write level files in one form.")(format_levels.format_levels)
@@ -48,6 +55,9 @@ app.command("list", short_help="List the levels that have names.")(list_levels.l
 app.command("show", short_help="Tell all about one level.")(show.show)
 app.command("solve", short_help="Solve a level exactly.")(solve.solve)
 app.command("compare", short_help="Compare a level with another game.")(compare.compare)
+app.command("diff", short_help="Tell what changed in the game.")(diff.diff)
+app.command("resolve", short_help="Write a maze out as walls.")(resolve.resolve)
+app.command("share", short_help="Print a level as a share code.")(share.share)
 app.command("schema", short_help="Print the JSON schema.")(print_schema.print_schema)
 
 
@@ -74,6 +84,10 @@ def main() -> None:
     from babyrobot_levels.errors import BabyRobotError, LevelError
 
     _prepare_streams()
+    # Levels make many small matrices, over which the threads of BLAS only wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Nothing that a command makes lives in circles for long: looking for them can wait.
+    gc.set_threshold(100_000, 50, 50)
     try:
         app(prog_name="babyrobot")
     except LevelError as error:

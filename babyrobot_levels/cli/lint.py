@@ -25,9 +25,8 @@ from babyrobot_levels.cli.reporting import (
 )
 
 if TYPE_CHECKING:
-    from babyrobot_levels.diagnostics import Fix
+    from babyrobot_levels.diagnostics import Diagnostic, Fix
     from babyrobot_levels.lint.rule import Rule
-    from babyrobot_levels.lint.runner import Report
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,19 +49,21 @@ class Order:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a file.
+    """What became of a file. It travels between processes, and carries no level.
 
     Attributes:
-        report: what is found in it now.
+        diagnostics: what is found in it now.
         before: the text as it was, None where it could not be read.
         text: the text that fixes made of it, None where they changed nothing.
         count: how many fixes were applied.
+        likeness: by which equal games are found, where somebody compares games.
     """
 
-    report: Report
+    diagnostics: list[Diagnostic]
     before: str | None = None
     text: str | None = None
     count: int = 0
+    likeness: int | None = None
 
 
 def lint(
@@ -143,6 +144,7 @@ def _run(
 ) -> bool:
     """Lint files once. Return whether something was found, or with `diff` would change."""
     from babyrobot_levels.lint.across import same_games
+    from babyrobot_levels.source import SourceFile
 
     outcomes = dict(
         zip(files, map_all(partial(work_on, order), files, jobs, "linting"), strict=True)
@@ -152,12 +154,16 @@ def _run(
     for path, outcome in outcomes.items():
         if order.fix:
             _write_fixed(path, outcome)
-    reports = {path: outcome.report for path, outcome in outcomes.items()}
-    same = same_games(reports, order.rules_for)
+    texts = {
+        path: (SourceFile(shown_name(path), outcome.text or outcome.before), outcome.likeness)
+        for path, outcome in outcomes.items()
+        if outcome.before is not None and outcome.likeness is not None
+    }
+    same = same_games(texts, order.rules_for)
     found = [
         each
-        for path, report in reports.items()
-        for each in [*([same[path]] if path in same else []), *report.diagnostics]
+        for path, outcome in outcomes.items()
+        for each in [*([same[path]] if path in same else []), *outcome.diagnostics]
     ]
     if not (order.fix and STANDARD_INPUT in outcomes):
         count = sum(outcome.count for outcome in outcomes.values())
@@ -169,20 +175,28 @@ def _run(
 def work_on(order: Order, path: Path) -> Outcome:
     """Lint a file, and fix its text if that is wanted. Nothing is written."""
     from babyrobot_levels.files import ReadFault
+    from babyrobot_levels.lint.across import likeness
     from babyrobot_levels.lint.fixer import fix
-    from babyrobot_levels.lint.runner import Report, lint_source
+    from babyrobot_levels.lint.rules.same_game import CODE
+    from babyrobot_levels.lint.runner import lint_source
 
     rules = order.rules_for(path)
     try:
         source = read_path(path)
     except ReadFault as fault:
-        return Outcome(Report(None, [fault.diagnostic]))
+        return Outcome([fault.diagnostic])
     origin = None if path == STANDARD_INPUT else path
-    if not order.fix:
-        return Outcome(lint_source(source, rules, origin), source.text)
-    fixed = fix(source, rules, origin, unsafe=order.unsafe)
-    text = fixed.text if fixed.count else None
-    return Outcome(fixed.report, source.text, text, fixed.count)
+    text, count = None, 0
+    if order.fix:
+        fixed = fix(source, rules, origin, unsafe=order.unsafe)
+        report, count = fixed.report, fixed.count
+        text = fixed.text if count else None
+    else:
+        report = lint_source(source, rules, origin)
+    level, number = report.level, None
+    if level is not None and not level.has_random_maze and any(rule.code == CODE for rule in rules):
+        number = likeness(level)
+    return Outcome(report.diagnostics, source.text, text, count, number)
 
 
 def _write_fixed(path: Path, outcome: Outcome) -> None:

@@ -78,6 +78,47 @@ def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     return []
 
 
+def surely_in_time(level: Level, to_exit: list[int]) -> bool:
+    """Tell whether costs alone show that the best policy fails in at most half of its episodes.
+
+    Where each step costs something, the best policy takes no longer than it has cost to spend,
+    which is what a way without chance costs. And no more than half of the episodes take twice the
+    average (Markov's inequality).
+
+    Args:
+        level: the level; it has a limit of steps.
+        to_exit: the fewest steps from each state to an exit.
+    """
+    mdp, limit = level.compile(), level.max_steps or 0
+    happens = (mdp.probability > 0) & ~mdp.over[:, None, None]
+    ends = mdp.terminal & happens
+    cheapest = -mdp.reward[happens & ~ends].max(initial=-np.inf)
+    if level.discount < 1 or cheapest <= 0 or mdp.over.sum() > len(level.exits):
+        return False
+    highest = float(mdp.reward[ends].max(initial=-np.inf))
+    sure = happens.sum(axis=2) == 1
+    # Cells out of which moves are sure, and those at which all is over.
+    firm = (sure[:, 1:].any(axis=1) | mdp.over).tolist()
+    is_sure = sure.tolist()
+    following, rewards = mdp.next_state[:, :, 0].tolist(), mdp.reward[:, :, 0].tolist()
+    for state in mdp.start.nonzero()[0].tolist():
+        worth = 0.0
+        while to_exit[state] > 0:
+            nearer = (
+                action
+                for action, other in enumerate(following[state])
+                if is_sure[state][action] and firm[other] and 0 <= to_exit[other] < to_exit[state]
+            )
+            action = next(nearer, None)
+            if action is None:
+                return False
+            worth += rewards[state][action]
+            state = following[state][action]
+        if 2 * (1 + (highest - worth) / cheapest) > limit + 1:
+            return False
+    return True
+
+
 def is_in_time(level: Level, solution: Solution, share: float) -> bool | None:
     """Tell whether the best policy reaches an exit within `max_steps`, as likely as `share`.
 

@@ -11,7 +11,7 @@ from babyrobot_levels.grid import Grid, build_grid
 from babyrobot_levels.level import Level
 from babyrobot_levels.lint.drawn import Mark, cell_mark
 from babyrobot_levels.lint.rule import Route, Rule
-from babyrobot_levels.lint.silence import Silence, silences
+from babyrobot_levels.lint.silence import MARK, Silence, silences
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.syntax.comments import Comment, comments
 from babyrobot_levels.syntax.document import Document
@@ -66,6 +66,8 @@ class Case:
     @cached_property
     def silences(self) -> list[Silence]:
         """The comments that silence rules."""
+        if MARK not in self.source.text:
+            return []
         return silences(self.document, self.comments)
 
     @cached_property

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, lru_cache
 from inspect import cleandoc
 from types import ModuleType
 
@@ -40,8 +40,12 @@ def select(select: Sequence[str] | None, ignore: Sequence[str] = ()) -> tuple[Ru
     Raises:
         UnknownRuleError: no rule is meant by one of them.
     """
-    words = [*(select or ()), *ignore]
-    for word in words:
+    return _selected(None if select is None else tuple(select), tuple(ignore))
+
+
+@lru_cache(maxsize=64)
+def _selected(select: tuple[str, ...] | None, ignore: tuple[str, ...]) -> tuple[Rule, ...]:
+    for word in [*(select or ()), *ignore]:
         if not any(_meant(word, rule) for rule in all_rules()):
             known = [each for rule in all_rules() for each in (rule.code, rule.name)]
             raise UnknownRuleError(f"there is no rule `{word}`{did_you_mean(word, known)}")

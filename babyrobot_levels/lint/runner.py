@@ -9,10 +9,11 @@ from pathlib import Path
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
 from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.level import Level
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs, Rule
 from babyrobot_levels.loader import diagnostic, from_yaml
-from babyrobot_levels.reading import read_document
+from babyrobot_levels.reading import is_suite, read_document, read_suite
 from babyrobot_levels.source import SourceFile, Span
 from babyrobot_levels.spec.problem import Problem
 from babyrobot_levels.syntax.document import YamlFault
@@ -26,12 +27,17 @@ class Report:
     Attributes:
         source: the text, None where the file could not be read.
         diagnostics: what was found, in the order of the text.
-        digest: the game's digest; None where the text has errors, or has no tables.
+        level: the level; None where the text has errors.
     """
 
     source: SourceFile | None
     diagnostics: list[Diagnostic]
-    digest: str | None = None
+    level: Level | None = None
+
+    @property
+    def digest(self) -> str | None:
+        """The game's digest; None where the text has errors, or its level has no tables."""
+        return None if self.level is None or self.level.has_random_maze else self.level.digest
 
     @property
     def is_valid(self) -> bool:
@@ -60,6 +66,9 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
         document = read(source)
     except YamlFault as fault:
         return Report(source, [from_yaml(fault.problem, source)])
+    if is_suite(document):
+        # Its levels are not there to be looked at: of a suite, there are errors only.
+        return Report(source, read_suite(document, path)[1])
     level, errors = read_document(document, path)
     if level is None:
         return Report(source, errors)
@@ -72,7 +81,7 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
         told = [diagnostic_of(rule, finding, case) for finding in rule.check(case)]
         found += [each for each in told if not is_silenced(rule, each, case)]
     found.sort(key=lambda each: (each.line, each.column, each.code))
-    return Report(source, found, None if level.has_random_maze else level.digest)
+    return Report(source, found, level)
 
 
 def diagnostic_of(rule: Rule, finding: Finding, case: Case) -> Diagnostic:

@@ -11,6 +11,9 @@ from babyrobot_levels.source import Span
 from babyrobot_levels.syntax.comments import Comment
 from babyrobot_levels.syntax.document import Document
 
+MARK = "babyrobot:"
+"""What every silencing comment has in it."""
+
 _COMMENT = re.compile(r"#\s*babyrobot:\s*ignore(?:\[(?P<words>[^\]]*)\])?(?P<why>.*)")
 
 

@@ -48,8 +48,10 @@ def check(case: Case) -> Iterator[Finding]:
     if mdp.probability.shape[2] == 1 and level.max_steps >= mdp.num_states:
         # Without chance, a policy that arrives at all comes to no cell twice.
         return
-    from babyrobot_levels.lint.best import is_in_time
+    from babyrobot_levels.lint.best import is_in_time, surely_in_time
 
+    if surely_in_time(level, reach.to_exit):
+        return
     best = case.best
     if best is None or not best.exit_probability >= 0.5:
         return

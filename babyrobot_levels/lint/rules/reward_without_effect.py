@@ -101,6 +101,12 @@ def _is_surely_given(case: Case, name: str) -> bool:
         if any(warp.to in level.exits for warp in level.warps):
             return False
         return any(not exits.isdisjoint(others) for others in ahead)
+    if name in ("bump", "stay"):
+        # Only a warp has a say before them where the robot stays on a cell that is no exit.
+        from babyrobot_levels.mdp import REFUSED
+
+        can_be = name == "stay" or bool((case.mdp.hindered == REFUSED).any())
+        return can_be and not level.warps and not level.wind
     if name not in ("closer", "farther") or level.warps or level.wind or len(level.exits) != 1:
         return False
     # Whoever gets elsewhere was not refused.

@@ -36,17 +36,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from babyrobot_levels.diagnostics import Severity
+from babyrobot_levels.level import Level
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.drawn import count_drawn
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.spec.walls import sides_of
 
 CODE, SEVERITY, NEEDS = "BR506", Severity.WARNING, Needs.TABLES
 
 
 def check(case: Case) -> Iterator[Finding]:
     """Yield a finding for each such entry."""
-    if "walls" not in case.data:
+    if "walls" not in case.data or _are_apart(case.level):
         return
     drawn = count_drawn(case.level, "walls")
     for number in case.barriers.idle_walls:
@@ -58,3 +60,21 @@ def check(case: Case) -> Iterator[Finding]:
             "it stands there already, or nobody ever meets it: take the entry away",
             fix=removal(case.document, "take the wall away", route),
         )
+
+
+def _are_apart(level: Level) -> bool:
+    """Tell whether it is plain to see that all walls matter: inside, apart, and nothing else."""
+    if level.maze is not None or level.map is not None or level.openings or level.blocked:
+        return False
+    width, height = level.size
+    sides: set[tuple[bool, int, int]] = set()
+    count = 0
+    for wall in level.walls:
+        runs_down = wall.side in ("E", "W")
+        for x, y in sides_of(wall):
+            across = x + (wall.side == "E") if runs_down else y + (wall.side == "S")
+            if not 0 < across < (width if runs_down else height):
+                return False
+            sides.add((runs_down, across, y if runs_down else x))
+            count += 1
+    return len(sides) == count
