@@ -11,8 +11,19 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from commands import BABYROBOT, COUNT, YAMLLINT, running, write_levels
+from commands import (
+    BABYROBOT,
+    COUNT,
+    YAMLLINT,
+    reading_each,
+    running,
+    write_levels,
+    yamllint_each,
+)
 from timing import rounds, table, versions
+
+from babyrobot_levels.lint.registry import select
+from babyrobot_levels.lint.runner import lint_file
 
 
 def main() -> None:
@@ -26,9 +37,15 @@ def main() -> None:
             ),
             "yamllint": running(*YAMLLINT, folder, worth=COUNT),
         }
-        rates = rounds(measures, count=3)
-    print(versions(["babyrobot-levels", "yamllint"]))
-    print(table(rates, "yamllint", f"{COUNT} files, files per second"))
+        rates = rounds(measures, count=5)
+        print(versions(["babyrobot-levels", "yamllint"]))
+        print(table(rates, "yamllint", f"{COUNT} files, files per second"))
+        rules = select(None)
+        inside = {
+            "babyrobot lint": reading_each(Path(folder), lambda path: lint_file(path, rules)),
+            "yamllint": yamllint_each(Path(folder)),
+        }
+        print(table(rounds(inside, 5), "yamllint", f"{COUNT} files, files per second, no start"))
 
 
 if __name__ == "__main__":

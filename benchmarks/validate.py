@@ -10,13 +10,19 @@ from __future__ import annotations
 
 import sys
 import tempfile
-import time
-from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 
 import yaml
-from commands import BABYROBOT, COUNT, SCRIPTS, YAMLLINT, YAMLLINT_RULES, running, write_levels
+from commands import (
+    BABYROBOT,
+    COUNT,
+    SCRIPTS,
+    YAMLLINT,
+    reading_each,
+    running,
+    write_levels,
+    yamllint_each,
+)
 from timing import Measure, rounds, table, versions
 
 from babyrobot_levels.level import Level
@@ -49,26 +55,15 @@ def many_files(folder: Path) -> dict[str, Measure]:
 
 def without_the_start(folder: Path) -> dict[str, Measure]:
     """Return the same measures inside of this process, and what the parts take at least."""
-    linter, config = import_module("yamllint.linter"), import_module("yamllint.config")
-    rules = config.YamlLintConfig(YAMLLINT_RULES)
-
-    def each(look: Callable[[Path], object]) -> Measure:
-        def measure() -> float:
-            begin = time.perf_counter()
-            for path in folder.iterdir():
-                look(path)
-            return COUNT / (time.perf_counter() - begin)
-
-        return measure
 
     def parts(path: Path) -> object:
         data = yaml.load(path.read_text("utf-8"), yaml.CSafeLoader)
         return Level.model_validate(data)
 
     return {
-        "babyrobot_levels.check": each(read_file),
-        "yamllint": each(lambda path: list(linter.run(path.read_text("utf-8"), rules))),
-        "libyaml and pydantic, nothing else": each(parts),
+        "babyrobot_levels.check": reading_each(folder, read_file),
+        "yamllint": yamllint_each(folder),
+        "libyaml and pydantic, nothing else": reading_each(folder, parts),
     }
 
 

@@ -56,6 +56,8 @@ class Ground:
         self.puddles = self._puddles()
         self.areas = self._areas(changes)
         self.skid = self._skid()
+        # The case keeps its ground: together they would outlive their use.
+        del self._case
 
     def _paint(self) -> list[dict[str, Flags]]:
         """Paint the areas; return for each of the listed ones where its properties differ."""
