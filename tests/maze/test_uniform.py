@@ -18,6 +18,7 @@ EACH = 60
 def deviation(board: Board, mazes: int, algorithm: str) -> float:
     """Return how likely even mazes would deviate at least as much, by the chi-square test."""
     found = Counter(grow(board, seed, algorithm) for seed in range(EACH * mazes))
+    assert len(found) <= mazes
     square = sum((count - EACH) ** 2 / EACH for count in found.values())
     square += EACH * (mazes - len(found))
     return float(chi2.sf(square, mazes - 1))

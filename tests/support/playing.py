@@ -20,7 +20,7 @@ Step = tuple[Any, ...]
 GALLERY = {
     path.stem: path
     for path in sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
-    if path.parent.name != "themes"
+    if path.parent.name not in ("themes", "suites")
 }
 
 CORNERS: dict[str, dict[str, Any]] = {

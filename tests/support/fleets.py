@@ -1,0 +1,136 @@
+"""Many robots in tests: levels with limits, and Gymnasium's own vector environment beside ours."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from hypothesis import strategies as st
+from hypothesis.strategies import DrawFn
+
+from babyrobot_levels.envs.vector.env import LevelVectorEnv
+from babyrobot_levels.level import Level
+from support.worlds import level_of, worlds
+
+ENGINES = ("numpy", "compiled")
+MODES = tuple(AutoresetMode)
+
+
+@st.composite
+def levels(draw: DrawFn, largest: int = 5) -> Level:
+    """Random levels, some of which cut episodes off after a few steps."""
+    world = draw(worlds(largest))
+    world["max_steps"] = draw(st.sampled_from([1, 2, 7, 1000]))
+    return level_of(world)
+
+
+class StartsWhereTold(gymnasium.Wrapper[Any, Any, Any, Any]):
+    """Begins episodes at a cell that is told, and so draws nothing for it."""
+
+    start: list[int]
+
+    def reset(self, **_: Any) -> tuple[Any, dict[str, Any]]:
+        return self.env.reset(options={"start": self.start})
+
+
+class Reference:
+    """A `SyncVectorEnv` of single environments that use the draws of a vector one.
+
+    Single environments draw one after the other when they act. A vector one lets all draw that
+    act, and then those that begin anew; where these stand is then told to the single ones.
+    """
+
+    def __init__(self, levels: Sequence[Level], num_envs: int, mode: AutoresetMode, **kwargs: Any):
+        def make(number: int) -> StartsWhereTold:
+            level = levels[number % len(levels)]
+            return StartsWhereTold(gymnasium.make("babyrobot/Level-v0", level=level, **kwargs))
+
+        self.envs = SyncVectorEnv(
+            [lambda number=number: make(number) for number in range(num_envs)],  # type: ignore[misc]
+            autoreset_mode=mode,
+        )
+        several = any(len(level.starts) > 1 for level in levels)
+        self._draws_to_begin = int(several)
+        self._levels = levels
+
+    def reset(self, seed: int, ours: LevelVectorEnv) -> tuple[Any, dict[str, Any]]:
+        """Begin where ours has begun with this seed."""
+        self._source = np.random.default_rng(seed)
+        everyone = np.ones(ours.num_envs, np.bool_)
+        self._tell(ours, everyone)
+        told = self.envs.reset()
+        for env in self.envs.envs:
+            env.unwrapped.np_random = self._source
+        self._skip(everyone)
+        return told
+
+    def reset_some(self, mask: Any, ours: LevelVectorEnv) -> tuple[Any, dict[str, Any]]:
+        """Begin where ours has begun with this mask."""
+        self._tell(ours, mask)
+        told = self.envs.reset(options={"reset_mask": mask})
+        self._skip(mask)
+        return told
+
+    def step(self, actions: Any, begun: Any, ours: LevelVectorEnv) -> tuple[Any, ...]:
+        """Act as ours has acted, of which those in `begun` began anew."""
+        self._tell(ours, begun)
+        told = self.envs.step(actions)
+        self._skip(begun)
+        return told
+
+    def _tell(self, ours: LevelVectorEnv, begun: Any) -> None:
+        for number in np.flatnonzero(begun):
+            env = self.envs.envs[number]
+            assert isinstance(env, StartsWhereTold)
+            env.start = list(where(ours, int(number)))
+
+    def _skip(self, begun: Any) -> None:
+        self._source.random(int(np.sum(begun)) * self._draws_to_begin)
+
+
+def where(envs: LevelVectorEnv, number: int) -> tuple[int, int]:
+    """Return the cell `[x, y]` in which a robot stands."""
+    level = envs.call("level")[number]
+    state = int(envs._robots.state[number] - envs._tables.offset[envs._robots.level[number]])
+    y, x = divmod(state, level.size[0])
+    return x, y
+
+
+def same(one: Any, other: Any) -> bool:
+    """Return whether results of environments are equal, to the type and the last bit."""
+    if isinstance(one, dict):
+        return list(one) == list(other) and all(same(one[key], other[key]) for key in one)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, np.ndarray) and one.dtype == object:
+        return same(list(one), list(other))
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and np.array_equal(one, other)
+    return type(one) is type(other) and one == other
+
+
+def copied(told: Any) -> Any:
+    """Return a deep copy of what an environment told."""
+    if isinstance(told, dict):
+        return {key: copied(value) for key, value in told.items()}
+    if isinstance(told, tuple | list):
+        return tuple(copied(value) for value in told)
+    return told.copy() if isinstance(told, np.ndarray) else told
+
+
+def walked(envs: LevelVectorEnv, steps: int, seed: int = 0) -> list[Any]:
+    """Take sampled actions and return all that is told, beginning anew where that is asked for."""
+    told: list[Any] = [copied(envs.reset(seed=seed))]
+    envs.action_space.seed(seed)
+    over = np.zeros(envs.num_envs, np.bool_)
+    for _ in range(steps):
+        if envs.metadata["autoreset_mode"] is AutoresetMode.DISABLED and over.any():
+            told.append(copied(envs.reset(options={"reset_mask": over})))
+        actions = envs.action_space.sample()
+        result = envs.step(actions)
+        told.append(copied((actions, *result)))
+        over = result[2] | result[3]
+    return told
