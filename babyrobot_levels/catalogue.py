@@ -10,10 +10,11 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.errors import LevelError, LevelNotFoundError
+from babyrobot_levels.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
 from babyrobot_levels.level import Level, slug
 from babyrobot_levels.reading import from_mapping, load_file
+from babyrobot_levels.share import is_code, load_code
 from babyrobot_levels.suggest import nearest
 
 PACK_GROUP = "babyrobot_levels.packs"
@@ -22,6 +23,7 @@ PACK_GROUP = "babyrobot_levels.packs"
 PATH_VARIABLE = "BABYROBOT_LEVELS"
 MAX_DEPTH = 6
 _NAME_LINE = re.compile(r"^name:[ \t]*[\"']?([a-z0-9-]+)", re.MULTILINE)
+_SUITE_LINE = re.compile(r"^kind:[ \t]*[\"']?suite\b", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,7 +72,8 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
 
     Args:
         level: a name from the catalogue (`"final-maze"`), `"pack/name"`, the path of a file, a
-            mapping of the language's fields, or a level, which is returned as it is.
+            share code (`"brl1.…"`), a mapping of the language's fields, or a level, which is
+            returned as it is.
 
     Raises:
         LevelNotFoundError: nothing has that name; the error names the nearest ones.
@@ -86,6 +89,8 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
         )
     if not isinstance(level, str):
         return _load_path(Path(level))
+    if is_code(level):
+        return load_code(level)
     if "\n" in level:
         raise LevelError(message="this is the text of a level; `loads` reads it")
     if _looks_like_path(level):
@@ -128,7 +133,8 @@ def catalogue() -> tuple[list[LevelInfo], list[Path]]:
         try:
             level = load_file(file.path)
         except LevelError:
-            broken.append(file.path)
+            if not _is_suite(file):
+                broken.append(file.path)
             continue
         # The first place in which a name stands wins, as in `find`.
         name = f"{file.place.pack}/{level.name}" if file.place.pack else str(level.name)
@@ -146,6 +152,32 @@ def level_files() -> Iterator[LevelFile]:
             stem = slug(path.stem)
             if stem is not None:
                 yield LevelFile(f"{place.pack}/{stem}" if place.pack else stem, path, place)
+
+
+def suite_files() -> dict[str, Path]:
+    """Return the files of all suites by their names, the first place that has a name winning."""
+    found: dict[str, Path] = {}
+    for file in level_files():
+        if _is_suite(file):
+            found.setdefault(file.name, file.path)
+    return found
+
+
+def find_suite(suite: str | os.PathLike[str]) -> Path:
+    """Return the file of a suite, which is given by its name or its path.
+
+    Raises:
+        SuiteNotFoundError: nothing has that name.
+    """
+    if not isinstance(suite, str) or _looks_like_path(suite):
+        path = Path(suite)
+        if not path.is_file():
+            raise SuiteNotFoundError(str(path), _nearest_files(path), is_file=True)
+        return path
+    for file in level_files():
+        if file.name == suite and _is_suite(file):
+            return file.path
+    raise SuiteNotFoundError(suite, nearest(suite, suite_files()))
 
 
 def yaml_files(folder: Path) -> Iterator[Path]:
@@ -239,6 +271,14 @@ def _own_name(file: LevelFile) -> str | None:
     except ReadFault:
         return None
     return match[1] if match else None
+
+
+def _is_suite(file: LevelFile) -> bool:
+    """Tell, from a look at its text, whether a file is a suite."""
+    try:
+        return _SUITE_LINE.search(read_source(file.path).text) is not None
+    except ReadFault:
+        return False
 
 
 def _package_folder(module: str) -> Path | None:

@@ -40,6 +40,8 @@ class LevelError(BabyRobotError, ValueError):
 class LevelNotFoundError(BabyRobotError, LookupError):
     """No level has that name. `name` is what was asked for, `nearest` are the likeliest ones."""
 
+    what = "level"
+
     def __init__(self, name: str, nearest: Sequence[str] = (), is_file: bool = False):
         self.name = name
         self.nearest = tuple(nearest)
@@ -48,8 +50,14 @@ class LevelNotFoundError(BabyRobotError, LookupError):
 
     def __str__(self) -> str:
         name = self.name if len(self.name) <= 100 else self.name[:99] + "…"
-        what = "file" if self.is_file else "level called"
+        what = "file" if self.is_file else f"{self.what} called"
         text = f"there is no {what} {name!r}"
         if self.nearest:
             text += f"; did you mean {' or '.join(map(repr, self.nearest))}?"
-        return text if self.is_file else text + " (`babyrobot list` shows all levels)"
+        return text if self.is_file else text + f" (`babyrobot list` shows all {self.what}s)"
+
+
+class SuiteNotFoundError(LevelNotFoundError):
+    """No suite has that name."""
+
+    what = "suite"

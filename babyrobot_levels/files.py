@@ -4,8 +4,13 @@ from __future__ import annotations
 
 import codecs
 import os
+import signal
 import stat
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import FrameType
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
 from babyrobot_levels.source import START, Position, SourceFile
@@ -79,15 +84,21 @@ def decode(data: bytes, name: str) -> SourceFile:
         raise ReadFault("BR102", name, message, "save the file as UTF-8", place) from None
 
 
-def write_text(path: Path, text: str) -> None:
+def write_text(path: Path, text: str, *, sync: bool = True) -> None:
     """Write a file under a temporary name beside it, and rename it when it is whole.
 
     The folder is made if it is not there. An existing file's permissions are kept.
+
+    Args:
+        path: the file.
+        text: what shall stand in it.
+        sync: whether to wait until the disk has it. Without that, a crash of the machine may leave
+            the file empty; the end of this process, in whatever way, may not.
     """
-    write_bytes(path, text.encode("utf-8"))
+    write_bytes(path, text.encode("utf-8"), sync=sync)
 
 
-def write_bytes(path: Path, data: bytes) -> None:
+def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
     """Write bytes as `write_text` does."""
     import tempfile
 
@@ -97,18 +108,37 @@ def write_bytes(path: Path, data: bytes) -> None:
         mode = stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
         mode = 0o666 & ~_umask()
-    descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
-    temporary = Path(name)
+    with _uninterrupted():
+        descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        temporary = Path(name)
+        try:
+            with open(descriptor, "wb") as file:  # noqa: PTH123  (a descriptor, not a path)
+                file.write(data)
+                file.flush()
+                if sync:
+                    os.fsync(file.fileno())
+            temporary.chmod(mode)
+            temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Put Ctrl-C off until what is inside is done: no temporary file is left behind."""
+    if threading.current_thread() is not threading.main_thread():
+        # Others are not interrupted.
+        yield
+        return
+    pressed: list[tuple[int, FrameType | None]] = []
+    before = signal.signal(signal.SIGINT, lambda *given: pressed.append(given))
     try:
-        with open(descriptor, "wb") as file:  # noqa: PTH123  (a descriptor, not a path)
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        temporary.chmod(mode)
-        temporary.replace(path)
-    except BaseException:
-        temporary.unlink(missing_ok=True)
-        raise
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+        if pressed and callable(before):
+            before(*pressed[0])
 
 
 def _umask() -> int:

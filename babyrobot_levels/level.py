@@ -65,12 +65,12 @@ class Level(LevelFields):
     def digest(self) -> str:
         """`sha256:…` of the compiled level: equal for equal games, however they are written.
 
+        It is worked out once.
+
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
         """
-        from babyrobot_levels.digest import digest
-
-        return digest(self.grid(), self.compile())
+        return self._digest
 
     @property
     def has_random_maze(self) -> bool:
@@ -102,6 +102,12 @@ class Level(LevelFields):
 
         return compile_mdp(self, self.grid())
 
+    @cached_property
+    def _digest(self) -> str:
+        from babyrobot_levels.digest import digest
+
+        return digest(self.grid(), self.compile())
+
     # -- other levels ----------------------------------------------------------------------
 
     def replace(self, **fields: Any) -> Level:
@@ -132,9 +138,21 @@ class Level(LevelFields):
         fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
         maze = Maze.model_validate(fields)
         other = self.model_copy(update={"maze": maze})
-        for name in ("_grid", "_mdp"):
+        for name in ("_grid", "_mdp", "_digest"):
             other.__dict__.pop(name, None)
         return other
+
+    def resolve(self) -> Level:
+        """Return the same level with its maze written out as walls, without `maze` and `openings`.
+
+        A level without a maze is returned as it is.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        from babyrobot_levels.resolve import resolve
+
+        return resolve(self)
 
     # -- as text ---------------------------------------------------------------------------
 
@@ -172,9 +190,33 @@ class Level(LevelFields):
                     del data[field]
         return {name: data[name] for name in type(self).model_fields if name in data}
 
-    def to_yaml(self) -> str:
-        """Return the level as canonical YAML: fields in order, one way of writing each."""
+    def to_yaml(self, *, comments: bool = False) -> str:
+        """Return the level as canonical YAML: fields in order, one way of writing each.
+
+        Args:
+            comments: whether a level that was loaded from a text keeps its comments and its
+                layout, so that only the lines of changed fields are new.
+        """
+        from babyrobot_levels.syntax.splice import splice
+
+        if comments and self._origin is not None:
+            text = splice(self._origin.text, self.to_dict(), list(type(self).model_fields))
+            if text is not None:
+                return text
         return emit(self.to_dict())
+
+    def share_code(self) -> str:
+        """Return the level as a share code: one line, `brl1.…`, that `brl.load` takes.
+
+        It holds all that the level says, its name and a theme of its own included, but no
+        comments. It has a checksum, and only characters that may stand in an address.
+
+        Raises:
+            LevelError: the level is larger than a level file may be.
+        """
+        from babyrobot_levels.share import share_code
+
+        return share_code(self)
 
     def save(self, path: str | Path) -> None:
         """Write the level to a file, whole or not at all.
@@ -183,12 +225,8 @@ class Level(LevelFields):
         of changed fields are new.
         """
         from babyrobot_levels.files import write_text
-        from babyrobot_levels.syntax.splice import splice
 
-        text = None
-        if self._origin is not None:
-            text = splice(self._origin.text, self.to_dict(), list(type(self).model_fields))
-        write_text(Path(path), text if text is not None else self.to_yaml())
+        write_text(Path(path), self.to_yaml(comments=True))
 
     # -- as a picture ----------------------------------------------------------------------
 

@@ -34,6 +34,13 @@ FORMS = {
     "theme": "a theme's name or a mapping",
     "side_panel": "`none`, a width, or a mapping",
     "bottom_panel": "`none`, a height, or a mapping",
+    "size": "`[width, height]`, or a mapping with `min` and `max`",
+    "algorithm": "an algorithm, or a list of them",
+    "loops": "a share from 0 to 1, or a mapping with `min` and `max`",
+    "puddles": "a whole number, or a mapping with `min` and `max`",
+    "path_length": "a whole number, or a mapping with `min` and `max`",
+    "dead_ends": "a whole number, or a mapping with `min` and `max`",
+    "difficulty": "a number, or a mapping with `min` and `max`",
 }
 """What fields can hold that can be written in several ways."""
 

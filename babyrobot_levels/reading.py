@@ -10,14 +10,17 @@ from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
 from babyrobot_levels.level import Level, plain, slug
-from babyrobot_levels.loader import from_yaml, parse, parse_document, validate
+from babyrobot_levels.loader import diagnostic, from_yaml, parse, parse_document, validate
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.spec.problem import Problem
+from babyrobot_levels.spec.suite import SuiteFields, impossible
 from babyrobot_levels.suggest import did_you_mean
 from babyrobot_levels.syntax.document import Document, YamlFault
 from babyrobot_levels.syntax.emitter import emit
 from babyrobot_levels.syntax.reader import read
+
+_SUITE_HELP = "`brl.load_suite` makes its levels, `babyrobot generate` writes them"
 
 
 def loads(text: str, *, name: str = "<text>") -> Level:
@@ -69,6 +72,9 @@ def read_document(
     document: Document, path: Path | None = None
 ) -> tuple[Level | None, list[Diagnostic]]:
     """Return the level of a text that was read as YAML; see `read_level`."""
+    if is_suite(document):
+        problem = Problem("BR201", ("kind",), "this is a suite of levels, not a level", _SUITE_HELP)
+        return None, [diagnostic(problem, document)]
     folder = path.parent if path is not None else None
     theme = _ThemeCheck(folder)
     level, diagnostics = parse_document(document, Level, [theme])
@@ -79,6 +85,39 @@ def read_document(
         level.__dict__["name"] = slug(path.stem)
     level.remember_origin(document.source, folder, theme.found)
     return level, []
+
+
+def is_suite(document: Document) -> bool:
+    """Tell whether a text says that it is something else than a level: `kind: suite`."""
+    return isinstance(document.data, dict) and "kind" in document.data
+
+
+def read_suite(
+    document: Document, path: Path | None = None
+) -> tuple[SuiteFields | None, list[Diagnostic]]:
+    """Return the fields of a suite, or None and what is wrong with it.
+
+    `path` is the file that the text is from: it gives the suite's name, and themes beside it.
+    """
+    theme = _ThemeCheck(path.parent if path is not None else None)
+    suite, diagnostics = parse_document(document, SuiteFields, [theme, impossible])
+    diagnostics += theme.diagnostics
+    if suite is None or diagnostics:
+        return None, diagnostics
+    if suite.name is None and path is not None:
+        suite.__dict__["name"] = slug(path.stem)
+    return suite, []
+
+
+def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
+    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
+    try:
+        document = read(source)
+    except YamlFault as fault:
+        return [from_yaml(fault.problem, source)]
+    if is_suite(document):
+        return read_suite(document, path)[1]
+    return read_document(document, path)[1]
 
 
 def from_mapping(
@@ -110,6 +149,21 @@ def from_mapping(
     return level
 
 
+def suite_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
+    """Return the fields of a suite that a mapping gives.
+
+    Raises:
+        LevelError: the mapping is not a valid suite; see `from_mapping`.
+    """
+    fields = plain(data)
+    suite, problems = validate(fields, SuiteFields)
+    if suite is None or [*_ThemeCheck(None)(suite), *impossible(suite)]:
+        text = SourceFile("<mapping>", emit(fields) or "{}")
+        shown = parse(text, SuiteFields, [_ThemeCheck(None), impossible])[1]
+        raise LevelError(shown, "; ".join(problem.message for problem in problems) or None)
+    return suite
+
+
 class _ThemeCheck:
     """Looks for the theme that a level names: among ours, or in `themes/` of its folder."""
 
@@ -118,7 +172,7 @@ class _ThemeCheck:
         self.found: Theme | None = None
         self.diagnostics: list[Diagnostic] = []
 
-    def __call__(self, level: Level) -> list[Problem]:
+    def __call__(self, level: Level | SuiteFields) -> list[Problem]:
         name = level.theme
         if isinstance(name, Theme) or name in BUILTIN_THEMES:
             return []

@@ -20,6 +20,7 @@ from babyrobot_levels.spec.color import FORM_PATTERN, NAMES, PATTERN
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import Theme
 from babyrobot_levels.spec.map import DRAWN_FIELDS
+from babyrobot_levels.spec.suite import SuiteFields
 
 # Draft 7 is what the editors know best.
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -51,7 +52,12 @@ def theme_schema() -> dict[str, Any]:
     return _schema(Theme, "A theme")
 
 
-SCHEMAS = {"level": level_schema, "theme": theme_schema}
+def suite_schema() -> dict[str, Any]:
+    """Return the JSON schema of suite files."""
+    return _schema(SuiteFields, "A suite of levels, version 1")
+
+
+SCHEMAS = {"level": level_schema, "suite": suite_schema, "theme": theme_schema}
 """The schemas by the name under which the command line knows them."""
 
 

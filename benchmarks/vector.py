@@ -4,8 +4,9 @@
 
 All give whole Gymnasium results: observations, rewards, terminated, truncated, info; ours with the
 masks. Ours walk the final maze, with its puddles, by random possible actions; the peers slide over
-FrozenLake's ice by random moves. All actions are drawn beforehand. EnvPool runs in an environment
-of its own, which the first run sets up; where it cannot be installed, the run says so.
+FrozenLake's ice by random moves. All actions are drawn beforehand. Of ours, `copy=False` hands out
+the arrays that it writes into, without copies. EnvPool runs in an environment of its own, which the
+first run sets up; where it cannot be installed, the run says so.
 
 With the extra `fast`, ours is also set beside a bare loop over the same tables, which writes
 observations, rewards and flags into arrays that are there, checks nothing and masks nothing.
@@ -13,6 +14,7 @@ observations, rewards and flags into arrays that are there, checks nothing and m
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 import time
@@ -32,15 +34,19 @@ LEVEL = "final-maze"
 SECONDS = 0.1
 """About how long a measurement lasts."""
 
+LENGTH = 500_000
+"""How many actions are drawn beforehand: more of them would have to come from main memory."""
+
 ROLLOUT = (1024, 8192)
 """Robots and steps of a rollout."""
 
 
-def ours(engine: str, num_envs: int) -> Measure:
+def ours(engine: str, num_envs: int, copy: bool) -> Measure:
     """Return a measure of an engine's steps per second, with random possible actions."""
-    steps = max(50, min(20_000, int(SECONDS * 5e7 / num_envs)))
+    steps = max(20, LENGTH // num_envs)
+    repeats = math.ceil(SECONDS * 5e7 / LENGTH)
     envs: Any = gymnasium.make_vec(
-        "babyrobot/Level-v0", num_envs=num_envs, level=LEVEL, engine=engine
+        "babyrobot/Level-v0", num_envs=num_envs, level=LEVEL, engine=engine, copy=copy
     )
     # The same seed and the same actions give the same walk: they stay possible.
     envs.reset(seed=1)
@@ -51,11 +57,14 @@ def ours(engine: str, num_envs: int) -> Measure:
         envs.step(actions[-1])
 
     def measure() -> float:
-        envs.reset(seed=1)
-        begin = time.perf_counter()
-        for action in actions:
-            envs.step(action)
-        return steps * num_envs / (time.perf_counter() - begin)
+        seconds = 0.0
+        for _ in range(repeats):
+            envs.reset(seed=1)
+            begin = time.perf_counter()
+            for action in actions:
+                envs.step(action)
+            seconds += time.perf_counter() - begin
+        return repeats * steps * num_envs / seconds
 
     return measure
 
@@ -88,7 +97,7 @@ def bare(num_envs: int) -> Measure:
     """Return a measure of a compiled loop that does nothing but walk."""
     import numba
 
-    from babyrobot_levels.engine.tables import ALWAYS, build_tables
+    from babyrobot_levels.engine.tables import build_tables
 
     level = brl.load(LEVEL)
     tables = build_tables([level.compile()], [2**62], 0)
@@ -98,17 +107,18 @@ def bare(num_envs: int) -> Measure:
 
     @numba.njit
     def walk(  # type: ignore[no-untyped-def]
-        actions, state, next_state, reward, threshold, otherwise, over, shown, block, start,
+        actions, state, next_state, reward, chance, first, threshold, over, shown, block, start,
         observations, rewards, terminated, truncated,
     ):  # fmt: skip
         position = 0
         for robot in range(state.size):
             outcome = state[robot] * 5 + actions[robot]
-            if threshold[outcome] < ALWAYS:
-                drawn = block[position]
+            number = chance[outcome]
+            if number >= 0:
+                outcome = first[number]
+                for further in range(threshold.shape[1] - 1):
+                    outcome += block[position] >= threshold[number, further]
                 position += 1
-                while drawn >= threshold[outcome]:
-                    outcome = otherwise[outcome]
             here = next_state[outcome]
             rewards[robot] = reward[outcome]
             terminated[robot] = over[here]
@@ -118,7 +128,8 @@ def bare(num_envs: int) -> Measure:
             state[robot] = start if over[here] else here
         return position
 
-    steps = max(50, min(20_000, int(SECONDS * 1e8 / num_envs)))
+    steps = max(20, LENGTH // num_envs)
+    repeats = math.ceil(SECONDS * 1e8 / LENGTH)
     start = int(tables.starts[0])
     state = np.full(num_envs, start)
     source = np.random.default_rng(1)
@@ -132,8 +143,8 @@ def bare(num_envs: int) -> Measure:
 
     def step(action: Any) -> None:
         used = walk(
-            action, state, tables.next_state, tables.reward, tables.threshold, tables.otherwise,
-            tables.over, shown, block, start, *results,
+            action, state, tables.next_state, tables.reward, tables.chance, tables.first,
+            tables.threshold, tables.over, shown, block, start, *results,
         )  # fmt: skip
         source.random(out=block[:used])
 
@@ -144,11 +155,14 @@ def bare(num_envs: int) -> Measure:
         step(actions[-1])
 
     def measure() -> float:
-        state[:] = start
-        begin = time.perf_counter()
-        for action in actions:
-            step(action)
-        return steps * num_envs / (time.perf_counter() - begin)
+        seconds = 0.0
+        for _ in range(repeats):
+            state[:] = start
+            begin = time.perf_counter()
+            for action in actions:
+                step(action)
+            seconds += time.perf_counter() - begin
+        return repeats * steps * num_envs / seconds
 
     return measure
 
@@ -180,14 +194,18 @@ def main() -> None:
     print(versions([*told, "numba"] if "compiled" in engines else told), end="")
     print(f", envpool {peer.ask(num_envs=1, steps=1)['version']}" if peer is not None else "")
     for size in SIZES:
-        names = {engine: f"LevelVectorEnv, {engine}, {size:,}" for engine in engines}
+        names = {
+            (engine, copy): f"LevelVectorEnv, {engine}, {size:,}{'' if copy else ', no copies'}"
+            for engine in engines
+            for copy in (True, False)
+        }
         rates = rounds(
             {
                 # More of them take too long.
                 **({f"SyncVectorEnv FrozenLake, {size:,}": sync(size)} if size < 2000 else {}),
                 **({f"EnvPool FrozenLake, {size:,}": pool(peer, size)} if peer else {}),
                 **({f"bare compiled loop, {size:,}": bare(size)} if "compiled" in engines else {}),
-                **{name: ours(engine, size) for engine, name in names.items()},
+                **{name: ours(engine, size, copy) for (engine, copy), name in names.items()},
             },
             5,
         )

@@ -41,7 +41,8 @@ LAYERS = [
     ["digest"],
     # The level as users hold it, and where it comes from.
     ["level"],
-    ["reading"],
+    ["reading", "share_dictionary"],
+    ["resolve", "share"],
     ["catalogue"],
     # How it looks.
     ["scene"],
@@ -49,14 +50,24 @@ LAYERS = [
     # What it is worth.
     ["solver"],
     ["learning"],
+    # Many robots at once.
+    ["engine"],
     # How it is written.
     ["formatting"],
     # What could be better about it.
     ["lint"],
+    # What it is like, in numbers.
+    ["measures"],
+    # Levels to order, and families of levels.
+    ["generate"],
+    ["suites"],
     # What is done with it.
     ["games"],
+    ["difference"],
     ["notebook"],
     ["certificate", "envs", "report", "schema", "starter"],
+    # Worlds of other programs.
+    ["convert"],
     ["cli"],
     ["__main__"],
 ]
@@ -68,14 +79,14 @@ FACADES = {"_gymnasium_hook", "level"}
 OWNERS = {
     "yaml": {"syntax.reader"},
     "typer": {"cli"},
-    "gymnasium": {"envs", "games", "level"},
+    "gymnasium": {"envs", "games", "level", "convert.registration"},
     "PIL": {"render"},
     "rich": {"cli"},
     "platformdirs": {"catalogue"},
     "ipycanvas": {"render.canvas", "render.stage"},
     "IPython": {"notebook"},
     "matplotlib": set(),
-    "numba": {"maze.compiled", "maze.kernel"},
+    "numba": {"engine.loops", "maze.compiled", "maze.kernel"},
     "scipy": {"solver"},
 }
 """Who may import what is not ours: a module, or all of a package's."""

@@ -26,9 +26,10 @@ from babyrobot_levels.syntax.reader import read
 ROOT = Path(__file__).parents[1]
 GALLERY = ROOT / "levels"
 # `themes/NAME.yaml` beside a level is a theme.
-FILES = {
-    path.stem: path for path in sorted(GALLERY.rglob("*.yaml")) if path.parent.name != "themes"
-}
+PATHS = [
+    path for path in sorted(GALLERY.rglob("*.yaml")) if path.parent.name not in ("themes", "suites")
+]
+FILES = {path.stem: path for path in PATHS}
 MAZE_SEEDS = range(10)
 
 ARTICLE_WORLDS = {
@@ -108,8 +109,7 @@ def optimal_values(mdp: Mdp, discount: float) -> NDArray[np.float64]:
 
 
 def test_there_are_enough_levels_and_all_names_differ() -> None:
-    paths = [path for path in GALLERY.rglob("*.yaml") if path.parent.name != "themes"]
-    assert len(paths) == len(FILES) >= 20
+    assert len(PATHS) == len(FILES) >= 20
 
 
 @each_level

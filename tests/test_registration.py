@@ -15,6 +15,7 @@ from support.subprocesses import python, run
 import babyrobot_levels as brl
 from babyrobot_levels.envs.single import LevelEnv
 
+OWN_IDS = ("babyrobot/Level-v0", "babyrobot/Suite-v0")
 HEAVY = ("gymnasium", "numpy", "ipycanvas", "PIL", "rich", "pydantic", "yaml", "typer")
 
 SHOW_IDS = """
@@ -76,7 +77,7 @@ print("gymnasium" in sys.modules, "PIL" in sys.modules, "ipycanvas" in sys.modul
 )
 def test_the_ids_are_known_after(imports: str, tmp_path: Path) -> None:
     known = run(imports + SHOW_IDS, tmp_path).split()
-    assert known == sorted(["babyrobot/Level-v0", *(f"babyrobot/{n}-v0" for n in GALLERY)])
+    assert known == sorted([*OWN_IDS, *(f"babyrobot/{n}-v0" for n in GALLERY)])
 
 
 def test_the_module_prefix_imports_the_package(tmp_path: Path) -> None:
@@ -184,7 +185,7 @@ def test_each_level_of_the_gallery_has_its_id(name: str) -> None:
 
 def test_no_other_ids_are_taken() -> None:
     ours = {name for name in registry if name.startswith("babyrobot/")}
-    assert ours == {"babyrobot/Level-v0"} | {f"babyrobot/{name}-v0" for name in GALLERY}
+    assert ours == set(OWN_IDS) | {f"babyrobot/{name}-v0" for name in GALLERY}
 
 
 def test_the_spec_of_any_level() -> None:

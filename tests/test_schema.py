@@ -30,10 +30,10 @@ from babyrobot_levels.syntax.reader import read
 SCHEMAS = Path(__file__).parents[1] / "schemas"
 LEVEL = jsonschema.Draft7Validator(level_schema())
 THEME = jsonschema.Draft7Validator(theme_schema())
-GALLERY = sorted(yaml_files(gallery_folder()))
+GALLERY = sorted(path for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
 
 
-@pytest.mark.parametrize("name", ["level", "theme"])
+@pytest.mark.parametrize("name", ["level", "suite", "theme"])
 def test_the_files_are_up_to_date(name: str) -> None:
     path = SCHEMAS / f"{name}.schema.json"
     assert path.read_text(encoding="utf-8") == schema_text(name), f"babyrobot schema {name}"

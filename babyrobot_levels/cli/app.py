@@ -15,8 +15,10 @@ from babyrobot_levels import __version__
 from babyrobot_levels.cli import (
     compare,
     diff,
+    export_level,
     format_levels,
     generate,
+    import_level,
     lint,
     list_levels,
     new_level,
@@ -58,6 +60,8 @@ app.command("compare", short_help="Compare a level with another game.")(compare.
 app.command("diff", short_help="Tell what changed in the game.")(diff.diff)
 app.command("resolve", short_help="Write a maze out as walls.")(resolve.resolve)
 app.command("share", short_help="Print a level as a share code.")(share.share)
+app.command("import", short_help="Read worlds of other programs.")(import_level.import_level)
+app.command("export", short_help="Write for other programs.")(export_level.export_level)
 app.command("schema", short_help="Print the JSON schema.")(print_schema.print_schema)
 
 

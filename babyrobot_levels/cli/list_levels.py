@@ -38,7 +38,7 @@ def list_levels(
 
       babyrobot list --tag maze
     """
-    from babyrobot_levels.catalogue import catalogue
+    from babyrobot_levels.catalogue import catalogue, suite_files
 
     infos, broken = catalogue()
     wanted = set(tag or ())
@@ -49,6 +49,8 @@ def list_levels(
         write(_table(infos, bold=wants_color(sys.stdout)))
     else:
         note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
+    if report_format is ReportFormat.TEXT and not tag:
+        note("suites: " + ", ".join(sorted(suite_files())))
     for path in map(one_line, map(str, broken)):
         note(f"{path} has errors and is left out (`babyrobot validate {path}` shows them)")
 

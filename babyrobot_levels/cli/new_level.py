@@ -51,7 +51,8 @@ def new_level(
         typer.Option(metavar="N", help="Grow a maze from this seed.", show_default=False),
     ] = None,
     algorithm: Annotated[
-        Algorithm, typer.Option(help="How the maze is grown.")
+        Algorithm,
+        typer.Option(metavar="A", help="How the maze is grown: " + ", ".join(Algorithm) + "."),
     ] = Algorithm.DEPTH_FIRST,
     loops: Annotated[
         float,

@@ -30,7 +30,8 @@ class PictureFormat(StrEnum):
 
 
 LevelArgument = Annotated[
-    str, typer.Argument(metavar="LEVEL", help="A name, pack/name, or the path of a file.")
+    str,
+    typer.Argument(metavar="LEVEL", help="A name, pack/name, the path of a file, or a share code."),
 ]
 
 _SUFFIXES = {
@@ -172,8 +173,9 @@ def load_level(text: str) -> Level:
     """Return the level that an argument names."""
     from babyrobot_levels.catalogue import load
     from babyrobot_levels.errors import LevelNotFoundError
+    from babyrobot_levels.share import is_code
 
-    if "\n" in text:
+    if "\n" in text and not is_code(text):
         raise LevelNotFoundError(text)
     return load(text)
 

@@ -16,12 +16,13 @@ class SchemaName(StrEnum):
     """What there is a schema of."""
 
     LEVEL = "level"
+    SUITE = "suite"
     THEME = "theme"
 
 
 def print_schema(
     name: Annotated[
-        SchemaName, typer.Argument(metavar="NAME", help="`level` or `theme`.")
+        SchemaName, typer.Argument(metavar="NAME", help="`level`, `suite` or `theme`.")
     ] = SchemaName.LEVEL,
     output: Annotated[
         Path | None,
@@ -29,7 +30,7 @@ def print_schema(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
-    """Print the JSON schema of level or theme files.
+    """Print the JSON schema of level, suite or theme files.
 
     Examples:
 

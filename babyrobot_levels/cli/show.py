@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import sys
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
+import typer
+
+from babyrobot_levels.cli.cite import cite
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
@@ -22,20 +26,35 @@ if TYPE_CHECKING:
 
 def show(
     level: LevelArgument,
+    citation: Annotated[
+        bool,
+        typer.Option("--cite", help="Print one line for a paper: name, versions and digest."),
+    ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Tell all about one level: its texts, numbers, digest and drawing.
+    """Tell all about one level: its texts, numbers, digest, metrics and drawing.
+
+    The metrics are what `brl.metrics` tells in Python. Levels of more than 5,000 cells are not
+    solved for them.
 
     Examples:
 
       babyrobot show final-maze
+
+      babyrobot show final-maze --format json
+
+      babyrobot show final-maze --cite
     """
     loaded = load_level(level)
+    if citation:
+        cite(loaded, as_json=report_format is ReportFormat.JSON)
+        return
     facts = _facts(loaded)
     if report_format is ReportFormat.JSON:
         write_json(facts)
         return
     del facts["drawing"]
+    facts |= facts.pop("metrics") or {}
     width = max(map(len, facts))
     bold = wants_color(sys.stdout)
     for name, value in facts.items():
@@ -71,6 +90,7 @@ def _facts(level: Level) -> dict[str, Any]:
         "outcomes": None,
         "chance": None,
         "digest": None,
+        "metrics": None,
         "drawing": None,
     }
     if not level.has_random_maze:
@@ -80,8 +100,26 @@ def _facts(level: Level) -> dict[str, Any]:
         facts["outcomes"] = int(happens.sum())
         facts["chance"] = bool(happens[~mdp.over].sum(axis=2).max(initial=0) > 1)
         facts["digest"] = level.digest
+        facts["metrics"] = _metrics(level)
         facts["drawing"] = level.draw()
     return facts
+
+
+def _metrics(level: Level) -> dict[str, Any]:
+    """Return the metrics as JSON can hold them: texts for inf, null for what cannot be told."""
+    from babyrobot_levels.lint.best import MAX_SOLVED
+    from babyrobot_levels.measures.metrics import metrics
+
+    found = metrics(level)
+    numbers = found.to_dict(solve=found.cells <= MAX_SOLVED)
+    return {name: _number(value) for name, value in numbers.items()}
+
+
+def _number(value: float | None) -> float | str | None:
+    if not isinstance(value, float):
+        return value
+    # Nine digits are the same on every platform, all of them are not.
+    return float(f"{value:.9g}") if math.isfinite(value) else str(value)
 
 
 def _told(value: Any) -> str:
@@ -93,6 +131,6 @@ def _told(value: Any) -> str:
         return f"{value[0]} x {value[1]}"
     if isinstance(value, list):
         return ", ".join(value)
-    if isinstance(value, float) and value.is_integer():
-        return str(int(value))
+    if isinstance(value, float):
+        return f"{value:.6g}"
     return "" if value is None else str(value)

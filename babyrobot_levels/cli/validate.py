@@ -47,12 +47,11 @@ def validate(
 
 def errors_of(path: Path) -> list[Diagnostic]:
     """Return the errors of a file, or of standard input for `-`."""
+    from babyrobot_levels import reading
     from babyrobot_levels.files import ReadFault
-    from babyrobot_levels.reading import read_file, read_level
 
-    if path != STANDARD_INPUT:
-        return read_file(path)[1]
     try:
-        return read_level(read_path(path))[1]
+        source = read_path(path)
     except ReadFault as fault:
         return [fault.diagnostic]
+    return reading.errors_of(source, None if path == STANDARD_INPUT else path)

@@ -69,62 +69,64 @@ def chancy_rows(moves: Moves, terrain: Terrain, warps: Warps) -> Flags:
     """Return, `[states, actions]`, the rows in which chance decides where the robot goes."""
     can_move = ~terrain.over & ~warps.leaves
     slips = (terrain.skid > 0) & can_move
+    glass = moves.glass > 0
+    sheltered = moves.refused & ~glass & (terrain.rule == OPEN_RULE)
     chancy = np.zeros((terrain.over.size, NUM_ACTIONS), bool)
-    for way in range(NUM_MOVES):
-        sheltered = moves.refused[way] & (moves.glass[way] == 0) & (terrain.rule == OPEN_RULE)
-        chancy[:, way + 1] = (slips & ~sheltered) | (can_move & (moves.glass[way] > 0))
+    chancy[:, 1:] = ((slips & ~sheltered) | (can_move & glass)).T
     return chancy
 
 
-def chancy_branches(moves: Moves, terrain: Terrain, chancy: Flags) -> Branches:
-    """Return all branches of the chancy rows."""
-    number_open = moves.open.sum(axis=0)
+def chancy_branches(moves: Moves, terrain: Terrain, chancy: Flags) -> list[Branches]:
+    """Return all branches of the chancy rows, in parts. Those with probability 0 are among them."""
+    states, ways = np.nonzero(chancy[:, 1:])
+    behind_glass = moves.glass[ways, states] > 0
     parts: list[Branches] = []
-    for way in range(NUM_MOVES):
-        states = np.flatnonzero(chancy[:, way + 1])
-        behind_glass = moves.glass[way, states] > 0
-        parts += _glass_branches(moves, terrain, way, states[behind_glass])
-        parts += _skid_branches(moves, terrain, way, states[~behind_glass], number_open)
-    branches = parts[0].joined(*parts[1:])
-    return branches.select(branches.probability > 0)
+    if behind_glass.any():
+        parts += _glass_branches(moves, terrain, states[behind_glass], ways[behind_glass])
+    skids = ~behind_glass
+    if skids.any():
+        parts += _skid_branches(moves, terrain, states[skids], ways[skids])
+    return parts
 
 
 def _branches(
-    states: Ints, way: int, chance: Floats, landing: Ints, bumped: Flags | None, bounced: bool
+    states: Ints, ways: Ints, chance: Floats, landing: Ints, bumped: Flags | None, bounced: bool
 ) -> Branches:
     quiet = np.zeros(states.size, bool)
-    row = states * NUM_ACTIONS + way + 1
+    row = states * NUM_ACTIONS + ways + 1
     return Branches(row, chance, landing, quiet if bumped is None else bumped, quiet | bounced)
 
 
-def _glass_branches(moves: Moves, terrain: Terrain, way: int, states: Ints) -> list[Branches]:
+def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
     """Return the branches of moves against glass: through it, or bounced off."""
-    chance = moves.glass[way, states] * (1.0 - terrain.skid[states])
+    chance = moves.glass[ways, states] * (1.0 - terrain.skid[states])
     return [
-        _branches(states, way, chance, moves.through[way, states], None, False),
-        _branches(states, way, 1.0 - chance, moves.bounce[way, states], None, True),
+        _branches(states, ways, chance, moves.through[ways, states], None, False),
+        _branches(states, ways, 1.0 - chance, moves.bounce[ways, states], None, True),
     ]
 
 
-def _skid_branches(
-    moves: Moves, terrain: Terrain, way: int, states: Ints, number_open: Ints
-) -> list[Branches]:
+def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
     """Return the branches of moves that may go astray: where they go, and every other way."""
     skid, rule = terrain.skid[states], terrain.rule[states]
-    landing, refused = moves.landing[:, states], moves.refused[:, states]
-    others = number_open[states] - moves.open[way, states]
+    others = moves.open[:, states].sum(axis=0) - moves.open[ways, states]
+
+    def branches(ways_taken: Ints, chance: Floats) -> Branches:
+        landing, refused = moves.landing[ways_taken, states], moves.refused[ways_taken, states]
+        return _branches(states, ways, chance, landing, refused, False)
+
     stuck = (rule == OPEN_RULE) & (others == 0)
     parts = [
-        _branches(states, way, 1.0 - skid, landing[way], refused[way], False),
-        _branches(states[stuck], way, skid[stuck], states[stuck], None, False),
+        branches(ways, 1.0 - skid),
+        _branches(states[stuck], ways[stuck], skid[stuck], states[stuck], None, False),
     ]
     for turn in (1, 2, 3):
-        other = (way + turn) % NUM_MOVES
+        other = (ways + turn) % NUM_MOVES
         share = np.zeros(states.size)
         is_open = (rule == OPEN_RULE) & moves.open[other, states]
         share[is_open] = skid[is_open] / others[is_open]
         if turn != 2:
             share[rule == SIDES_RULE] = skid[rule == SIDES_RULE] / 2
         share[rule == OTHERS_RULE] = skid[rule == OTHERS_RULE] / 3
-        parts.append(_branches(states, way, share, landing[other], refused[other], False))
+        parts.append(branches(other, share))
     return parts

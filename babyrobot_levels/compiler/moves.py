@@ -17,6 +17,9 @@ States = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 NORTH, EAST, SOUTH, WEST = range(NUM_MOVES)
+BACK = (SOUTH, WEST, NORTH, EAST)
+"""The opposite of each direction."""
+
 VERTICAL = (True, False, True, False)
 SIGN = (-1, 1, 1, -1)
 """The direction of each move on its axis: south and east are positive."""
@@ -31,7 +34,7 @@ class Moves:
         landing: where a robot comes to stand that tries the direction; glass is a wall to it.
         refused: whether a wall refused the move: it pushed against the side and did not go.
         glass: the probability of getting through the wall of glass that the move tries, else 0.
-        through: where the robot comes to stand if it gets through.
+        through: where the robot comes to stand if it gets through; without glass of no meaning.
         bounce: where it comes to stand if it bounces off.
     """
 
@@ -48,26 +51,31 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
     count = grid.width * grid.height
     states = np.arange(count)
     open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
-    delta = (-grid.width, 1, grid.width, -1)
+    delta = np.array([-grid.width, 1, grid.width, -1])[:, None]
+    step = np.where(open_, states + delta, states)
+    glass = np.zeros((NUM_MOVES, count))
+    for (cell, side), probability in grid.glass.items():
+        glass[SIDES.index(side), cell] = probability
+    bounce = step[list(BACK)]
+    if level.wind is None:
+        through = np.where(glass > 0, states + delta, states) if grid.glass else step
+        return Moves(open_, step, ~open_, glass, through, bounce)
+
     south, east = shifts(level.wind, grid.width, grid.height)
     pushes = {
         True: np.tile(np.array(south, np.int64), grid.height),
         False: np.repeat(np.array(east, np.int64), grid.width),
     }
-    glass = np.zeros((NUM_MOVES, count))
-    for (cell, side), probability in grid.glass.items():
-        glass[SIDES.index(side), cell] = probability
-    landing = np.empty((NUM_MOVES, count), np.int64)
-    through, bounce = np.empty_like(landing), np.empty_like(landing)
-    refused = np.empty((NUM_MOVES, count), bool)
+    landing, through = np.empty_like(step), np.empty_like(step)
+    refused = np.empty_like(open_)
 
     def walk(start: States, amount: States, vertical: bool) -> States:
         """Walk `amount` cells along an axis, one at a time, each state until a wall stops it."""
         ways = (SOUTH, NORTH) if vertical else (EAST, WEST)
         position = start
         for way, left in zip(ways, (amount, -amount), strict=True):
-            for step in range(max(0, int(left.max(initial=0)))):
-                going = (left > step) & open_[way, position]
+            for taken in range(max(0, int(left.max(initial=0)))):
+                going = (left > taken) & open_[way, position]
                 if not going.any():
                     break
                 position = np.where(going, position + delta[way], position)
@@ -84,6 +92,4 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
         rest = np.where(glass[way] > 0, along - sign, 0)
         drift = np.where(glass[way] > 0, across, 0)
         through[way] = walk(walk(behind, rest, vertical), drift, not vertical)
-        back = (way + 2) % NUM_MOVES
-        bounce[way] = np.where(open_[back], states + delta[back], states)
     return Moves(open_, landing, refused, glass, through, bounce)

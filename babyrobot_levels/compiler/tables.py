@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.actions import NUM_ACTIONS, Action
 from babyrobot_levels.compiler.arrivals import Arrivals
 from babyrobot_levels.compiler.branches import (
     Branches,
@@ -49,8 +49,9 @@ def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
     # A plain row that leads to one of several starts is a chance too.
     lost = next_state == terrain.over.size
     chancy = chancy_rows(moves, terrain, warps)
-    branches = chancy_branches(moves, terrain, chancy)
-    branches = branches.joined(plain.select(lost & ~chancy.ravel()))
+    by_chance = [*chancy_branches(moves, terrain, chancy), plain.select(lost & ~chancy.ravel())]
+    branches = by_chance[0].joined(*by_chance[1:])
+    branches = branches.select(branches.probability > 0)
     next_state[lost] = 0
     tables = _plain_tables(next_state, arrivals.rewards_of(plain, next_state), terrain)
     if branches.row.size:
@@ -151,12 +152,11 @@ def _hindrances(
     hindered = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
     target = np.empty((states.size, NUM_ACTIONS), np.int32)
     target[:, Action.STAY] = states
+    glass = moves.glass > 0
     moves_on = ~warps.leaves & ~terrain.over
-    for way in range(NUM_MOVES):
-        glass = moves.glass[way] > 0
-        hindered[moves_on & moves.refused[way], way + 1] = REFUSED
-        hindered[moves_on & glass, way + 1] = GLASS
-        goal = warps.arrive[np.where(glass, moves.through[way], moves.landing[way])]
-        target[:, way + 1] = np.where(warps.leaves, warps.leave_to, goal)
+    hindered[:, 1:][(moves_on & moves.refused).T] = REFUSED
+    hindered[:, 1:][(moves_on & glass).T] = GLASS
+    goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
+    target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
     target[terrain.over] = states[terrain.over, None]
     return hindered, target

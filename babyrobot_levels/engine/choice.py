@@ -35,10 +35,12 @@ def make_engine(
     if name != "numpy":
         try:
             from babyrobot_levels.engine.compiled import CompiledEngine
-        except ImportError as reason:
+        except (ImportError, RuntimeError) as reason:
+            # Numba raises the latter where it finds no folder to keep what it compiles.
             if name == "compiled":
                 raise ImportError(
-                    "engine='compiled' needs Numba: pip install 'babyrobot-levels[fast]'"
+                    "engine='compiled' needs Numba, free to compile and to keep what it compiles: "
+                    "pip install 'babyrobot-levels[fast]'"
                 ) from reason
         else:
             return CompiledEngine(tables, observations, num_robots)

@@ -17,17 +17,14 @@ class CompiledEngine:
     name = "compiled"
 
     def __init__(self, tables: Tables, observations: NDArray[np.int64], num_robots: int) -> None:
-        """Bring tables into the order in which the loops take them.
+        """Put all that the loops read into one array.
 
         Args:
             tables: what the robots walk in.
             observations: what each state shows, int64 `[states, numbers]`.
             num_robots: how many there are.
         """
-        self._tables = tables
-        self._world = loops.world_of(tables)
-        self._beginning = loops.beginning_of(tables)
-        self._observations = observations
+        self._memory = loops.packed(tables, observations)
 
     def begin(self, robots: Robots, which: Ints, draws: Draws) -> None:
         """Begin new episodes for the robots of these numbers."""
@@ -40,7 +37,7 @@ class CompiledEngine:
             robots.clock,
             draws.block,
             draws.position,
-            self._beginning,
+            self._memory,
         )
 
     def step(self, robots: Robots, actions: Ints, draws: Draws, results: Results) -> bool:
@@ -54,10 +51,7 @@ class CompiledEngine:
             robots.clock + 1,
             draws.block,
             draws.position,
-            self._tables.num_actions,
-            self._world,
-            self._beginning,
-            self._observations,
+            self._memory,
             results.observations,
             results.rewards,
             results.terminated,
@@ -84,9 +78,7 @@ class CompiledEngine:
             robots.clock,
             draws.block,
             draws.position,
-            self._world,
-            self._beginning,
-            self._tables.offset,
+            self._memory,
             record.observations,
             record.actions,
             record.rewards,

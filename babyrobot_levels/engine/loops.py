@@ -3,48 +3,112 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.engine.tables import ALWAYS, Flags, Floats, Ints, Tables, Words
+from babyrobot_levels.engine.tables import Flags, Floats, Ints, Tables, Words
+
+if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    raise ImportError("Numba is told not to compile")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-World = tuple[Ints, Floats, Words, Floats, Ints, Flags, Words]
+World = tuple[Ints, Floats, Words, Ints, Ints, Floats, Ints, Words]
+"""What acting reads: of `Tables`, `next_state` to `standing` in their order."""
+
 Beginning = tuple[Ints, Ints, NDArray[np.int64], bool, bool]
+"""What beginning reads: `starts`, `first_start`, `limit`, `draws_levels`, `draws_starts`."""
 
 
 def compiled(function: _Function) -> _Function:
     """Have Numba compile a function when it is first called; the machine code is kept on disk."""
-    made: _Function = numba.njit(cache=True, nogil=True)(function)
-    return made
+    return cast("_Function", numba.njit(cache=True, nogil=True)(function))
 
 
-def world_of(tables: Tables) -> World:
-    """Return the arrays that acting reads."""
-    return (
+def packed(tables: Tables, observations: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return all that loops read, in one array, of which `unpacked` makes the arrays again.
+
+    To hand an array over to compiled code takes as long as several robots' steps.
+
+    Args:
+        tables: what the robots walk in.
+        observations: what each state shows, int64 `[states, numbers]`.
+    """
+    arrays = (
         tables.next_state,
         tables.reward,
         tables.arrival,
+        tables.chance,
+        tables.first,
         tables.threshold,
-        tables.otherwise,
-        tables.over,
+        tables.over.astype(np.int64),
         tables.standing,
-    )
-
-
-def beginning_of(tables: Tables) -> Beginning:
-    """Return what beginning an episode reads."""
-    return (
         tables.starts,
         tables.first_start,
         tables.limit,
-        tables.draws_levels,
-        tables.draws_starts,
+        observations,
+        tables.offset,
+        np.array([tables.num_actions, tables.draws_levels, tables.draws_starts]),
     )
+    ends = len(arrays) + np.cumsum([array.size for array in arrays])
+    return np.concatenate([ends, *(array.ravel().view(np.int64) for array in arrays)])
+
+
+@compiled
+def unpacked(
+    memory: NDArray[np.int64],
+) -> tuple[World, Beginning, NDArray[np.int64], Ints, int]:
+    """Return the world, what beginning reads, what states show, `offset` and `num_actions`."""
+    next_state = memory[14 : memory[0]]
+    reward = memory[memory[0] : memory[1]].view(np.float64)
+    arrival = memory[memory[1] : memory[2]].view(np.uint64)
+    chance = memory[memory[2] : memory[3]]
+    first = memory[memory[3] : memory[4]]
+    threshold = memory[memory[4] : memory[5]].view(np.float64)
+    over = memory[memory[5] : memory[6]]
+    standing = memory[memory[6] : memory[7]].view(np.uint64)
+    starts = memory[memory[7] : memory[8]]
+    first_start = memory[memory[8] : memory[9]]
+    limit = memory[memory[9] : memory[10]]
+    shown = memory[memory[10] : memory[11]]
+    offset = memory[memory[11] : memory[12]]
+    num_actions, draws_levels, draws_starts = memory[memory[12] : memory[13]]
+    world = (
+        next_state,
+        reward,
+        arrival,
+        chance,
+        first,
+        threshold.reshape((first.size, threshold.size // max(1, first.size))),
+        over,
+        standing,
+    )
+    beginning = (starts, first_start, limit, draws_levels != 0, draws_starts != 0)
+    numbers = shown.size // standing.size
+    return world, beginning, shown.reshape((standing.size, numbers)), offset, num_actions
+
+
+@compiled
+def settle(rows: Ints, block: Floats, position: int, world: World) -> int:
+    """Put the outcomes that are drawn in the place of rows; return the position after the draws."""
+    _, _, _, chance, first, threshold, _, _ = world
+    # No branch depends on chance: processors guess which way one goes, and would be wrong.
+    which = np.empty(rows.size, np.intp)
+    count = 0
+    for robot in range(rows.size):
+        which[count] = robot
+        count += chance[rows[robot]] >= 0
+    for robot in which[:count]:
+        number = chance[rows[robot]]
+        outcome = first[number]
+        for further in range(threshold.shape[1] - 1):
+            outcome += block[position] >= threshold[number, further]
+        rows[robot] = outcome
+        position += 1
+    return position
 
 
 @compiled
@@ -83,9 +147,10 @@ def begin_all(
     clock: int,
     block: Floats,
     position: int,
-    beginning: Beginning,
+    memory: NDArray[np.int64],
 ) -> int:
     """Begin episodes for robots of these numbers and return the position after their draws."""
+    _, beginning, _, _, _ = unpacked(memory)
     for robot in which:
         position = begin_one(robot, state, level, deadline, clock, block, position, beginning)
         over[robot] = False
@@ -102,10 +167,7 @@ def step(
     clock: int,
     block: Floats,
     position: int,
-    num_actions: int,
-    world: World,
-    beginning: Beginning,
-    shown: NDArray[np.int64],
+    memory: NDArray[np.int64],
     observations: NDArray[np.int64],
     rewards: Floats,
     terminated: Flags,
@@ -114,7 +176,9 @@ def step(
     acted: Flags,
 ) -> int:
     """Take a step and return the position after its draws, -1 if an action is none."""
-    next_state, reward, arrival, threshold, otherwise, ends, standing = world
+    world, beginning, shown, _, num_actions = unpacked(memory)
+    next_state, reward, arrival, chance, _, _, ends, standing = world
+    rest = chance.size - 1
     # Loops of their own for what the processor can do for several robots at a time.
     wrong = False
     for action in actions:
@@ -125,28 +189,23 @@ def step(
     for robot in range(state.size):
         acted[robot] = not over[robot]
         anew += over[robot]
+    rows = np.empty(state.size, np.intp)
     for robot in range(state.size):
-        if over[robot]:
-            continue
-        outcome = state[robot] * num_actions + actions[robot]
-        if threshold[outcome] < ALWAYS:
-            drawn = block[position]
-            position += 1
-            while drawn >= threshold[outcome]:
-                outcome = otherwise[outcome]
-        state[robot] = next_state[outcome]
-        rewards[robot] = reward[outcome]
-        words[robot] = arrival[outcome]
+        rows[robot] = rest if over[robot] else state[robot] * num_actions + actions[robot]
+    position = settle(rows, block, position, world)
+    for robot in range(state.size):
+        state[robot] = next_state[rows[robot]]
+        rewards[robot] = reward[rows[robot]]
+        words[robot] = arrival[rows[robot]]
     if anew:
         for robot in range(state.size):
             if over[robot]:
                 position = begin_one(
                     robot, state, level, deadline, clock, block, position, beginning
                 )
-                rewards[robot] = 0.0
                 words[robot] = standing[state[robot]]
     for robot in range(state.size):
-        terminated[robot] = ends[state[robot]]
+        terminated[robot] = ends[state[robot]] != 0
     for robot in range(state.size):
         truncated[robot] = clock >= deadline[robot]
         over[robot] = terminated[robot] | truncated[robot]
@@ -166,9 +225,7 @@ def walk(
     clock: int,
     block: Floats,
     position: int,
-    world: World,
-    beginning: Beginning,
-    offset: Ints,
+    memory: NDArray[np.int64],
     observations: NDArray[np.int32],
     actions: NDArray[np.int8],
     rewards: Floats,
@@ -178,8 +235,9 @@ def walk(
     words: Words,
 ) -> int:
     """Take steps, as many as there are rows, and return the position after their draws."""
-    next_state, reward, _, threshold, otherwise, ends, standing = world
-    num_actions = policy.shape[1] + 1
+    world, beginning, _, offset, num_actions = unpacked(memory)
+    next_state, reward, _, _, _, _, ends, standing = world
+    rows = np.empty(state.size, np.intp)
     for row in range(rewards.shape[0]):
         clock += 1
         for robot in range(state.size):
@@ -191,18 +249,15 @@ def walk(
                 action += chances[row, robot] >= policy[state[robot], number]
             actions[row, robot] = action
         for robot in range(state.size):
-            outcome = state[robot] * num_actions + actions[row, robot]
-            if threshold[outcome] < ALWAYS:
-                drawn = block[position]
-                position += 1
-                while drawn >= threshold[outcome]:
-                    outcome = otherwise[outcome]
-            state[robot] = next_state[outcome]
-            rewards[row, robot] = reward[outcome]
+            rows[robot] = state[robot] * num_actions + actions[row, robot]
+        position = settle(rows, block, position, world)
+        for robot in range(state.size):
+            state[robot] = next_state[rows[robot]]
+            rewards[row, robot] = reward[rows[robot]]
         num_over = 0
         for robot in range(state.size):
             next_observations[row, robot] = state[robot] - offset[level[robot]]
-            terminations[row, robot] = ends[state[robot]]
+            terminations[row, robot] = ends[state[robot]] != 0
         for robot in range(state.size):
             truncations[row, robot] = clock >= deadline[robot]
             num_over += terminations[row, robot] | truncations[row, robot]

@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.engine.draws import Draws
 from babyrobot_levels.engine.robots import Record, Results, Robots
-from babyrobot_levels.engine.tables import Floats, Ints, Tables
+from babyrobot_levels.engine.tables import NO_LIMIT, Floats, Ints, Tables, signs_of
+
+_UNSIGNED = np.dtype(np.uintp)
 
 
 class PlainEngine:
@@ -25,7 +27,12 @@ class PlainEngine:
         """
         self._tables, self._observations = tables, observations
         self._rows = np.empty(num_robots, np.intp)
-        self._chancy = np.empty(num_robots, np.bool_)
+        # An array is cheaper to calculate with than a number, which would become one each time.
+        self._num_actions = np.array(tables.num_actions, np.intp)
+        self._too_large = self._num_actions.astype(_UNSIGNED)
+        self._has_chance = tables.chance >= 0
+        self._has_limits = bool((tables.limit < NO_LIMIT).any())
+        self._flags = np.empty(num_robots, np.bool_)
 
     def begin(self, robots: Robots, which: Ints, draws: Draws) -> None:
         """Begin new episodes for the robots of these numbers."""
@@ -46,16 +53,18 @@ class PlainEngine:
         """Have robots act, and those whose episodes are over begin anew in the place of it."""
         tables, rows, state = self._tables, self._rows, robots.state
         # Negative numbers are large ones without their sign.
-        if actions.view(np.uintp).max() >= tables.num_actions:
+        np.less(actions.view(_UNSIGNED), self._too_large, self._flags)
+        if np.count_nonzero(self._flags) < rows.size:
             return False
         robots.clock += 1
-        np.multiply(state, tables.num_actions, out=rows)
-        np.add(rows, actions, out=rows)
-        np.logical_not(robots.over, out=results.acted)
+        np.multiply(state, self._num_actions, rows)
+        np.add(rows, actions, rows)
+        results.acted.fill(True)
         anew = robots.over.nonzero()[0]
         if anew.size:
+            results.acted[anew] = False
             rows[anew] = tables.rest
-        if tables.most_outcomes > 1:
+        if tables.first.size:
             self._leave_to_chance(rows, draws)
         # With `mode="raise"`, NumPy would not write into `out` directly. Nothing is out of bounds.
         tables.next_state.take(rows, out=state, mode="clip")
@@ -65,8 +74,12 @@ class PlainEngine:
             self.begin(robots, anew, draws)
             results.words[anew] = tables.standing.take(state.take(anew))
         tables.over.take(state, out=results.terminated, mode="clip")
-        np.greater_equal(robots.clock, robots.deadline, out=results.truncated)
-        np.logical_or(results.terminated, results.truncated, out=robots.over)
+        if self._has_limits:
+            np.less_equal(robots.deadline, np.array(robots.clock), results.truncated)
+            np.logical_or(results.terminated, results.truncated, robots.over)
+        else:
+            results.truncated.fill(False)
+            robots.over[:] = results.terminated
         self._observations.take(state, axis=0, out=results.observations, mode="clip")
         return True
 
@@ -75,7 +88,8 @@ class PlainEngine:
     ) -> None:
         """Have robots follow a policy, begin anew where episodes end, and note all of it."""
         tables, state, level = self._tables, robots.state, robots.level
-        results = Results.empty(state.size, self._observations.shape[1])
+        signs = signs_of(tables.num_actions)
+        results = Results(state.size, self._observations.shape[1], signs)
         thresholds = np.ascontiguousarray(policy.T)
         for row in range(len(chances)):
             base = tables.offset.take(level)
@@ -95,14 +109,12 @@ class PlainEngine:
                 self.begin(robots, over, draws)
 
     def _leave_to_chance(self, rows: Ints, draws: Draws) -> None:
-        """Replace rows that have several outcomes by the outcomes that are drawn."""
+        """Replace rows that leave something to chance by the outcomes that are drawn."""
         tables = self._tables
-        chancy = tables.chancy.take(rows, out=self._chancy, mode="clip").nonzero()[0]
-        if not chancy.size:
-            return
-        drawn = draws.take(chancy.size)
-        outcome = rows.take(chancy)
-        for _ in range(tables.most_outcomes - 1):
-            missed = drawn >= tables.threshold.take(outcome)
-            outcome = np.where(missed, tables.otherwise.take(outcome), outcome)
-        rows[chancy] = outcome
+        chancy = self._has_chance.take(rows, out=self._flags, mode="clip").nonzero()[0]
+        if chancy.size:
+            chance = tables.chance.take(rows.take(chancy))
+            threshold = tables.threshold.take(chance, axis=0)
+            # Repeating is cheaper than to compare arrays of different shapes.
+            drawn = draws.take(chancy.size).repeat(threshold.shape[1]).reshape(threshold.shape)
+            rows[chancy] = tables.first.take(chance) + (drawn >= threshold).argmin(axis=1)

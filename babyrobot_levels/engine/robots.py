@@ -6,12 +6,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
+from numpy import empty
 from numpy.typing import NDArray
 
 from babyrobot_levels.engine.tables import Flags, Floats, Ints, Words
 
 if TYPE_CHECKING:
     from babyrobot_levels.engine.draws import Draws
+
+# Looked up once: making small arrays is a good part of a step.
+_BOOL, _INT, _WORD = np.dtype(np.bool_), np.dtype(np.int64), np.dtype(np.uint64)
 
 
 class Robots:
@@ -34,37 +38,44 @@ class Robots:
         self.clock = 0
 
 
-@dataclass(slots=True)
 class Results:
-    """What a step gives, one array a kind.
+    """What a step gives, one array a kind, whose values mean nothing before a step.
 
     Attributes:
         observations: int64 `[robots, numbers]`.
         rewards: float64 `[robots]`.
         terminated: bool `[robots]`.
         truncated: bool `[robots]`.
-        words: uint64 `[robots]`: what is said of the robots, to be viewed as `signs_of` tells.
         acted: bool `[robots]`: whether the robot took its action, and did not begin anew.
+        words: uint64 `[robots]`: what is said of the robots.
+        signs: the words as `signs_of` tells them apart, a view.
     """
 
-    observations: NDArray[np.int64]
-    rewards: Floats
-    terminated: Flags
-    truncated: Flags
-    words: Words
-    acted: Flags
+    __slots__ = (
+        "acted",
+        "observations",
+        "rewards",
+        "signs",
+        "terminated",
+        "truncated",
+        "words",
+    )
 
-    @classmethod
-    def empty(cls, num_robots: int, numbers: int) -> Results:
-        """Return arrays whose values mean nothing yet."""
-        return cls(
-            np.empty((num_robots, numbers), np.int64),
-            np.empty(num_robots),
-            np.empty(num_robots, np.bool_),
-            np.empty(num_robots, np.bool_),
-            np.empty(num_robots, np.uint64),
-            np.empty(num_robots, np.bool_),
-        )
+    def __init__(self, num_robots: int, numbers: int, signs: np.dtype[np.void]) -> None:
+        """Make the arrays.
+
+        Args:
+            num_robots: how many robots there are.
+            numbers: how many numbers each of them observes.
+            signs: what `signs_of` says.
+        """
+        self.observations: NDArray[np.int64] = empty((num_robots, numbers), _INT)
+        self.rewards: Floats = empty(num_robots)
+        self.terminated: Flags = empty(num_robots, _BOOL)
+        self.truncated: Flags = empty(num_robots, _BOOL)
+        self.acted: Flags = empty(num_robots, _BOOL)
+        self.words: Words = empty(num_robots, _WORD)
+        self.signs: NDArray[np.void] = np.ndarray(num_robots, signs, self.words)
 
 
 @dataclass(slots=True)
@@ -93,7 +104,17 @@ class Record:
     def empty(cls, num_steps: int, num_robots: int) -> Record:
         """Return arrays whose values mean nothing yet."""
         dtypes = (np.int32, np.int8, np.float64, np.bool_, np.bool_, np.int32, np.uint64)
-        return cls(*(np.empty((num_steps, num_robots), dtype) for dtype in dtypes))
+        count = num_steps * num_robots
+        # One piece of memory: the larger it is, the larger the pages in which systems give it.
+        ends = np.cumsum([(count * np.dtype(dtype).itemsize + 63) // 64 * 64 for dtype in dtypes])
+        memory = np.empty(ends[-1], np.uint8)
+        parts = np.split(memory, ends[:-1])
+        return cls(
+            *(
+                part.view(dtype)[:count].reshape(num_steps, num_robots)
+                for part, dtype in zip(parts, dtypes, strict=True)
+            )
+        )
 
     def rows(self, begin: int, end: int) -> Record:
         """Return some of the steps, as views."""

@@ -46,19 +46,21 @@ class Tables:
     """Levels, one after the other, as engines read them.
 
     A robot's state is its number in its level, `y * width + x`, plus the level's `offset`. Row
-    `state * num_actions + action` is where stepping looks: its first outcome has the row's number.
-    While a draw is not below an outcome's `threshold`, `otherwise` says which one is next. One row
-    more, `rest`, is for robots that do not act in a step.
+    `state * num_actions + action` is where stepping looks: if only one thing can come of it, the
+    outcome has the row's number. Of rows that leave something to chance, `chance` tells the
+    number; their outcomes follow one another from `first[number]` on, and a draw means the first
+    one in whose place `threshold[number]` is above it. One row more, `rest`, is for robots that do
+    not act in a step.
 
     Attributes:
         num_actions: how many actions there are, 5 or, without stay, 4.
         next_state: intp `[outcomes]`.
         reward: float64 `[outcomes]`.
         arrival: uint64 `[outcomes]`: the word of having come there so.
-        threshold: float64 `[outcomes]`: cumulated probability; `ALWAYS` for a row's last outcome.
-        otherwise: intp `[outcomes]`.
-        chancy: bool `[rows]`: whether there is more than one outcome.
-        most_outcomes: how many there are at most.
+        chance: intp `[rows]`: the number of what is left to chance, -1 where nothing is.
+        first: intp `[chances]`.
+        threshold: float64 `[chances, most outcomes]`: cumulated probabilities, `ALWAYS` from a
+            row's last outcome on.
         over: bool `[states]`: whether the episode is over there.
         standing: uint64 `[states]`: the word of standing there, the mask alone.
         offset: intp `[levels + 1]`: where each level's states begin.
@@ -72,10 +74,9 @@ class Tables:
     next_state: Ints
     reward: Floats
     arrival: Words
+    chance: Ints
+    first: Ints
     threshold: Floats
-    otherwise: Ints
-    chancy: Flags
-    most_outcomes: int
     over: Flags
     standing: Words
     offset: Ints
@@ -87,7 +88,7 @@ class Tables:
     @property
     def rest(self) -> int:
         """The row in which nothing happens."""
-        return self.chancy.size - 1
+        return self.chance.size - 1
 
     @property
     def draws_starts(self) -> bool:
@@ -102,7 +103,7 @@ class Tables:
     @property
     def most_draws(self) -> int:
         """How many draws a step takes at most, the beginning of the next episode included."""
-        return int(self.most_outcomes > 1) + self.draws_to_begin
+        return int(self.first.size > 0) + self.draws_to_begin
 
     @property
     def masks(self) -> NDArray[np.int8]:
@@ -126,29 +127,35 @@ def build_tables(
     num_actions = NUM_ACTIONS - first_action
     parts = [_outcomes(mdp, first_action, base) for mdp, base in zip(mdps, offset, strict=False)]
     rest = int(offset[-1]) * num_actions
-    # First outcomes at their rows' numbers, then that of `rest`, then all others.
+    nothing = np.zeros(1, np.uint64)
+    # First the outcomes that have their rows' numbers, then that of `rest`, then those of chance.
     columns = {
         name: np.concatenate(
             [
-                *(part[name][:, 0] for part in parts),
-                np.zeros(1, parts[0][name].dtype),
-                *(part[name][:, 1:][part["real"][:, 1:]] for part in parts),
+                *(part.columns[name][:, 0] for part in parts),
+                nothing.view(parts[0].columns[name].dtype),
+                *(part.columns[name][part.is_chance] for part in parts),
             ]
         )
-        for name in ("next_state", "reward", "arrival", "threshold")
+        for name in ("next_state", "reward", "arrival")
     }
-    columns["threshold"][rest] = ALWAYS
-    others = np.concatenate([*(part["real"].sum(axis=1) - 1 for part in parts), [0]])
-    otherwise = np.arange(1, columns["reward"].size + 1)
-    otherwise[: rest + 1] = rest + 1 + np.cumsum(others) - others
+    count = np.concatenate([*(part.count for part in parts), [1]])
+    chance = np.where(count > 1, np.cumsum(count > 1) - 1, -1)
+    count = count[count > 1]
+    threshold = np.full((count.size, count.max(initial=1)), ALWAYS)
+    done = 0
+    for part in parts:
+        rows = part.threshold[part.count > 1, : threshold.shape[1]]
+        threshold[done : done + len(rows), : rows.shape[1]] = rows
+        done += len(rows)
     starts = [np.flatnonzero(mdp.start) + base for mdp, base in zip(mdps, offset, strict=False)]
     standing = np.concatenate([_words(mdp.possible[:, first_action:]) for mdp in mdps])
     return Tables(
         num_actions=num_actions,
         **columns,
-        otherwise=otherwise.astype(np.intp),
-        chancy=others > 0,
-        most_outcomes=int(others.max()) + 1,
+        chance=chance.astype(np.intp),
+        first=rest + 1 + np.cumsum(count) - count,
+        threshold=threshold,
         over=np.concatenate([mdp.over for mdp in mdps]),
         standing=standing,
         offset=offset.astype(np.intp),
@@ -159,33 +166,46 @@ def build_tables(
     )
 
 
-def _outcomes(mdp: Mdp, first_action: int, base: int) -> dict[str, NDArray[Any]]:
-    """Return a level's outcomes, `[rows, outcomes]` each; `real` says which there are."""
-    columns = (slice(None), slice(first_action, None))
+@dataclass(frozen=True, slots=True)
+class _Outcomes:
+    """A level's outcomes, `[rows, outcomes]`, of which each row has `count` and then nothing."""
+
+    count: Ints
+    threshold: Floats
+    columns: dict[str, NDArray[Any]]
+
+    @property
+    def is_chance(self) -> Flags:
+        """Which outcomes are those of rows that have more than one."""
+        number = np.arange(self.threshold.shape[1])
+        return (number < self.count[:, None]) & (self.count > 1)[:, None]
+
+
+def _outcomes(mdp: Mdp, first_action: int, base: int) -> _Outcomes:
+    """Return a level's outcomes, its states numbered from `base` on."""
+    rows = (slice(None), slice(first_action, None))
     width = mdp.probability.shape[2]
-    probability = mdp.probability[columns]
-    real = probability > 0
-    last = real.sum(axis=2, keepdims=True) - 1
-    threshold = np.cumsum(probability, axis=2)
+    probability = mdp.probability[rows].reshape(-1, width)
+    count = np.count_nonzero(probability, axis=1)
+    threshold = np.cumsum(probability, axis=1)
     # A row's last outcome takes what rounding leaves over.
-    threshold[np.arange(width) >= last] = ALWAYS
-    next_state = mdp.next_state[columns]
-    target = mdp.target[columns][..., None]
-    hindered = mdp.hindered[columns][..., None]
+    threshold[np.arange(1, width + 1) >= count[:, None]] = ALWAYS
+    next_state = mdp.next_state[rows]
+    target = mdp.target[rows][..., None]
+    hindered = mdp.hindered[rows][..., None]
     is_start = mdp.start > 0
     at_target = (next_state == target) | ((target == mdp.num_states) & is_start[next_state])
     signs = np.zeros(next_state.shape, signs_of(NUM_ACTIONS - first_action))
     signs["mask"] = mdp.possible[next_state, first_action:]
     signs["reached"] = at_target & (hindered != REFUSED)
     signs["skidded"] = ~at_target & (hindered != GLASS)
-    outcomes = {
-        "real": real,
+    columns = {
         "next_state": next_state.astype(np.intp) + base,
-        "reward": mdp.reward[columns],
+        "reward": mdp.reward[rows],
         "arrival": signs.view(np.uint64),
-        "threshold": threshold,
     }
-    return {name: array.reshape(-1, width) for name, array in outcomes.items()}
+    columns = {name: column.reshape(-1, width) for name, column in columns.items()}
+    return _Outcomes(count, threshold, columns)
 
 
 def _words(masks: NDArray[np.int8]) -> Words:

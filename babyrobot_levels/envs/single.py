@@ -22,7 +22,7 @@ from babyrobot_levels.envs.arguments import (
     checked_start,
 )
 from babyrobot_levels.envs.ipython import show_wrapped_environments
-from babyrobot_levels.envs.observations import OBSERVATIONS, make_observer
+from babyrobot_levels.envs.observations import OBSERVATIONS, Observer, make_observer
 from babyrobot_levels.envs.pictures import RENDER_MODES
 from babyrobot_levels.envs.rendering import RenderedEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
@@ -119,10 +119,14 @@ class LevelEnv(RenderedEnv):
         """Make ready to play a level."""
         self.level = level
         self._mdp: Mdp = level.compile()
-        self._observer = make_observer(level, self._observation, *self._image)
+        self._observer = self._new_observer(level)
         self._starts: list[int] = self._mdp.start.nonzero()[0].tolist()
         self._cells: list[_Cell | None] = [None] * self._mdp.num_states
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
+
+    def _new_observer(self, level: Level) -> Observer:
+        """Return what shows the states of a level."""
+        return make_observer(level, self._observation, *self._image)
 
     # -- playing ---------------------------------------------------------------------------
 
@@ -137,8 +141,8 @@ class LevelEnv(RenderedEnv):
                 `{"maze_seed": n}` asks for the maze of that seed.
 
         Returns:
-            The observation, and an info with `action_mask` and, for a level with `seed: random`,
-            `maze_seed`.
+            The observation, and an info with `action_mask` and `level_digest`, or in its place,
+            for a level with `seed: random`, `maze_seed`.
 
         Raises:
             ValueError: the robot cannot start at that cell.
@@ -156,6 +160,8 @@ class LevelEnv(RenderedEnv):
                 maze_seed = int(rng.integers(MAX_MAZE_SEED))
             self._enter(self._given.with_maze_seed(maze_seed))
             info["maze_seed"] = maze_seed
+        else:
+            info["level_digest"] = self.level.digest
         if start is not None:
             self._state = start
         elif len(self._starts) == 1:

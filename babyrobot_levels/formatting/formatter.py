@@ -13,9 +13,10 @@ from babyrobot_levels.formatting.kept import KeptAsIs
 from babyrobot_levels.formatting.tree import tidy, tree_of
 from babyrobot_levels.level import Level
 from babyrobot_levels.loader import from_yaml, parse_document
-from babyrobot_levels.reading import read_document
+from babyrobot_levels.reading import is_suite, read_document, read_suite
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.looks import Theme
+from babyrobot_levels.spec.suite import SuiteFields
 from babyrobot_levels.syntax.comments import comments
 from babyrobot_levels.syntax.document import Document, YamlFault
 from babyrobot_levels.syntax.layout import lines_of
@@ -51,7 +52,7 @@ def format_text(text: str, *, name: str = "<text>") -> str:
 
 
 def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
-    """Return the canonical form of a level, or of a theme.
+    """Return the canonical form of a level, of a suite, or of a theme.
 
     Args:
         source: the text.
@@ -66,10 +67,14 @@ def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     except YamlFault as fault:
         raise LevelError([from_yaml(fault.problem, source)]) from None
     is_theme = path is not None and path.absolute().parent.name == "themes"
-    model: type[Level] | type[Theme] = Theme if is_theme else Level
+    model: type[Level | SuiteFields | Theme] = Level
+    if is_theme or is_suite(document):
+        model = Theme if is_theme else SuiteFields
     if is_theme or path is None:
         # Whether a theme that the level names is there, only a file's folder tells.
         valid, diagnostics = parse_document(document, model)
+    elif model is SuiteFields:
+        valid, diagnostics = read_suite(document, path)
     else:
         valid, diagnostics = read_document(document, path)
     if valid is None:

@@ -49,7 +49,8 @@ def _exit_form(value: Any) -> str:
     return "word" if isinstance(value, str) else cell_or_cells(value)
 
 
-def _version(value: Any) -> Any:
+def whole_version(value: Any) -> Any:
+    """Take `1.0` for 1, and not `true`."""
     # `Literal[1]` would take `true` for 1, and not take 1.0.
     if isinstance(value, bool):
         return str(value).lower()
@@ -59,7 +60,7 @@ def _version(value: Any) -> Any:
 class LevelFields(Model):
     """A level, version 1 of the language: every field, validated, and frozen."""
 
-    version: Annotated[Literal[1], BeforeValidator(_version), WithJsonSchema({"const": 1})]
+    version: Annotated[Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1})]
     """The version of the language: 1."""
     name: Slug | None = None
     """What code loads the level by; the file's name, if it is left out."""

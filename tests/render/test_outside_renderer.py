@@ -40,7 +40,7 @@ SHARE = 0.02
 GALLERY = [
     path
     for path in sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
-    if path.parent.name != "themes"
+    if path.parent.name not in ("themes", "suites")
 ]
 
 

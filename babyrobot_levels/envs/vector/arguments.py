@@ -66,7 +66,9 @@ def checked_actions(actions: Any, num_envs: int) -> NDArray[np.intp]:
             f"actions must be {num_envs} whole numbers, not an array of {array.dtype} "
             f"with shape {list(array.shape)}"
         )
-    return np.ascontiguousarray(array, np.intp)
+    if array.dtype == np.intp and array.flags.carray:
+        return array
+    return array.astype(np.intp)
 
 
 def checked_reset_mask(mask: Any, num_envs: int) -> NDArray[np.intp]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -96,7 +97,8 @@ class LevelVectorEnv(RenderedVectorEnv):
         """
         check_choice("observation", observation, OBSERVATIONS)
         check_choice("actions", actions, ACTION_SETS)
-        check_choice("render_mode", render_mode, (None, "rgb_array"))
+        if render_mode is not None:
+            check_choice("render_mode", render_mode, ("rgb_array",))
         if observation != "image" and (image_size is not None or grayscale):
             raise ValueError("image_size and grayscale go with observation='image'")
         self.levels = tuple(checked_levels(level, levels))
@@ -126,12 +128,17 @@ class LevelVectorEnv(RenderedVectorEnv):
         self.action_space = BatchActions(self._tables.num_actions, self.num_envs, *known)
         self._copy = bool(copy)
         self._signs = signs_of(self._tables.num_actions)
+        self._numbers = self._observer.table.shape[1]
         self._all = np.ones(self.num_envs, np.bool_)
         self._results = self._new_results()
         self._has_begun = False
 
+    @cached_property
+    def _digests(self) -> NDArray[np.object_]:
+        return np.array([level.digest for level in self.levels], object)
+
     def _new_results(self) -> Results:
-        return Results.empty(self.num_envs, self._observer.table.shape[1])
+        return Results(self.num_envs, self._numbers, self._signs)
 
     # -- playing ---------------------------------------------------------------------------
 
@@ -150,8 +157,9 @@ class LevelVectorEnv(RenderedVectorEnv):
                 `[num_envs]`, leaves the environments without a True as they are.
 
         Returns:
-            The observations, and an info with `action_mask` (int8 `[num_envs, actions]`) and, of
-            several levels, `level` (int64 `[num_envs]`): which one each environment plays.
+            The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
+            `level_digest` and, of several levels, `level` (int64 `[num_envs]`): which one each
+            environment plays.
 
         Raises:
             ValueError: the robots cannot start at that cell, or the seed or the mask is none.
@@ -176,7 +184,9 @@ class LevelVectorEnv(RenderedVectorEnv):
         begun = np.zeros(self.num_envs, np.bool_)
         begun[which] = True
         results.words[~begun] = 0
-        info = self._told({"action_mask": results.words.view(self._signs)["mask"]}, begun)
+        digests = np.full(self.num_envs, None, object)
+        digests[which] = self._digests[robots.level[which]]
+        info = self._told({"action_mask": results.signs["mask"], "level_digest": digests}, begun)
         return self._observer.batch(results, robots.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
@@ -214,9 +224,9 @@ class LevelVectorEnv(RenderedVectorEnv):
             over = robots.over.nonzero()[0]
             if over.size:
                 info = self._end(results, over)
-        signs, acted = results.words.view(self._signs), results.acted
+        signs, acted = results.signs, results.acted
         info["action_mask"] = signs["mask"]
-        info["_action_mask"] = self._all.copy()
+        info["_action_mask"] = self._all.copy() if self._copy else self._all
         info["target_reached"] = signs["reached"]
         info["_target_reached"] = acted
         info["skidded"] = signs["skidded"]

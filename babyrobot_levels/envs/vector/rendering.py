@@ -64,7 +64,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
         self._tiles = None
 
     @property
-    def spec(self) -> EnvSpec | None:  # type: ignore[override]
+    def spec(self) -> EnvSpec | None:
         """The spec by which Gymnasium made the environment; it can be written as JSON."""
         return self._spec
 

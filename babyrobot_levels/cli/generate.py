@@ -1,0 +1,306 @@
+"""`babyrobot generate`: levels to order."""
+
+from __future__ import annotations
+
+import os
+import re
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import FINDINGS, fail, note, write
+from babyrobot_levels.cli.new_level import Algorithm
+from babyrobot_levels.cli.orders import Words, option, suite_of
+from babyrobot_levels.cli.parallel import WORTH_IT, JobsOption, map_all
+from babyrobot_levels.cli.progress import track
+from babyrobot_levels.diagnostics import one_line
+
+if TYPE_CHECKING:
+    from babyrobot_levels.generate.folder import Target
+    from babyrobot_levels.generate.order import Order
+    from babyrobot_levels.generate.search import StarvedError
+    from babyrobot_levels.spec.suite import SuiteFields
+
+INTERRUPTED = 130
+"""Exit status: somebody pressed Ctrl-C."""
+
+MAX_FILES = 1_000_000
+
+
+class Place(StrEnum):
+    """Where a start or an exit is."""
+
+    CORNER = "corner"
+    RANDOM = "random"
+    FARTHEST = "farthest"
+
+
+def generate(
+    suite: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SUITE]",
+            help="A suite's name or file, in the place of what it says.",
+            show_default=False,
+        ),
+    ] = None,
+    count: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="How many levels.", show_default=False),
+    ] = None,
+    size: Annotated[
+        str | None,
+        typer.Option(
+            metavar="SIZE",
+            help="Width and height, or a range: 8x5, 6x6..12x12.  [default: 8x5]",
+            show_default=False,
+        ),
+    ] = None,
+    algorithm: Annotated[
+        list[Algorithm] | None,
+        typer.Option(
+            metavar="A",
+            help="How mazes are grown; given several times, one is drawn for each level.  "
+            "[default: depth-first]",
+            show_default=False,
+        ),
+    ] = None,
+    loops: Annotated[
+        str | None,
+        typer.Option(
+            metavar="R", help="The share of dead ends to open up: 0.5, 0..1.", show_default=False
+        ),
+    ] = None,
+    puddles: Annotated[
+        str | None,
+        typer.Option(metavar="A..B", help="How many puddles: 3, 0..4.", show_default=False),
+    ] = None,
+    path_length: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B",
+            help="How many steps a shortest walk to the exit takes: 20..30, 20.., 18.",
+            show_default=False,
+        ),
+    ] = None,
+    dead_ends: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B", help="How many cells have exactly one open side.", show_default=False
+        ),
+    ] = None,
+    difficulty: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B", help="How hard the levels are (see `show`).", show_default=False
+        ),
+    ] = None,
+    start: Annotated[
+        Place | None,
+        typer.Option(help="Where the robot starts.  [default: corner]", show_default=False),
+    ] = None,
+    exit_: Annotated[
+        Place | None,
+        typer.Option("--exit", help="Where the exit is.  [default: corner]", show_default=False),
+    ] = None,
+    theme: Annotated[
+        str | None,
+        typer.Option(
+            metavar="THEME", help="The theme: default, black_orange, …", show_default=False
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="S",
+            help="What everything is drawn from; the same seed gives the same files.  [default: 0]",
+            show_default=False,
+        ),
+    ] = None,
+    split: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME=R,…",
+            help="Write folders that share no maze: train=0.8,test=0.2.",
+            show_default=False,
+        ),
+    ] = None,
+    names: Annotated[
+        str | None,
+        typer.Option(
+            "--name",
+            metavar="PATTERN",
+            help="What the levels are called.  [default: level-{index:05}]",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="DIR", help="The folder to write to."),
+    ] = Path("levels"),
+    exclude: Annotated[
+        list[Path] | None,
+        typer.Option(
+            metavar="DIR",
+            help="No game that is in this folder; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on where a call with the same order stopped.")
+    ] = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite files.")] = False,
+    jobs: JobsOption = None,
+) -> None:
+    """Write levels to order: solvable, no two the same game, the same for the same seed.
+
+    A suite file may state the order in the place of options. Level i is drawn from the seed and i
+    alone, so that more levels can be ordered later (--count with --resume).
+
+    Ends with status 1 if the order cannot be met: then it says which condition starves.
+
+    Examples:
+
+      babyrobot generate --count 20 -o mazes
+
+      babyrobot generate --count 100 --size 6x6..9x9 --path-length 20.. --seed 7 -o long-ways
+
+      babyrobot generate --count 1000 --split train=0.8,test=0.2 -o data
+
+      babyrobot generate small-mazes -o data
+    """
+    from babyrobot_levels.generate.folder import FolderError, Target
+
+    words = Words(
+        count=count,
+        size=size,
+        algorithm=tuple(map(str, algorithm or ())),
+        loops=loops,
+        puddles=puddles,
+        path_length=path_length,
+        dead_ends=dead_ends,
+        difficulty=difficulty,
+        start=start,
+        exit=exit_,
+        theme=theme,
+        seed=seed,
+        split=split,
+    )
+    if output.exists() and not output.is_dir():
+        fail(f"{output} is no folder")
+    if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
+        fail("--exclude names the folder to write to")
+    order = _order(suite, words, names, _games_in(exclude or [], jobs))
+    target = Target(order, output, resume, force)
+    try:
+        _write(target, jobs)
+    except FolderError as error:
+        fail(str(error), error.help)
+
+
+def _order(suite: str | None, words: Words, names: str | None, excluded: frozenset[str]) -> Order:
+    from babyrobot_levels.errors import LevelError
+    from babyrobot_levels.generate.order import DEFAULT_NAMES, Order, is_pattern
+
+    if suite is None:
+        if words.count is None:
+            fail("how many levels?", "say it with --count N, or name a suite")
+        fields, told, pattern = suite_of(words), words.told(), DEFAULT_NAMES
+    else:
+        fields, pattern = _suite_named(suite, words)
+        told = f"suite {fields.name or 'without a name'}, seed {fields.seed}"
+    if fields.count > MAX_FILES:
+        fail(f"{fields.count:,} levels are too many files", f"ask for at most {MAX_FILES:,}")
+    pattern = names or pattern
+    if not is_pattern(pattern):
+        fail(f"--name: {pattern!r} is no pattern of names", "for example 'maze-{index:05}'")
+    if excluded:
+        told += f", without {len(excluded):,} games"
+    order = Order(fields, pattern, told, excluded)
+    try:
+        order.maker().draw(0, 0)
+    except LevelError as error:
+        # All that can be wrong is the theme: the files must be valid wherever they are.
+        fail(error.diagnostics[0].message, error.diagnostics[0].help)
+    return order
+
+
+def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
+    """Return a suite's fields, with the count if one is given, and what its levels are called."""
+    from babyrobot_levels.level import plain
+    from babyrobot_levels.reading import suite_from_mapping
+    from babyrobot_levels.suites import load_suite, name_pattern
+
+    given = [name for name in words.given() if name != "--count"]
+    if given:
+        fail(f"the suite says what {given[0]} says", "leave out one of the two")
+    fields = load_suite(suite).fields
+    if words.count is not None:
+        fields = suite_from_mapping({**plain(fields), "name": fields.name, "count": words.count})
+    return fields, name_pattern(fields)
+
+
+def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
+    """Return the digests of all levels in some folders."""
+    from babyrobot_levels.catalogue import yaml_files
+
+    for folder in folders:
+        if not folder.is_dir():
+            fail(f"--exclude: {folder} is no folder")
+    files = [path for folder in folders for path in yaml_files(folder)]
+    found = map_all(digest_of, files, jobs, "reading")
+    return frozenset(digest for digest in found if digest is not None)
+
+
+def digest_of(path: Path) -> str | None:
+    """Return the digest of a file's level, None for suites, faulty levels, and random mazes."""
+    from babyrobot_levels.reading import read_file
+
+    level = read_file(path)[0]
+    return None if level is None or level.has_random_maze else level.digest
+
+
+def _write(target: Target, jobs: int | None) -> None:
+    """Write the files, and tell what was written."""
+    from babyrobot_levels.generate.search import StarvedError
+
+    count = target.order.suite.count
+    if jobs is None:
+        jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
+    there = written = 0
+    try:
+        for is_new in track(target.write(jobs), count, "generating"):
+            written += is_new
+            there += not is_new
+    except StarvedError as error:
+        note(_starved(error, from_options=target.order.told.startswith("babyrobot")))
+        note(f"  {target.there():,} of {count:,} levels are in {target.folder}")
+        raise typer.Exit(FINDINGS) from None
+    except KeyboardInterrupt:
+        note(f"stopped: {target.there():,} of {count:,} levels are in {target.folder}")
+        note("  help: the same call with --resume goes on")
+        raise typer.Exit(INTERRUPTED) from None
+    write(_summary(target, written, there))
+
+
+def _starved(error: StarvedError, *, from_options: bool) -> str:
+    """Return why an order cannot be met, in the words in which it was given."""
+    from babyrobot_levels.spec.suite import SuiteFields
+
+    told = f"{error.condition} {error.asked}: {error.reason}"
+    if not from_options:
+        return told
+    names = "|".join(SuiteFields.model_fields)
+    return re.sub(rf"(^|(?<=met ))({names})\b", lambda found: option(found[2]), told)
+
+
+def _summary(target: Target, written: int, there: int) -> str:
+    text = f"wrote {written:,} level{'s' * (written != 1)} to {one_line(str(target.folder))}"
+    if there:
+        text += f"; {there:,} {'were' if there != 1 else 'was'} there"
+    splits = target.sizes()
+    if splits:
+        text += ": " + ", ".join(f"{size:,} in {name}" for name, size in splits.items())
+    return text + "\n"

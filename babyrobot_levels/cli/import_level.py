@@ -1,0 +1,141 @@
+"""`babyrobot import`: level files from the worlds of other programs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import FINDINGS, fail, note, save, write
+from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
+from babyrobot_levels.cli.new_level import _schema_for
+from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.source import SourceFile
+
+if TYPE_CHECKING:
+    from babyrobot_levels.convert.conversion import World
+
+
+def import_level(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The file to read.")],
+    world_format: Annotated[
+        WorldFormat | None,
+        typer.Option(
+            "--from",
+            metavar="FORMAT",
+            help=f"What the file is: {', '.join(WorldFormat)}.  [default: by what is in it]",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="Write the level to a file.", show_default=False
+        ),
+    ] = None,
+    name: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N",
+            help="The level's name: small letters, digits and `-`.  [default: that of its file]",
+            show_default=False,
+        ),
+    ] = None,
+    slippery: Annotated[
+        bool | None,
+        typer.Option(
+            "--slippery/--no-slippery",
+            help="Of a FrozenLake map that does not say so: whether it slips.  [default: slippery]",
+            show_default=False,
+        ),
+    ] = None,
+    strict: StrictOption = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+) -> None:
+    """Make a level file of a world of another program.
+
+    Reads setups of PyPI babyrobot, FrozenLake maps, Gymnasium-Robotics' maze maps, maze-dataset's
+    ASCII, MiniGrid's text, maps of # and blanks, and Tiled's JSON. What a level has no place for
+    is told on standard error.
+
+    Examples:
+
+      babyrobot import setup.py -o levels/first.yaml
+
+      babyrobot import lake.txt --no-slippery
+
+      babyrobot import maze.txt --from maze-dataset -o levels/maze.yaml
+    """
+    from babyrobot_levels.convert.conversion import ConversionError
+    from babyrobot_levels.convert.file_text import file_text
+    from babyrobot_levels.level import slug
+
+    if name is not None and slug(name) != name:
+        good = slug(name)
+        fail(
+            f"{name!r} cannot be a level's name: it takes small letters and digits, joined by `-`",
+            f"for example {good!r}" if good else None,
+        )
+    source = _source(file)
+    path = output or Path(f"{name or 'level'}.yaml")
+    title = name or slug(file.stem) or "imported"
+    try:
+        chosen = world_format or _guessed(source)
+        world = _world(source, chosen, slippery)
+        text = file_text(
+            world,
+            schema=_schema_for(path),
+            name=name,
+            title=title.replace("-", " ").capitalize(),
+        )
+    except ConversionError as error:
+        told = str(error)
+        here = one_line(source.name)
+        note(told if told.startswith(here) else f"{here}: error: {told}")
+        raise typer.Exit(FINDINGS) from None
+    tell_losses(world.lost, strict=strict)
+    if output is None:
+        write(text)
+    else:
+        save(output, text, force=force)
+        write(f"wrote {one_line(str(output))}\n")
+
+
+def _source(file: Path) -> SourceFile:
+    from babyrobot_levels.errors import LevelError
+    from babyrobot_levels.files import ReadFault, read_source
+
+    try:
+        return read_source(file)
+    except ReadFault as fault:
+        if fault.diagnostic.code == "BR101":
+            fail(f"{file}: {fault.diagnostic.message}")
+        raise LevelError([fault.diagnostic]) from None
+
+
+def _guessed(source: SourceFile) -> WorldFormat:
+    from babyrobot_levels.convert.formats import FORMATS, guess
+
+    found = guess(source)
+    if not found:
+        known = ", ".join(WorldFormat)
+        fail(f"{source.name} is in no format that is known here", f"say --from one of {known}")
+    if len(found) > 1:
+        titles = " or a ".join(FORMATS[each].title for each in found)
+        fail(
+            f"{source.name} may be a {titles}",
+            "say " + " or ".join(f"--from {each}" for each in found),
+        )
+    return WorldFormat(found[0])
+
+
+def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None) -> World:
+    from babyrobot_levels.convert.formats import FORMATS
+    from babyrobot_levels.convert.frozen_lake import read_frozen_lake
+
+    if chosen is WorldFormat.FROZEN_LAKE:
+        return read_frozen_lake(source, is_slippery=slippery is not False)
+    if slippery is not None:
+        fail(f"--slippery and --no-slippery are for FrozenLake maps, and this is {chosen}")
+    return FORMATS[chosen].read(source)

@@ -1,0 +1,79 @@
+"""`babyrobot resolve`: a level with its maze written out as walls."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.cli.preview import LevelArgument, load_level
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+
+
+def resolve(
+    level: LevelArgument,
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Of a level with random mazes, the seed to take.", show_default=False
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+) -> None:
+    """Write out a level's maze as walls; game and picture stay the same.
+
+    `maze` and `openings` are gone from the file then, and each wall can be moved by hand.
+    The other fields keep their comments.
+
+    Examples:
+
+      babyrobot resolve final-maze
+
+      babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
+    """
+    from babyrobot_levels.syntax.reader import MAX_BYTES
+
+    loaded = _with_seed(load_level(level), maze_seed)
+    if loaded.maze is None:
+        note(f"{loaded.name or 'the level'} has no maze; nothing is to be written out")
+    resolved = loaded.resolve()
+    text = resolved.to_yaml(comments=True)
+    if output is not None:
+        text = _text_for(resolved, text, output)
+    if len(text.encode("utf-8")) > MAX_BYTES:
+        fail("the walls of this maze are too many for a level file, which has room for 1 MiB")
+    if output is not None:
+        save(output, text, force=force)
+    else:
+        write(text)
+
+
+def _with_seed(level: Level, maze_seed: int | None) -> Level:
+    if level.has_random_maze:
+        if maze_seed is None:
+            fail("each reset grows another maze of this level", "choose one with --maze-seed N")
+        return level.with_maze_seed(maze_seed)
+    if maze_seed is not None:
+        fail("the level's maze is not random", "--maze-seed is for `maze: {seed: random}`")
+    return level
+
+
+def _text_for(level: Level, text: str, path: Path) -> str:
+    """Return the text for a file: away from its `themes/`, a level carries its theme with it."""
+    from babyrobot_levels.reading import read_level
+    from babyrobot_levels.source import SourceFile
+    from babyrobot_levels.spec.looks import BUILTIN_THEMES
+
+    if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
+        found, _ = read_level(SourceFile(str(path), text), path)
+        if found is None or found.colors_and_widths != level.colors_and_widths:
+            return level.replace(theme=level.colors_and_widths).to_yaml(comments=True)
+    return text

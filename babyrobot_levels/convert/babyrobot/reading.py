@@ -1,0 +1,297 @@
+"""Setups to levels."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+from babyrobot_levels.convert.babyrobot.looks import blocked_color, read_display, read_theme
+from babyrobot_levels.convert.babyrobot.toggles import maze_edges, toggle
+from babyrobot_levels.convert.checked import (
+    color,
+    integer,
+    integers,
+    mapping,
+    number,
+    probability,
+    sequence,
+)
+from babyrobot_levels.convert.conversion import (
+    ConversionError,
+    ConversionWarning,
+    Lost,
+    World,
+    shown,
+)
+from babyrobot_levels.level import Level, plain
+from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.spec.base import MAX_SIZE
+from babyrobot_levels.suggest import did_you_mean
+
+Cell = tuple[int, int]
+
+SIZES = {1: "small", 2: "large"}
+MAX_BLOCKED = 4_000_000
+"""More than the largest grid has cells."""
+
+NO_EXIT = (-1, -1)
+"""An `end` that nobody gets to: how a level without an exit is exported."""
+
+_PLAYING = {
+    "seed": "give it to `env.reset(seed=…)`",
+    "render_mode": "give it to `level.make(render_mode=…)`",
+    "action_space": 'give `actions="all"` to `level.make` for all five actions everywhere',
+    "apply_api_compatibility": "a step returns five values",
+    "drawmode": "pictures look the same everywhere",
+    "offset": "the robot is drawn where he stands",
+}
+_KNOWN = {"width", "height", "start", "end", "initial_pos", "puddles", "puddle_props", "walls"}
+_KNOWN |= {"base_areas", "grid_areas", "add_maze", "maze_seed", "max_steps", "grid", "robot"}
+_KNOWN |= {"add_compass", "show_start_text", "show_end_text", "side_panel", "bottom_panel"}
+_KNOWN |= set(_PLAYING)
+
+
+def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
+    """Return the level that a keyword setup of PyPI babyrobot 1.0.40 describes.
+
+    The game is the one that the package plays, so coming to the exit gives -1. What a level has
+    no place for is told by a `ConversionWarning` each.
+
+    Args:
+        setup: the keywords: `{"width": 8, "add_maze": True, "walls": [((2, 0), "E")], …}`.
+        name: the level's name.
+
+    Raises:
+        LevelError: the setup has a value that the package could not play, or describes no level.
+    """
+    world = read_setup(setup)
+    for lost in world.lost:
+        warnings.warn(str(lost), ConversionWarning, stacklevel=2)
+    return from_mapping(world.fields, name=name)
+
+
+def read_setup(setup: Mapping[str, Any]) -> World:
+    """Return the world of a setup; see `from_setup`."""
+    return _Reader(mapping(plain(setup), "the setup")).world()
+
+
+class _Reader:
+    def __init__(self, setup: dict[str, Any]):
+        self.setup = dict(setup)
+        self.lost: list[Lost] = []
+        self.comments: dict[str, str] = {}
+        self.fields: dict[str, Any] = {"version": 1}
+
+    def world(self) -> World:
+        take = self.setup.pop
+        self.size = self._size()
+        self._ends()
+        self._blocked()
+        self._walls()
+        self._puddles()
+        self._areas()
+        self._look()
+        if take("action_space", "dynamic") != "dynamic":
+            self._lose("action_space", _PLAYING["action_space"])
+        steps = take("max_steps", None)
+        if steps is not None:
+            self.fields["max_steps"] = integer(steps, "max_steps")
+        for keyword in self.setup:
+            unknown = f"the package has no such keyword{did_you_mean(keyword, _KNOWN)}"
+            self._lose(shown(keyword).strip("'"), _PLAYING.get(keyword, unknown))
+        origin = "A setup of PyPI babyrobot 1.0.40."
+        return World(self.fields, origin, self.comments, tuple(self.lost))
+
+    def _lose(self, name: str, message: str) -> None:
+        self.lost.append(Lost(name, message))
+
+    def _size(self) -> Cell:
+        width = integer(self.setup.pop("width", 3), "width")
+        height = integer(self.setup.pop("height", 3), "height")
+        if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
+            raise ConversionError(
+                f"width and height must be 1 to {MAX_SIZE}, not {width} and {height}"
+            )
+        self.fields["size"] = [width, height]
+        return width, height
+
+    def _inside(self, x: int, y: int) -> bool:
+        return 0 <= x < self.size[0] and 0 <= y < self.size[1]
+
+    def _ends(self) -> None:
+        width, height = self.size
+        x, y = integers(self.setup.pop("start", [0, 0]), "start", 2)
+        if not self._inside(x, y):
+            raise ConversionError(f"start must be a cell of the grid, not ({x}, {y})")
+        self.start = x, y
+        first = integers(self.setup.pop("initial_pos", None) or [x, y], "initial_pos", 2)
+        self.fields["start"] = first
+        if first != [x, y]:
+            self._lose("start", "the red square stands where episodes begin, at initial_pos")
+        end = integers(self.setup.pop("end", [width - 1, height - 1]), "end", 2)
+        self.end = end[0], end[1]
+        self.fields["exit"] = end if self._inside(*end) else "none"
+        self.fields["rewards"] = {"exit": -1}
+        if not self._inside(*end):
+            del self.fields["rewards"]
+            if self.end != NO_EXIT:
+                self._lose("end", f"({end[0]}, {end[1]}) is off the grid: there is no exit")
+
+    def _walls(self) -> None:
+        entries = sequence(self.setup.pop("walls", None) or [], "walls")
+        seed = self.setup.pop("maze_seed", 0)
+        has_maze = bool(self.setup.pop("add_maze", False))
+        if has_maze and seed is None:
+            self.fields["maze"] = {"seed": "random"}
+            if entries:
+                raise ConversionError("walls cannot be toggled in a maze without a seed")
+            return
+        maze = maze_edges(*self.size, self.start, integer(seed, "maze_seed")) if has_maze else set()
+        # The package grows its maze from `start`, and through cells that are off the grid.
+        is_ours = "blocked" not in self.fields and tuple(self.fields["start"]) == self.start
+        toggled = toggle(entries, self.size, maze, write_maze=not is_ours)
+        if has_maze and is_ours:
+            self.fields["maze"] = {"seed": seed}
+        elif has_maze:
+            self.comments["walls"] = f"The maze of seed {seed}, written out."
+        if toggled.walls:
+            self.fields["walls"] = toggled.walls
+        if toggled.openings:
+            self.fields["openings"] = toggled.openings
+        self.lost += toggled.lost
+
+    def _puddles(self) -> None:
+        self._puddle_types()
+        given = sequence(self.setup.pop("puddles", None) or [], "puddles")
+        found: dict[Cell, int] = {}
+        is_table = bool(given) and isinstance(given[0], list) and not _is_puddle(given[0])
+        for index, entry in enumerate(given):
+            where = f"puddles[{index}]"
+            row = sequence(entry, where)
+            if is_table:
+                pairs = [((x, index), each) for x, each in enumerate(row)]
+            elif len(row) == 2:
+                x, y = integers(row[0], where, 2)
+                pairs = [((x, y), row[1])]
+            else:
+                raise ConversionError(f"{where} must be ((x, y), size)")
+            for cell, value in pairs:
+                size = integer(value, where)
+                if size not in (0, *SIZES):
+                    raise ConversionError(f"{where}: a size is 1 (small) or 2 (large), not {size}")
+                if not self._inside(*cell) or (cell in self.blocked and size):
+                    self._lose(where, f"there is no cell {cell} on the grid")
+                elif cell in found and size != found[cell]:
+                    self._lose(where, f"{cell} is a puddle already, and the first one counts")
+                else:
+                    found[cell] = size
+        if found.get(self.end):
+            types = self.fields.get("puddle_types", {})
+            default = {"small": -2, "large": -4}[SIZES[found[self.end]]]
+            reward = types.get(SIZES[found[self.end]], {}).get("reward", default)
+            self.fields["rewards"]["exit"] = reward
+            self.comments["rewards"] = "The exit is in a puddle, whose reward counts."
+        puddles = [{"at": [*cell], "size": SIZES[size]} for cell, size in found.items() if size]
+        if puddles:
+            self.fields["puddles"] = puddles
+
+    def _puddle_types(self) -> None:
+        given = mapping(self.setup.pop("puddle_props", None) or {}, "puddle_props")
+        types: dict[str, dict[str, Any]] = {}
+        for keyword, value in given.items():
+            where = f"puddle_props {keyword}"
+            name, _, what = keyword.partition("_")
+            if name not in SIZES.values() or what not in ("reward", "prob"):
+                self._lose(where, "the package has no such property")
+            elif what == "reward":
+                types.setdefault(name, {})["reward"] = self._reward(value, where)
+            else:
+                # The probability is that of not skidding; 1 - 0.9 is to be 0.1.
+                types.setdefault(name, {})["skid"] = round(1 - probability(value, where), 12)
+        if types:
+            self.fields["puddle_types"] = types
+
+    def _reward(self, value: Any, where: str) -> int:
+        """Return a reward as the package counts it, without its fraction."""
+        given = number(value, where)
+        if int(given) != given:
+            self._lose(where, f"the package counts {given:g} as {int(given)}")
+        return int(given)
+
+    def _rectangle(self, value: Any, where: str) -> dict[str, Any] | None:
+        """Return the part of a rectangle that is on the grid, None if there is none."""
+        x, y, *size = integers(value, where, 2, 4)
+        columns, rows = size or (1, 1)
+        right, bottom = min(x + columns, self.size[0]), min(y + rows, self.size[1])
+        x, y = max(x, 0), max(y, 0)
+        if right <= x or bottom <= y:
+            self._lose(where, "no cell of it is on the grid")
+            return None
+        cells = {"at": [x, y]}
+        return (
+            cells
+            if (right - x, bottom - y) == (1, 1)
+            else cells | {"size": [right - x, bottom - y]}
+        )
+
+    def _blocked(self) -> None:
+        self.blocked: set[Cell] = set()
+        self.blocked_colors: list[str] = []
+        blocked, count = [], 0
+        given = sequence(self.setup.pop("base_areas", None) or [], "base_areas")
+        for index, entry in enumerate(given):
+            where = f"base_areas[{index}]"
+            parts = sequence(entry, where)
+            is_bare = bool(parts) and not isinstance(parts[0], list)
+            rectangle = self._rectangle(parts if is_bare else (parts or [None])[0], where)
+            if rectangle is None:
+                continue
+            blocked.append(rectangle)
+            (x, y), (columns, rows) = rectangle["at"], rectangle.get("size", (1, 1))
+            count += columns * rows
+            if count > MAX_BLOCKED:
+                raise ConversionError(f"base_areas cover more than {MAX_BLOCKED:,} cells")
+            self.blocked |= {(x + i, y + j) for i in range(columns) for j in range(rows)}
+            rest = [] if is_bare else parts[1:]
+            if rest and isinstance(rest[0], str):
+                self.blocked_colors.append(rest.pop(0))
+            if rest:
+                self._lose(f"{where} borders", "blocked cells have the walls of the theme")
+        if blocked:
+            self.fields["blocked"] = blocked
+
+    def _areas(self) -> None:
+        areas = []
+        for index, entry in enumerate(
+            sequence(self.setup.pop("grid_areas", None) or [], "grid_areas")
+        ):
+            where = f"grid_areas[{index}]"
+            parts = sequence(entry, where)
+            area = self._rectangle(parts[0] if parts else None, where)
+            if area is None:
+                continue
+            if len(parts) > 1 and parts[1] is not None:
+                known = color(parts[1])
+                if known is None:
+                    self._lose(where, f"{shown(parts[1])} is no colour that a level can have")
+                else:
+                    area["color"] = known
+            if len(parts) > 2:
+                area["reward"] = self._reward(parts[2], where)
+            areas.append(area)
+        if areas:
+            self.fields["areas"] = areas
+
+    def _look(self) -> None:
+        theme = read_theme(mapping(self.setup.pop("grid", None) or {}, "grid"), self.lost)
+        theme = blocked_color(self.blocked_colors, theme, self.lost)
+        if theme:
+            self.fields["theme"] = theme
+        display = read_display(self.setup, self.lost)
+        if display:
+            self.fields["display"] = display
+
+
+def _is_puddle(entry: list[Any]) -> bool:
+    return bool(entry) and isinstance(entry[0], list)

@@ -1,0 +1,127 @@
+"""What a conversion gives: the result, and by name all that could not come along."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.errors import LevelError
+from babyrobot_levels.source import Position, SourceFile, Span
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
+
+_NOT_LOST = frozenset({"version", "name", "map", "legend"})
+"""Fields that are the file's own, or whose meaning stands in others as well."""
+
+
+class ConversionWarning(UserWarning):
+    """Something that could not come along when a world was converted in Python."""
+
+
+class ConversionError(LevelError):
+    """Something that is no world of the format that it is read as.
+
+    `help` says what to do about it, or is None.
+    """
+
+    def __init__(self, message: str, help_text: str | None = None):
+        self.help = help_text
+        super().__init__((), f"{message}\n  help: {help_text}" if help_text else message)
+
+    def __reduce__(self) -> Any:
+        # The message has the help already.
+        return LevelError, ((), self.message)
+
+    @classmethod
+    def at(
+        cls, source: SourceFile, place: Position, message: str, help_text: str | None = None
+    ) -> ConversionError:
+        """Return the error for a place in a text, which it shows."""
+        lines = [f"{one_line(source.name)}:{place.line}:{place.column}: error: {one_line(message)}"]
+        if source.line(place.line):
+            end = Position(place.line, place.column + 1)
+            excerpt = source.excerpt(Span(place, end))
+            number, gutter = str(place.line), " " * len(str(place.line))
+            lines += [f"  {gutter} |", f"  {number} | {excerpt[0]}", f"  {gutter} | {excerpt[1]}"]
+        return cls("\n".join(lines), help_text)
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """Something that could not come along.
+
+    Attributes:
+        field: what it is called where it comes from: a field of the level, or a name of the format.
+        message: what became of it.
+    """
+
+    field: str
+    message: str
+
+    def __str__(self) -> str:
+        return f"{self.field}: {self.message}"
+
+
+@dataclass(frozen=True, slots=True)
+class World:
+    """A world of another format, in the fields of the language.
+
+    Attributes:
+        fields: the fields, as a file would have them.
+        origin: what it is from, as a sentence.
+        comments: for some fields, a comment to stand above them.
+        lost: what could not come along.
+    """
+
+    fields: dict[str, Any]
+    origin: str
+    comments: Mapping[str, str] = field(default_factory=dict)
+    lost: tuple[Lost, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Conversion:
+    """The result of a conversion.
+
+    Attributes:
+        text: the world in its new form.
+        warnings: what could not come along, in the order in which it was found.
+        beside: files that belong to the text, by name.
+    """
+
+    text: str
+    warnings: tuple[Lost, ...] = ()
+    beside: Mapping[str, bytes] = field(default_factory=dict)
+
+
+def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[Lost]:
+    """Yield the fields of a level that say something and are not carried.
+
+    Args:
+        level: the level.
+        carried: the fields that the format has a place for.
+        place: what has no place for the others: "a FrozenLake map".
+    """
+    said = level.model_dump(by_alias=True, exclude_defaults=True)
+    for name in type(level).model_fields:
+        if name in said and name not in carried and name not in _NOT_LOST:
+            yield Lost(name, f"{place} has no place for it")
+
+
+def shown(value: Any) -> str:
+    """Return a value of any kind and size as a short text for a message."""
+    # Only a few levels deep: a value from a file may be nested as deep as its parser allows.
+    if isinstance(value, list | tuple | dict):
+        return f"a {type(value).__name__} of {len(value)}" if len(value) > 4 else _brief(value)
+    return _brief(value)
+
+
+def _brief(value: Any) -> str:
+    try:
+        text = one_line(repr(value))
+    except (RecursionError, ValueError):
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= 60 else text[:59] + "…"

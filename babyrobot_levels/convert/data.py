@@ -1,0 +1,98 @@
+"""Python literals and JSON, read without running anything."""
+
+from __future__ import annotations
+
+import ast
+import json
+import warnings
+from typing import Any, NoReturn
+
+from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.source import START, Position, SourceFile
+
+MAX_DEPTH = 32
+"""Lists and mappings inside one another. No format has more than a few."""
+
+
+_PLAIN = "numbers, texts, lists, tuples and mappings can be read; names and calls cannot"
+_DATA = (
+    *(ast.Constant, ast.List, ast.Tuple, ast.Set, ast.Dict, ast.UnaryOp, ast.unaryop),
+    *(ast.Module, ast.Expr, ast.Assign, ast.expr_context),
+)
+
+
+def read_data(source: SourceFile) -> Any:
+    """Return the data of a text: JSON, or a Python literal, also one that a name is given to.
+
+    Raises:
+        ConversionError: it is neither, or nested too deep.
+    """
+    _check_depth(source)
+    try:
+        return _json(source.text)
+    except ValueError as json_error:
+        try:
+            return _literal(source.text)
+        except SyntaxError as error:
+            if isinstance(json_error, json.JSONDecodeError):
+                _raise_farther(source, json_error, error)
+            raise ConversionError(f"{source.name}: {json_error}") from None
+        except (ValueError, MemoryError, RecursionError):
+            message = "this is neither JSON nor a plain Python literal"
+            raise ConversionError.at(source, _first_code(source.text), message, _PLAIN) from None
+
+
+def _json(text: str) -> Any:
+    return json.loads(text, parse_constant=_refuse)
+
+
+def _refuse(constant: str) -> NoReturn:
+    raise ValueError(f"{constant} is no number that a level could have")
+
+
+def _literal(text: str) -> Any:
+    with warnings.catch_warnings():
+        # What Python thinks of the style of its texts is of no interest here.
+        warnings.simplefilter("ignore")
+        body = ast.parse(text).body
+        statement = body[0] if len(body) == 1 else None
+        if isinstance(statement, ast.Assign | ast.Expr):
+            return ast.literal_eval(statement.value)
+    raise ValueError("more than one statement, or none")
+
+
+def _first_code(text: str) -> Position:
+    """Return the first place of a Python text that is not plain data."""
+    try:
+        tree = ast.parse(text)
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        return START
+    targets = {id(target) for node in tree.body for target in getattr(node, "targets", ())}
+    code = [n for n in ast.walk(tree) if not isinstance(n, _DATA) and id(n) not in targets]
+    nodes = [node for node in code if isinstance(node, ast.expr | ast.stmt)]
+    places = [(node.lineno, node.col_offset + 1) for node in nodes]
+    return Position(*min(places, default=START))
+
+
+def _check_depth(source: SourceFile) -> None:
+    """Refuse what would exhaust a parser: brackets count wherever they stand, also in texts."""
+    depth = 0
+    for index, character in enumerate(source.text):
+        if character in "[{(":
+            depth += 1
+            if depth > MAX_DEPTH:
+                place = source.position(index)
+                raise ConversionError.at(source, place, f"this is nested over {MAX_DEPTH} deep")
+        elif character in "]})":
+            depth -= 1
+
+
+def _raise_farther(
+    source: SourceFile, json_error: json.JSONDecodeError, error: SyntaxError
+) -> NoReturn:
+    """Raise the error of the parser that got farther: it knows better what was meant."""
+    python = Position(error.lineno or 1, max(error.offset or 1, 1))
+    if Position(json_error.lineno, json_error.colno) >= python:
+        place = Position(json_error.lineno, json_error.colno)
+        raise ConversionError.at(source, place, f"this is no JSON ({json_error.msg})") from None
+    raise ConversionError.at(source, python, f"this is no Python literal ({error.msg})") from None

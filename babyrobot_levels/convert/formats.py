@@ -1,0 +1,132 @@
+"""The formats that worlds come in, and how to tell which one a text is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import PurePath
+
+from babyrobot_levels.certificate import compare
+from babyrobot_levels.convert.babyrobot.reading import read_setup
+from babyrobot_levels.convert.babyrobot.writing import write_setup
+from babyrobot_levels.convert.blocks import is_lattice, text_rows
+from babyrobot_levels.convert.checked import mapping
+from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
+from babyrobot_levels.convert.data import read_data
+from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
+from babyrobot_levels.convert.maze_dataset import read_maze_dataset, write_maze_dataset
+from babyrobot_levels.convert.maze_map import read_maze_map, write_maze_map
+from babyrobot_levels.convert.minigrid import read_minigrid, write_minigrid
+from babyrobot_levels.convert.sokoban import read_sokoban, write_sokoban
+from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
+from babyrobot_levels.convert.tiled.writing import write_tiled
+from babyrobot_levels.level import Level
+from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.source import SourceFile
+
+
+@dataclass(frozen=True, slots=True)
+class Format:
+    """A format: its title, and how it is read and written."""
+
+    title: str
+    read: Callable[[SourceFile], World]
+    write: Callable[[Level], Conversion]
+
+
+def _read_babyrobot(source: SourceFile) -> World:
+    return read_setup(mapping(read_data(source), "the setup"))
+
+
+FORMATS = {
+    "babyrobot": Format("keyword setup of PyPI babyrobot", _read_babyrobot, write_setup),
+    "frozen-lake": Format("FrozenLake map", read_frozen_lake, write_frozen_lake),
+    "maze-map": Format("Gymnasium-Robotics maze_map", read_maze_map, write_maze_map),
+    "maze-dataset": Format("maze-dataset ASCII", read_maze_dataset, write_maze_dataset),
+    "minigrid": Format("MiniGrid text", read_minigrid, write_minigrid),
+    "sokoban": Format("map of # and blanks", read_sokoban, write_sokoban),
+    "tiled": Format("Tiled map in JSON", read_tiled, write_tiled),
+}
+
+SUFFIXES = {".tmj": "tiled"}
+"""File suffixes that say which format a file has."""
+
+_LOOKS = (
+    *("title", "description", "author", "license", "source", "tags", "discount", "max_steps"),
+    *("theme", "display", "maze", "walls.color"),
+)
+"""The first words of what can be lost without another game coming of it."""
+
+
+def export(level: Level, name: str) -> Conversion:
+    """Return a level in another format.
+
+    What the format has no place for is among the warnings. That the game is the same where
+    nothing says otherwise is checked: the result is read again, and the tables compared.
+
+    Args:
+        level: the level.
+        name: a name of `FORMATS`.
+
+    Raises:
+        LevelError: the level's maze has no seed yet (`seed: random`).
+    """
+    conversion = FORMATS[name].write(level)
+    if any(not lost.field.startswith(_LOOKS) for lost in conversion.warnings):
+        return conversion
+    again = from_mapping(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
+    if again.digest == level.digest:
+        return conversion
+    difference = (
+        compare(level, again).difference or "cells that no episode comes to are not the same"
+    )
+    return Conversion(
+        conversion.text, (*conversion.warnings, Lost("game", difference)), conversion.beside
+    )
+
+
+def guess(source: SourceFile) -> list[str]:
+    """Return the names of the formats that a text may be in: by its suffix, or by what it is.
+
+    Raises:
+        ConversionError: it looks like data, and cannot be read as such.
+    """
+    suffix = PurePath(source.name).suffix.lower()
+    if suffix in SUFFIXES:
+        return [SUFFIXES[suffix]]
+    return list(_of_text(source) or _of_data(source))
+
+
+def _of_text(source: SourceFile) -> list[str]:
+    """Return the formats of a drawn map, none if the text is not one."""
+    letters = set(source.text) - set("\r\n")
+    if not letters - {" "}:
+        raise ConversionError(f"{source.name}: there is nothing in it")
+    if letters <= {*LETTERS, " ", "\t"}:
+        return ["frozen-lake"]
+    if letters <= set("#SEX "):
+        lines = text_rows(source)
+        fits = is_lattice(tuple(line.replace("S", "E").replace("X", " ") for line in lines))
+        has_path = {"S", "E", "X"} <= letters
+        return [*(["maze-dataset"] if fits else []), *([] if fits and has_path else ["sokoban"])]
+    if letters <= set("#@.$*+-_SEX "):
+        return ["sokoban"]
+    if "WG" in source.text and letters <= set("WGVFDLKABRPY><^_ "):
+        return ["minigrid"]
+    return []
+
+
+def _of_data(source: SourceFile) -> Iterator[str]:
+    if not source.text.lstrip().startswith(("{", "[", "(")) and "=" not in source.text:
+        return
+    data = read_data(source)
+    if is_tiled(data):
+        yield "tiled"
+    elif isinstance(data, dict):
+        yield "frozen-lake" if "desc" in data else "babyrobot"
+    elif isinstance(data, list | tuple) and data:
+        letters = {str(cell) for row in data if isinstance(row, list | tuple | str) for cell in row}
+        if letters <= LETTERS.keys():
+            yield "frozen-lake"
+        elif letters <= {"0", "1", "r", "g", "c"}:
+            yield "maze-map"

@@ -1,0 +1,119 @@
+"""Frozen Lake: the letters S, F, H and G, and the keywords of Gymnasium's FrozenLake-v1."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from babyrobot_levels import drawing as d
+from babyrobot_levels.convert.blocks import drawn, has_walls, text_rows, translated
+from babyrobot_levels.convert.checked import number, probability, sequence
+from babyrobot_levels.convert.conversion import (
+    Conversion,
+    ConversionError,
+    Lost,
+    World,
+    fields_lost,
+    shown,
+)
+from babyrobot_levels.convert.data import read_data
+from babyrobot_levels.convert.marks import END_COLOR, ENDS, SPATIAL, UNLIKE, lost_areas, marked
+from babyrobot_levels.level import Level
+from babyrobot_levels.source import SourceFile
+from babyrobot_levels.spec.cells import as_skid
+
+LETTERS = {"S": d.START, "F": d.PLAIN, "H": "H", "G": d.EXIT}
+PLACE = "a Frozen Lake"
+USUAL_RATE = 1 / 3
+USUAL_REWARDS = (1, 0, 0)
+"""The reward of the goal, of a hole, and of any other step."""
+
+_KNOWN = "S start, F frozen, H hole, G goal"
+
+
+def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
+    """Return the world of a map: lines of letters, a list of them, or FrozenLake's keywords.
+
+    Args:
+        source: the text.
+        is_slippery: whether it slips, where the text does not say so itself.
+    """
+    if set(source.text) <= {*LETTERS, *"\r\n\t "}:
+        rows = [row.strip() for row in text_rows(source)]
+        return _world(source, rows, {"is_slippery": is_slippery})
+    data = read_data(source)
+    keywords = {"is_slippery": is_slippery}
+    if isinstance(data, dict):
+        keywords |= {name: value for name, value in data.items() if name != "desc"}
+        data = data.get("desc")
+    rows = [
+        "".join(map(str, row)) if isinstance(row, list) else row
+        for row in sequence(list(data) if isinstance(data, tuple) else data, "desc")
+    ]
+    if not rows or not all(isinstance(row, str) and row for row in rows):
+        raise ConversionError("desc must be a list of texts, one for each row of the lake")
+    return _world(SourceFile(source.name, "\n".join(rows)), rows, keywords)
+
+
+def _world(source: SourceFile, rows: list[str], keywords: dict[str, Any]) -> World:
+    cells = translated(source, rows, LETTERS, _KNOWN)
+    for number_, row in enumerate(rows, 1):
+        if len(row) != len(rows[0]):
+            raise ConversionError(
+                f"row {number_} of the map has {len(row)} letters, the first has {len(rows[0])}"
+            )
+    rate = probability(keywords.pop("success_rate", USUAL_RATE), "success_rate")
+    schedule = keywords.pop("reward_schedule", USUAL_REWARDS)
+    goal, hole, step = (number(each, "reward_schedule") for each in _three(schedule))
+    slips = bool(keywords.pop("is_slippery"))
+    fields: dict[str, Any] = {"version": 1, **drawn(cells)}
+    comments = {}
+    if any("H" in row for row in rows):
+        legend = {"color": END_COLOR, "ends": True}
+        fields["legend"] = {"H": legend if hole == step else {**legend, "reward": hole}}
+        comments["legend"] = "Falling into a hole ends the episode."
+    if slips and rate < 1:
+        fields["skid"] = {"probability": 1 - rate, "to": "sides"}
+        comments["skid"] = "Moves that slip go to one of the sides."
+    fields["rewards"] = {"step": step, "exit": goal}
+    lost = tuple(Lost(name, "it changes nothing in the game") for name in keywords)
+    return World(fields, "A map of Gymnasium's FrozenLake-v1.", comments, lost)
+
+
+def _three(schedule: Any) -> list[Any]:
+    if not isinstance(schedule, list | tuple) or len(schedule) != 3:
+        raise ConversionError(
+            f"reward_schedule must be three numbers (goal, hole, frozen), not {shown(schedule)}"
+        )
+    return list(schedule)
+
+
+def write_frozen_lake(level: Level) -> Conversion:
+    """Return a level as keywords of FrozenLake-v1, in JSON."""
+    carried = SPATIAL | UNLIKE | {"skid"}
+    lost = list(fields_lost(level, carried, PLACE))
+    lost += lost_areas(level, None)
+    if has_walls(level.grid()):
+        lost.append(Lost("walls", f"{PLACE} has no walls between its cells; they are left out"))
+    if level.blocked:
+        lost.append(Lost("blocked", f"{PLACE} has no such cells; they are frozen"))
+    letters = {d.START: "S", d.EXIT: "G", ENDS: "H", d.PLAIN: "F", d.BLOCKED: "F"}
+    desc = ["".join(map(letters.__getitem__, row)) for row in marked(level)]
+    skid = as_skid(level.skid) if level.skid is not None else None
+    keywords: dict[str, Any] = {"is_slippery": bool(skid and skid.probability)}
+    if skid is not None and skid.probability:
+        if skid.to != "sides":
+            lost.append(Lost("skid.to", "moves slip to the sides only"))
+        if abs(1 - skid.probability - USUAL_RATE) > 1e-12:
+            keywords["success_rate"] = round(1 - skid.probability, 12)
+    schedule = (level.rewards.exit, level.rewards.step, level.rewards.step)
+    if schedule != USUAL_REWARDS:
+        keywords["reward_schedule"] = [
+            int(each) if each.is_integer() else each for each in schedule
+        ]
+    for name in ("bump", "closer", "farther"):
+        if getattr(level.rewards, name) is not None:
+            lost.append(Lost(f"rewards.{name}", f"{PLACE} has no place for it"))
+    rows = ",\n    ".join(map(json.dumps, desc))
+    more = "".join(f',\n  "{name}": {json.dumps(value)}' for name, value in keywords.items())
+    return Conversion(f'{{\n  "desc": [\n    {rows}\n  ]{more}\n}}\n', tuple(lost))

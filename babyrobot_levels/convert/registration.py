@@ -1,0 +1,42 @@
+"""The id under which old notebooks make their environments."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels.convert.babyrobot.reading import from_setup
+from babyrobot_levels.envs.single import make_level
+
+if TYPE_CHECKING:
+    import gymnasium
+
+ID = "BabyRobot-v0"
+
+
+def register_babyrobot() -> None:
+    """Let `gymnasium.make("BabyRobot-v0", **setup)` play a setup of PyPI babyrobot as a level.
+
+    An id of that name that somebody else has registered, the package itself for one, gives way.
+    """
+    from gymnasium.envs.registration import register, registry
+
+    # Gymnasium would warn of an id that is registered anew.
+    registry.pop(ID, None)
+    register(ID, entry_point=f"{__name__}:make_babyrobot", order_enforce=False)
+
+
+def make_babyrobot(
+    render_mode: str | None = None, action_space: str = "dynamic", **setup: Any
+) -> gymnasium.Env[Any, Any]:
+    """Return the environment of a keyword setup.
+
+    Args:
+        render_mode: a render mode of `LevelEnv`.
+        action_space: `"dynamic"` samples the actions that are possible, `"discrete"` all five.
+        setup: the keywords of the package; see `from_setup`.
+    """
+    actions = "valid" if action_space == "dynamic" else "all"
+    return make_level(from_setup(setup), render_mode=render_mode, actions=actions)
+
+
+make_babyrobot.metadata = make_level.metadata  # type: ignore[attr-defined]

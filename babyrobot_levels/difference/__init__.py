@@ -1,0 +1,1 @@
+"""What changed between two levels: in the game, and beside it."""

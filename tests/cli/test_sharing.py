@@ -1,0 +1,98 @@
+"""Codes that are printed, and files that are written from them and from mazes."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from support.sessions import Result, environment, run_here
+
+from babyrobot_levels.catalogue import levels, load
+from babyrobot_levels.reading import load_file
+
+NAMES = [info.name for info in levels()]
+
+
+def babyrobot(*arguments: str, status: int = 0) -> Result:
+    result = run_here(list(arguments), environment(Path.cwd()), b"")
+    assert result.status == status, result
+    return result
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "levels" / "themes").mkdir(parents=True)
+    (tmp_path / "levels" / "themes" / "mine.yaml").write_text("colors: {base: navy}\n", "utf-8")
+    text = "version: 1\nsize: [3, 2]\nmaze: {seed: 1}  # small\ntheme: mine  # see themes/\n"
+    (tmp_path / "levels" / "ours.yaml").write_text(text, "utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_share_prints_the_code_and_nothing_else(name: str) -> None:
+    code = load(name).share_code()
+    assert babyrobot("share", name) == Result(f"{code}\n", "", 0)
+    base = "https://example.org/play.html?speed=2"
+    assert babyrobot("share", name, "--link", base) == Result(f"{base}#{code}\n", "", 0)
+
+
+def test_from_a_file_to_a_code_to_a_file(folder: Path) -> None:
+    code = babyrobot("share", "levels/ours.yaml").out
+    assert babyrobot("share", code, "-o", "theirs.yaml") == Result("", "", 0)
+    assert (folder / "theirs.yaml").read_text("utf-8") == (
+        "version: 1\nname: ours\nsize: [3, 2]\nmaze: {seed: 1}\ntheme:\n  colors: {base: navy}\n"
+    )
+    assert babyrobot("diff", "levels/ours.yaml", "theirs.yaml").out == (
+        "levels/ours.yaml and theirs.yaml are the same game\n"
+    )
+
+
+def test_a_resolved_level_finds_its_theme_or_takes_it_along(folder: Path) -> None:
+    (folder / "elsewhere").mkdir()
+    walls = "version: 1\nsize: [3, 2]\nwalls:\n  - {at: [0, 0], side: S, length: 2}\n"
+    call = ("resolve", "levels/ours.yaml", "-o")
+    assert babyrobot(*call, "levels/walls.yaml") == Result("", "", 0)
+    assert babyrobot(*call, "elsewhere/walls.yaml") == Result("", "", 0)
+    here, there = folder / "levels" / "walls.yaml", folder / "elsewhere" / "walls.yaml"
+    assert here.read_text("utf-8") == walls + "theme: mine  # see themes/\n"
+    assert there.read_text("utf-8") == walls + "theme:\n  colors: {base: navy}\n"
+    picture = load_file(folder / "levels" / "ours.yaml").to_svg()
+    assert load_file(here).to_svg() == load_file(there).to_svg()
+    assert re.sub("<title>.*</title>", "", load_file(here).to_svg()) == re.sub(
+        "<title>.*</title>", "", picture
+    )
+
+
+def test_walls_that_no_file_could_hold_are_not_written(folder: Path) -> None:
+    (folder / "huge.yaml").write_text("version: 1\nsize: [300, 300]\nmaze: {seed: 1}\n", "utf-8")
+    result = babyrobot("resolve", "huge.yaml", "-o", "walls.yaml", status=2)
+    assert result.err == (
+        "error: the walls of this maze are too many for a level file, which has room for 1 MiB\n"
+    )
+    assert not (folder / "walls.yaml").exists()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("preview", "LEVEL"),
+        ("show", "LEVEL"),
+        ("solve", "LEVEL"),
+        ("compare", "LEVEL", "maze"),
+        ("compare", "maze", "LEVEL"),
+        ("diff", "LEVEL", "maze"),
+        ("resolve", "LEVEL"),
+        ("share", "LEVEL"),
+    ],
+)
+def test_commands_take_a_code_for_a_level(command: tuple[str, ...]) -> None:
+    code = load("maze").share_code()
+    # A code that was broken into lines is whole all the same.
+    pasted = f" {code[:60]}\n  {code[60:]}\n"
+    told = babyrobot(*[pasted if word == "LEVEL" else word for word in command])
+    expected = babyrobot(*["maze" if word == "LEVEL" else word for word in command])
+    if command[0] in ("preview", "show", "solve", "share"):
+        assert told.out == expected.out
+    assert told.out

@@ -1,0 +1,144 @@
+"""Levels in `git diff`, in a repository of their own."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from support.sessions import environment
+
+LEVEL = "version: 1\nsize: [2, 2]\ntheme: mine\n"
+
+
+class Repository:
+    """A folder under git, in which levels are compared by us."""
+
+    def __init__(self, folder: Path):
+        self.folder = folder
+        self.env = environment(
+            folder,
+            GIT_CONFIG_GLOBAL=os.devnull,
+            GIT_CONFIG_SYSTEM=os.devnull,
+            **{
+                f"GIT_{who}_{what}": "x"
+                for who in ("AUTHOR", "COMMITTER")
+                for what in ("NAME", "EMAIL")
+            },
+        )
+        self.git("init", "--quiet")
+        driver = f"{shlex.quote(sys.executable)} -m babyrobot_levels diff"
+        self.git("config", "diff.babyrobot.command", driver)
+        self.write(".gitattributes", "levels/*.yaml diff=babyrobot\n")
+        self.write("levels/themes/mine.yaml", "colors: {base: red}\n")
+        self.write("levels/maze.yaml", LEVEL)
+        self.commit()
+
+    def git(self, *arguments: str) -> str:
+        call = ["git", *arguments]
+        done = subprocess.run(
+            call, cwd=self.folder, env=self.env, capture_output=True, text=True, check=False
+        )
+        assert (done.returncode, done.stderr) == (0, ""), done
+        return done.stdout
+
+    def write(self, path: str, text: str) -> None:
+        place = self.folder / path
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(text, "utf-8")
+
+    def commit(self) -> None:
+        self.git("add", "--all")
+        self.git("commit", "--quiet", "--message", "Levels")
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Repository:
+    return Repository(tmp_path)
+
+
+def test_a_changed_game(repository: Repository) -> None:
+    repository.write("levels/maze.yaml", LEVEL + "rewards: {exit: 5}\n")
+    assert repository.git("diff") == (
+        "levels/maze.yaml: another game\n"
+        "\n"
+        "rewards.exit: 0 -> 5\n"
+        "transitions: 2 of 20 changed\n"
+        "  [1, 0] south\n"
+        "    before: [1, 1], reward 0, the end\n"
+        "    after:  [1, 1], reward 5, the end\n"
+        "  [0, 1] east\n"
+        "    before: [1, 1], reward 0, the end\n"
+        "    after:  [1, 1], reward 5, the end\n"
+        "\n"
+        "best return: -1 -> 4\n"
+        "random return: -5 -> 0\n"
+        "\n"
+    )
+
+
+def test_from_a_folder_of_the_repository(repository: Repository) -> None:
+    repository.write("levels/maze.yaml", LEVEL + "title: Two by two\n")
+    told = repository.git("-C", "levels", "diff", "maze.yaml")
+    assert told == (
+        "levels/maze.yaml: the same game\n\nbeside the game:\n  title: none -> Two by two\n\n"
+    )
+
+
+def test_files_that_come_and_go(repository: Repository) -> None:
+    (repository.folder / "levels/maze.yaml").unlink()
+    repository.write("levels/new.yaml", "version: 1\nsize: [2, 1]\n")
+    repository.git("add", "--all")
+    assert repository.git("diff", "--cached", "--no-renames") == (
+        "levels/maze.yaml: the level is gone\n\n"
+        "levels/new.yaml: the level is new\n\n+---+---+\n| S   E |\n+---+---+\n\n"
+    )
+
+
+def test_a_file_that_was_renamed(repository: Repository) -> None:
+    repository.git("mv", "levels/maze.yaml", "levels/other.yaml")
+    repository.write("levels/other.yaml", LEVEL + "start: [1, 0]\n")
+    repository.git("add", "--all")
+    told = repository.git("diff", "--cached", "--find-renames=10%")
+    assert told.startswith(
+        "levels/maze.yaml -> levels/other.yaml: another game\n\nstart: [0, 0] -> [1, 0]\n"
+    )
+    assert told.endswith("beside the game:\n  name: maze -> other\n\n")
+
+
+def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -> None:
+    repository.write("levels/maze.yaml", LEVEL.replace("2, 2", "0, 2"))
+    assert repository.git("diff") == (
+        "levels/maze.yaml: no valid level after the change\n"
+        "\n"
+        "--- levels/maze.yaml\n"
+        "+++ levels/maze.yaml\n"
+        "@@ -1,3 +1,3 @@\n"
+        " version: 1\n"
+        "-size: [2, 2]\n"
+        "+size: [0, 2]\n"
+        " theme: mine\n"
+        "\n"
+    )
+
+
+def test_a_file_that_cannot_be_read(repository: Repository) -> None:
+    (repository.folder / "levels/maze.yaml").write_bytes(b"\xff\xfe")
+    assert repository.git("diff") == "levels/maze.yaml: the file is UTF-16, not UTF-8\n\n"
+
+
+def test_a_conflict(repository: Repository) -> None:
+    repository.git("checkout", "--quiet", "-b", "other")
+    repository.write("levels/maze.yaml", LEVEL + "start: [1, 0]\n")
+    repository.commit()
+    repository.git("checkout", "--quiet", "-")
+    repository.write("levels/maze.yaml", LEVEL + "start: [0, 1]\n")
+    repository.commit()
+    call = ["git", "merge", "--quiet", "other"]
+    subprocess.run(
+        call, cwd=repository.folder, env=repository.env, capture_output=True, check=False
+    )
+    assert "levels/maze.yaml: not merged yet\n\n" in repository.git("diff", "--base")

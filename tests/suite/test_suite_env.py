@@ -1,0 +1,193 @@
+"""`babyrobot/Suite-v0`: another level in each episode, in spaces that never change."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.utils.env_checker import check_env
+from support.playing import episodes, plain
+
+import babyrobot_levels as brl
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.suites import load_suite
+
+SUITE_ID = "babyrobot/Suite-v0"
+
+FIELDS: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "seed": 3,
+    "count": 60,
+    "size": {"min": [3, 4], "max": [7, 5]},
+    "puddles": {"max": 2},
+    "splits": {"train": 0.5, "test": 0.5},
+}
+
+each_observation = pytest.mark.parametrize("observation", OBSERVATIONS)
+
+
+def make(**arguments: Any) -> Any:
+    return gymnasium.make(SUITE_ID, **{"suite": FIELDS, **arguments})
+
+
+@each_observation
+@pytest.mark.parametrize("actions", ACTION_SETS)
+def test_gymnasiums_checker_is_content(observation: str, actions: str) -> None:
+    env = make(observation=observation, actions=actions, split="train")
+    check_env(env.unwrapped, skip_render_check=observation != "position")
+
+
+@each_observation
+def test_the_space_never_changes(observation: str) -> None:
+    env = make(observation=observation)
+    space, sizes = env.observation_space, set()
+    env.action_space.seed(0)
+    env.reset(seed=5)
+    for _ in range(25):
+        shown, _ = env.reset()
+        for _ in range(5):
+            assert env.observation_space == space
+            assert shown in space
+            shown, *_ = env.step(env.action_space.sample())
+        sizes.add(env.unwrapped.level.size)
+    assert len(sizes) > 5
+
+
+def test_spaces_are_those_of_the_largest_level() -> None:
+    assert make().observation_space == spaces.MultiDiscrete([7, 5])
+    assert make(observation="index").observation_space == spaces.Discrete(35)
+    assert make(observation="walls").observation_space == spaces.MultiDiscrete([7, 5, 2, 2, 2, 2])
+    image = make(observation="image", image_size=(50, 70), grayscale=True).observation_space
+    assert image == spaces.Box(0, 255, (50, 70, 1), np.uint8)
+
+
+def small_level() -> tuple[int, brl.Level]:
+    """Return a level that is smaller than the largest both ways."""
+    suite = load_suite(FIELDS)
+    return next((i, level) for i, level in enumerate(suite) if level.size == (4, 4))
+
+
+def test_observations_of_smaller_levels() -> None:
+    number, level = small_level()
+    options = {"index": number, "start": (1, 2)}
+    position, _ = make().reset(seed=0, options=options)
+    assert position.tolist() == [1, 2]
+    index, _ = make(observation="index").reset(seed=0, options=options)
+    assert index == 2 * 7 + 1
+    walls, _ = make(observation="walls").reset(seed=0, options=options)
+    assert walls.tolist() == [1, 2, *level.grid().open[2, 1].astype(int).tolist()]
+    image, _ = make(observation="image", image_size=(50, 70)).reset(seed=0, options=options)
+    own = level.make(observation="image", image_size=(40, 40))
+    assert np.array_equal(image[:40, :40], own.reset(seed=0, options={"start": (1, 2)})[0])
+    assert not image[40:].any()
+    assert not image[:, 40:].any()
+
+
+def test_every_level_is_drawn_and_told() -> None:
+    env, suite = make(split="test"), load_suite(FIELDS).split("test")
+    _, info = env.reset(seed=1)
+    seen = {info["level_index"]}
+    for _ in range(250):
+        _, info = env.reset()
+        seen.add(info["level_index"])
+        assert info["level_digest"] == env.unwrapped.level.digest
+        assert env.unwrapped.level.to_yaml() == suite[info["level_index"]].to_yaml()
+    assert seen == set(range(30))
+
+
+def test_a_level_can_be_asked_for() -> None:
+    env = make()
+    _, info = env.reset(options={"index": 7})
+    assert (info["level_index"], info["level_digest"]) == (7, load_suite(FIELDS)[7].digest)
+    for wrong in (-1, 60, "7", 1.5):
+        with pytest.raises(ValueError, match="must be a whole number below 60"):
+            env.reset(options={"index": wrong})
+    exit_ = load_suite(FIELDS)[8].exits[0]
+    with pytest.raises(ValueError, match="the episode would be over"):
+        env.reset(options={"index": 8, "start": exit_})
+    assert env.unwrapped.level.digest == info["level_digest"], "a refused reset changes no level"
+
+
+def test_a_level_is_played_as_it_is_alone() -> None:
+    env = make(observation="walls")
+    for number in range(4):
+        alone = load_suite(FIELDS)[number].make(observation="walls")
+        env.reset(seed=9)
+        alone.reset(seed=9)
+        env.unwrapped.np_random.bit_generator.state = alone.unwrapped.np_random.bit_generator.state
+        env.reset(options={"index": number})
+        alone.reset()
+        rng = np.random.default_rng(0)
+        for _ in range(40):
+            action = int(rng.integers(5))
+            mine, theirs = env.step(action), alone.step(action)
+            assert mine[0].tolist() == theirs[0].tolist()
+            assert mine[1:4] == theirs[1:4]
+            assert mine[4]["action_mask"].tolist() == theirs[4]["action_mask"].tolist()
+            if mine[2]:
+                break
+
+
+@each_observation
+def test_everything_comes_from_the_seed(observation: str) -> None:
+    runs = [episodes(make(observation=observation), 4, steps=60) for _ in range(2)]
+    assert runs[0] == runs[1]
+    assert runs[0] != episodes(make(observation=observation), 5, steps=60)
+
+
+@each_observation
+def test_copies_and_pickles_go_on_alike(observation: str) -> None:
+    env = make(observation=observation).unwrapped
+    env.reset(seed=2)
+    twins = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    told = [[plain(each.reset()[0]) for _ in range(5)] for each in (env, *twins)]
+    assert told[0] == told[1] == told[2]
+
+
+def test_the_spec_can_be_written_as_json() -> None:
+    env = make(suite=load_suite(FIELDS), split="train")
+    assert env.spec is not None
+    again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
+    assert env.reset(seed=6)[1]["level_digest"] == again.reset(seed=6)[1]["level_digest"]
+
+
+def test_max_steps_cut_episodes_off() -> None:
+    env = make(suite={**FIELDS, "max_steps": 12}, actions="all")
+    env.reset(seed=0)
+    *_, truncated, _ = [env.step(0) for _ in range(12)][-1]
+    assert truncated
+
+
+def test_several_side_by_side() -> None:
+    envs = gymnasium.make_vec(SUITE_ID, num_envs=3, suite="small-mazes", split="train")
+    _, infos = envs.reset(seed=[1, 2, 3])
+    alone = gymnasium.make(SUITE_ID, suite="small-mazes", split="train")
+    assert infos["level_digest"][1] == alone.reset(seed=2)[1]["level_digest"]
+    assert len(set(infos["level_digest"])) == 3
+    envs.close()
+
+
+def test_pictures_follow_the_level() -> None:
+    env = make(render_mode="ansi")
+    number, level = small_level()
+    env.reset(options={"index": number})
+    assert len(env.render().splitlines()) == 2 * level.size[1] + 1
+
+
+def test_what_cannot_be() -> None:
+    with pytest.raises(ValueError, match="there is no split"):
+        make(split="dev")
+    with pytest.raises(ValueError, match="no levels"):
+        make(suite=load_suite(FIELDS)[5:5])
+    with pytest.raises(ValueError, match="observation must be one of"):
+        make(observation="smell")
+    with pytest.raises(brl.SuiteNotFoundError):
+        make(suite="no-such-suite")

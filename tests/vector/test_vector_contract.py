@@ -1,0 +1,583 @@
+"""What holds of every vector environment, whatever it observes and however it begins anew."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import random
+import warnings
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium import error, spaces
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.vector.utils import batch_space
+from gymnasium.wrappers import vector as wrappers
+from support.fleets import ENGINES, MODES, copied, same, walked
+from support.playing import CORNERS, GALLERY, level_named
+
+import babyrobot_levels as brl
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.envs.vector.env import LevelVectorEnv
+
+LEVEL_ID = "babyrobot/Level-v0"
+FIXED = [name for name in (*GALLERY, *CORNERS) if not level_named(name).has_random_maze]
+SIZE = 6
+
+
+def make(name: str = "final-maze", **given: Any) -> LevelVectorEnv:
+    """Return the environment as users make it."""
+    envs = gymnasium.make_vec(LEVEL_ID, num_envs=SIZE, level=level_named(name), **given)
+    assert isinstance(envs, LevelVectorEnv)
+    return envs
+
+
+# -- making ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_every_id_of_the_gallery_makes_one(name: str) -> None:
+    envs = gymnasium.make_vec(f"babyrobot/{name}-v0", num_envs=3)
+    kind = SyncVectorEnv if level_named(name).has_random_maze else LevelVectorEnv
+    assert type(envs) is kind
+    observations, _ = envs.reset(seed=1)
+    assert observations in envs.observation_space
+    single = gymnasium.make(f"babyrobot/{name}-v0")
+    assert envs.single_observation_space == single.observation_space
+    assert envs.single_action_space == single.action_space
+    envs.close()
+
+
+def test_the_levels_limit_counts_and_another_takes_its_place() -> None:
+    def steps_of(**given: Any) -> int:
+        envs = gymnasium.make_vec(num_envs=2, **given)
+        envs.reset(seed=1)
+        for step in range(1, 300):
+            *_, truncated, _ = envs.step([0, 0])
+            if truncated.all():
+                return step
+        return 0
+
+    level = level_named("final-maze").replace(max_steps=7)
+    assert level_named("final-maze").max_steps is None
+    assert steps_of(id=LEVEL_ID, level=level) == 7
+    assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=9) == 9
+    assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=-1) == 0
+    assert steps_of(id="babyrobot/frozen-lake-v0") == level_named("frozen-lake").max_steps
+    assert steps_of(id="babyrobot/frozen-lake-v0", max_episode_steps=3) == 3
+
+
+def test_the_name_in_the_package_makes_one() -> None:
+    envs = brl.LevelVectorEnv("final-maze")
+    assert envs.num_envs == 1
+    assert brl.LevelVectorEnv(levels=["final-maze", "default"]).num_envs == 2
+
+
+@pytest.mark.parametrize("actions", ACTION_SETS)
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+@pytest.mark.parametrize("name", FIXED)
+def test_spaces_are_those_of_single_environments(name: str, observation: str, actions: str) -> None:
+    given = {"observation": observation, "actions": actions}
+    envs = make(name, **given)
+    single = level_named(name).make(**given)
+    assert envs.single_observation_space == single.observation_space
+    assert envs.single_action_space == single.action_space
+    assert envs.observation_space == batch_space(single.observation_space, SIZE)
+    assert envs.action_space == batch_space(single.action_space, SIZE)
+    assert batch_space(single.action_space, SIZE) == envs.action_space
+    for told in walked(envs, 12):
+        observations = told[0] if len(told) == 2 else told[1]
+        assert observations in envs.observation_space
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_modes_by_name_and_by_value(mode: AutoresetMode) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for told in (mode, mode.value):
+            assert make(autoreset_mode=told).metadata["autoreset_mode"] is mode
+    assert make().metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+
+
+def test_the_spec_as_json_makes_the_same_game() -> None:
+    for given in (
+        {"level": level_named("all at once")},
+        {"levels": [level_named("all at once"), GALLERY["maze"]], "draw_levels": True},
+        {"level": "final-maze", "autoreset_mode": AutoresetMode.SAME_STEP, "actions": "moves"},
+    ):
+        envs = gymnasium.make_vec(LEVEL_ID, num_envs=4, **given)
+        assert envs.spec is not None
+        again = gymnasium.make_vec(EnvSpec.from_json(envs.spec.to_json()))
+        assert isinstance(envs, LevelVectorEnv)
+        assert isinstance(again, LevelVectorEnv)
+        assert same(walked(envs, 20), walked(again, 20))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "a level, or a list of levels"),
+        ({"level": "maze", "levels": ["maze"]}, "and not both"),
+        ({"levels": "maze"}, "must be a list of levels, not 'maze'"),
+        ({"levels": []}, "at least one level"),
+        ({"level": "random-maze"}, r"draw_levels=True"),
+        ({"level": "maze", "num_envs": 0}, "num_envs must be a whole number, at least 1, not 0"),
+        ({"level": "maze", "num_envs": "4"}, "num_envs must be"),
+        ({"level": "maze", "observation": "indx"}, "index"),
+        ({"level": "maze", "actions": "move"}, "moves"),
+        ({"level": "maze", "render_mode": "human"}, "rgb_array"),
+        ({"level": "maze", "engine": "numbas"}, "engine must be"),
+        ({"level": "maze", "grayscale": True}, "observation='image'"),
+        ({"level": "maze", "max_episode_steps": 0}, "at least 1, or -1"),
+        ({"level": "maze", "autoreset_mode": "Never"}, "AutoresetMode.NEXT_STEP.*not 'Never'"),
+    ],
+)
+def test_what_cannot_be_made(arguments: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        LevelVectorEnv(**arguments)
+
+
+def test_some_of_the_mazes_of_a_level_that_grows_them() -> None:
+    level = brl.load("random-maze")
+    mazes = [level.with_maze_seed(seed) for seed in range(5)]
+    envs = LevelVectorEnv(levels=mazes, num_envs=200, draw_levels=True)
+    _, info = envs.reset(seed=1)
+    assert set(info["level"]) == set(range(5))
+
+
+# -- playing ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("engine", ENGINES)
+def test_the_same_seed_gives_the_same_episodes(engine: str, mode: AutoresetMode) -> None:
+    envs = make("all at once", engine=engine, autoreset_mode=mode)
+    told = walked(envs, 60, seed=4)
+    assert same(walked(envs, 60, seed=4), told)
+    assert same(walked(make("all at once", engine=engine, autoreset_mode=mode), 60, seed=4), told)
+    assert not same(walked(envs, 60, seed=5), told)
+
+
+def test_lists_of_seeds() -> None:
+    def starts(seed: Any) -> Any:
+        envs = LevelVectorEnv("ice-rink", num_envs=2, observation="index")
+        envs.reset(seed=seed)
+        return [envs.step([2, 3])[0].tolist() for _ in range(20)]
+
+    assert starts([1, 2]) == starts([1, 2]) == starts(np.array([1, 2]))
+    assert starts([1, 2]) != starts([1, 3])
+    assert starts([1, 2]) != starts([3, 2])
+    one = LevelVectorEnv("ice-rink")
+    first = one.reset(seed=[8])[0].tolist(), one.np_random.random()
+    assert first == (one.reset(seed=8)[0].tolist(), one.np_random.random())
+
+
+@pytest.mark.parametrize("seed", [[1], [1, 2, 3], [1, -2], [1, 2.5], [None, 1], [[1, 2]]])
+def test_what_is_no_seed(seed: Any) -> None:
+    envs = LevelVectorEnv("maze", num_envs=2)
+    with pytest.raises(ValueError, match="a list of 2 such numbers"):
+        envs.reset(seed=seed)
+
+
+def test_a_reset_without_a_seed_goes_on_with_the_generator() -> None:
+    envs = make("four-corners", observation="index")
+    envs.reset(seed=1)
+    generator = envs.np_random
+    assert len({tuple(envs.reset()[0].tolist()) for _ in range(30)}) > 5
+    assert envs.np_random is generator
+
+
+def test_starts_are_drawn_for_each_environment_at_each_beginning() -> None:
+    envs = LevelVectorEnv("four-corners", num_envs=300, observation="index", max_episode_steps=1)
+    first, _ = envs.reset(seed=1)
+    envs.step(np.zeros(300, int))
+    second, *_ = envs.step(np.zeros(300, int))
+    width = level_named("four-corners").size[0]
+    corners = {y * width + x for x, y in level_named("four-corners").starts}
+    assert set(first) == set(second) == corners
+    assert (first != second).any()
+
+
+def test_a_start_that_is_asked_for() -> None:
+    envs = LevelVectorEnv(levels=["final-maze", "frozen-lake"], num_envs=4)
+    observations, _ = envs.reset(options={"start": [1, 0]})
+    assert observations.tolist() == [[1, 0]] * 4
+    with pytest.raises(ValueError, match=r"\[7, 1\] is off the grid"):
+        envs.reset(options={"start": [7, 1]})
+    assert envs.call("action_masks")[0].tolist() == envs.action_masks()[0].tolist()
+
+
+def test_some_are_reset_and_the_others_stay() -> None:
+    envs = make("final-maze", autoreset_mode="Disabled")
+    envs.reset(seed=1)
+    before, *_ = envs.step(np.full(SIZE, brl.Action.EAST))
+    assert before[:, 0].any()
+    mask = np.zeros(SIZE, bool)
+    mask[[1, 4]] = True
+    options = {"reset_mask": mask}
+    after, info = envs.reset(options=options)
+    assert options == {"reset_mask": mask}
+    assert after[mask].tolist() == [[0, 0]] * 2
+    assert after[~mask].tolist() == before[~mask].tolist()
+    assert info["_action_mask"].tolist() == mask.tolist()
+    assert not info["action_mask"][~mask].any()
+
+
+@pytest.mark.parametrize(
+    ("mask", "kind"),
+    [
+        ([True] * SIZE, TypeError),
+        (np.ones(SIZE, int), TypeError),
+        (np.ones(SIZE + 1, bool), ValueError),
+        (np.zeros(SIZE, bool), ValueError),
+    ],
+)
+def test_what_is_no_reset_mask(mask: Any, kind: type[Exception]) -> None:
+    envs = make()
+    envs.reset(seed=1)
+    with pytest.raises(kind, match="reset_mask"):
+        envs.reset(options={"reset_mask": mask})
+
+
+def test_nothing_can_be_done_before_the_first_reset() -> None:
+    envs = make()
+    some = np.zeros(SIZE, bool)
+    some[0] = True
+    for call in (
+        lambda: envs.step(np.zeros(SIZE, int)),
+        envs.action_masks,
+        lambda: envs.reset(options={"reset_mask": some}),
+    ):
+        with pytest.raises(error.ResetNeeded, match="reset"):
+            call()
+    assert envs.action_space.sample() in envs.action_space
+
+
+def test_without_autoreset_nobody_acts_when_it_is_over() -> None:
+    envs = LevelVectorEnv("maze", num_envs=3, autoreset_mode="Disabled", max_episode_steps=1)
+    envs.reset(seed=1)
+    *_, truncated, _ = envs.step([0, 0, 0])
+    assert truncated.all()
+    with pytest.raises(error.ResetNeeded, match=r"environment 0 is over: .*reset_mask"):
+        envs.step([0, 0, 0])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
+    envs = LevelVectorEnv("ice-rink", num_envs=2, engine=engine, actions="moves")
+    envs.reset(seed=1)
+    before = copy.deepcopy(envs)
+    wrong: tuple[Any, ...] = (
+        [0],
+        [0, 1, 2],
+        [[0, 1]],
+        0,
+        [0.0, 1.0],
+        [True, False],
+        ["n", "e"],
+        None,
+        [0, 4],
+        [-1, 0],
+        np.array([0, 2**64 - 1], np.uint64),
+    )
+    for actions in wrong:
+        with pytest.raises(error.InvalidAction, match="actions"):
+            envs.step(actions)
+    with pytest.raises(error.InvalidAction, match=r"4, told to environment 1, .* 0 to 3"):
+        envs.step([0, 4])
+    assert same(envs.step([1, 2]), before.step([1, 2]))
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_numbers_of_all_sorts_are_actions(engine: str) -> None:
+    read_only = np.array([2, 3, 2])
+    read_only.flags.writeable = False
+    told = []
+    for actions in (
+        [2, 3, 2],
+        (2, 3, 2),
+        [brl.Action(2), brl.Action(3), brl.Action(2)],
+        np.array([2, 3, 2], np.uint8),
+        np.array([2, 0, 3, 0, 2])[::2],
+        read_only,
+    ):
+        envs = LevelVectorEnv("ice-rink", num_envs=3, engine=engine)
+        envs.reset(seed=1)
+        told.append(envs.step(actions))
+    assert all(same(each, told[0]) for each in told)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_what_is_returned_belongs_to_the_user(
+    observation: str, mode: AutoresetMode, engine: str
+) -> None:
+    given = {"observation": observation, "autoreset_mode": mode, "engine": engine}
+    ours, theirs = make("all at once", **given), make("all at once", **given)
+    told = walked(ours, 40)
+    spoiled = []
+    step, reset = theirs.step, theirs.reset
+
+    def spoil(result: Any) -> Any:
+        spoiled.append(copied(result))
+        _overwrite(result)
+        return spoiled[-1]
+
+    theirs.step = lambda actions: spoil(step(actions))  # type: ignore[method-assign]
+    theirs.reset = lambda **kwargs: spoil(reset(**kwargs))  # type: ignore[method-assign]
+    assert same(walked(theirs, 40), told)
+
+
+def _overwrite(value: Any) -> None:
+    if isinstance(value, dict | tuple):
+        for inner in value.values() if isinstance(value, dict) else value:
+            _overwrite(inner)
+    elif isinstance(value, np.ndarray) and value.dtype != object:
+        value[...] = 1 - value.astype(np.int64)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_without_copies_it_is_always_the_same_arrays(observation: str, engine: str) -> None:
+    envs = make(observation=observation, copy=False, engine=engine)
+    copies = make(observation=observation, engine=engine)
+    envs.reset(seed=1)
+    copies.reset(seed=1)
+    first = envs.step(np.full(SIZE, 2))
+    kept = copies.step(np.full(SIZE, 2))
+    assert same(first, kept)
+    second = envs.step(np.full(SIZE, 4))
+    copies.step(np.full(SIZE, 4))
+    for one, other in zip(first[:4], second[:4], strict=True):
+        assert np.shares_memory(one, other)
+    assert np.shares_memory(first[4]["action_mask"], second[4]["action_mask"])
+    assert not np.array_equal(first[0], kept[0])
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("observation", ["index", "image"])
+def test_copies_go_on_with_the_same_episodes(
+    observation: str, engine: str, mode: AutoresetMode
+) -> None:
+    envs = LevelVectorEnv(
+        levels=["frozen-lake", "ice-rink"],
+        num_envs=4,
+        observation=observation,
+        autoreset_mode=mode,
+        engine=engine,
+        max_episode_steps=20,
+        draw_levels=True,
+        render_mode="rgb_array",
+    )
+    unbegun = pickle.loads(pickle.dumps(envs))
+    told = walked(envs, 10, 3)
+    envs.render()
+    for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
+        one, other = copy.deepcopy(envs), again
+        over = np.asarray(one._robots.over)
+        for _ in range(25):
+            if mode is AutoresetMode.DISABLED and over.any():
+                mask = over.copy()
+                results = [each.reset(options={"reset_mask": mask}) for each in (one, other)]
+                assert same(*results)
+            actions = one.action_space.sample()
+            assert same(actions, other.action_space.sample())
+            assert same(one.step(actions), other.step(actions))
+        assert np.array_equal(one.render(), other.render())
+    assert same(walked(unbegun, 10, 3), told)
+
+
+def test_global_generators_are_left_alone() -> None:
+    def states() -> list[Any]:
+        _, keys, position, *_ = np.random.get_state(legacy=True)
+        return [random.getstate(), np.asarray(keys).tolist(), position]
+
+    before = states()
+    walked(make("all at once"), 20)
+    brl.rollout("ice-rink", num_envs=3, num_steps=10)
+    assert states() == before
+
+
+# -- several levels --------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_levels_of_all_sizes_share_their_spaces(observation: str) -> None:
+    levels = [level_named(name) for name in ("frozen-lake", "cliff-walking", "final-maze")]
+    envs = LevelVectorEnv(levels=levels, num_envs=7, observation=observation)
+    for told in walked(envs, 30):
+        assert told[0 if len(told) == 2 else 1] in envs.observation_space
+    assert envs.call("level") == tuple(levels[number % 3] for number in range(7))
+    _, info = envs.reset(seed=1)
+    assert info["level"].tolist() == [0, 1, 2, 0, 1, 2, 0]
+    assert info["_level"].all()
+    if observation == "position":
+        assert envs.single_observation_space == spaces.MultiDiscrete([12, 5])
+    if observation == "index":
+        assert envs.single_observation_space == spaces.Discrete(48)
+
+
+@pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
+@pytest.mark.parametrize("engine", ENGINES)
+def test_drawn_levels_change_at_each_beginning(engine: str, mode: AutoresetMode) -> None:
+    levels = [brl.load({"version": 1, "size": [size, 1]}) for size in (2, 3, 4)]
+    envs = LevelVectorEnv(
+        levels=levels,
+        num_envs=50,
+        draw_levels=True,
+        engine=engine,
+        autoreset_mode=mode,
+        observation="index",
+    )
+    _, info = envs.reset(seed=1)
+    played, steps = info["level"], np.zeros(50, int)
+    for _ in range(40):
+        _, _, terminated, _, info = envs.step(np.full(50, brl.Action.EAST))
+        acted = info["_target_reached"] if mode is AutoresetMode.NEXT_STEP else np.ones(50, bool)
+        steps += acted
+        # A corridor of n cells takes n - 1 steps.
+        assert terminated.tolist() == (acted & (steps == played + 1)).tolist()
+        if mode is AutoresetMode.SAME_STEP and terminated.any():
+            ended = info["final_info"]["level"][terminated]
+            assert ended.tolist() == played[terminated].tolist()
+        steps[terminated] = 0
+        played = info["level"]
+    assert set(played) == {0, 1, 2}
+
+
+# -- the action space ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_sampled_actions_are_all_those_that_are_possible(engine: str) -> None:
+    envs = LevelVectorEnv("final-maze", num_envs=500, engine=engine)
+    envs.reset(seed=1)
+    envs.action_space.seed(1)
+    for _ in range(20):
+        *_, info = envs.step(envs.action_space.sample())
+    seen = np.zeros((500, 5), np.int8)
+    for _ in range(200):
+        seen[np.arange(500), envs.action_space.sample()] = 1
+    assert seen.tolist() == info["action_mask"].tolist()
+    masked = np.zeros_like(seen)
+    for _ in range(200):
+        masked[np.arange(500), envs.action_space.sample(info["action_mask"])] = 1
+    assert masked.tolist() == seen.tolist()
+
+
+@pytest.mark.parametrize("actions", ACTION_SETS)
+def test_masks_and_probabilities_that_are_given(actions: str) -> None:
+    envs: Any = make(actions=actions)
+    count = envs.action_space.nvec[0]
+    mask = np.zeros((SIZE, count), np.int8)
+    mask[np.arange(SIZE), np.arange(SIZE) % count] = 1
+    wanted = (np.arange(SIZE) % count).tolist()
+    for _ in range(2):
+        assert envs.action_space.sample(mask).tolist() == wanted
+        assert envs.action_space.sample(tuple(mask)).tolist() == wanted
+        weights = tuple(mask.astype(np.float64))
+        assert envs.action_space.sample(probability=weights).tolist() == wanted
+        envs.reset(seed=1)
+    assert envs.action_space.sample(mask * 0).tolist() == [0] * SIZE
+    with pytest.raises(ValueError, match=rf"\[{SIZE}, {count}\], not \[1, {count}\]"):
+        envs.action_space.sample(mask[:1])
+    if actions != "valid":
+        drawn = {tuple(envs.action_space.sample().tolist()) for _ in range(200)}
+        assert {action for sample in drawn for action in sample} == set(range(count))
+
+
+# -- being used ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", MODES[:2])
+def test_statistics_are_those_of_the_episodes(mode: AutoresetMode) -> None:
+    envs = wrappers.RecordEpisodeStatistics(make("frozen-lake", autoreset_mode=mode))
+    envs.reset(seed=1)
+    returns = np.zeros(SIZE)
+    for _ in range(200):
+        _, rewards, terminated, _, info = envs.step(envs.action_space.sample())
+        returns += rewards
+        if terminated.any():
+            assert info["episode"]["r"][terminated].tolist() == returns[terminated].tolist()
+        returns[terminated] = 0
+    assert envs.episode_count > 20
+
+
+def test_gymnasiums_wrappers_fit() -> None:
+    envs = wrappers.DictInfoToList(
+        wrappers.NormalizeReward(wrappers.FlattenObservation(make("all at once")))
+    )
+    observations, infos = envs.reset(seed=1)
+    assert observations in envs.observation_space
+    assert len(infos) == SIZE
+    for _ in range(40):
+        observations, rewards, _, _, infos = envs.step(envs.action_space.sample())
+        assert observations in envs.observation_space
+        assert infos[0]["action_mask"].shape == (5,)
+    assert rewards.shape == (SIZE,)
+
+
+def test_attributes() -> None:
+    envs = make("final-maze", render_mode="rgb_array")
+    envs.reset(seed=1)
+    assert envs.get_attr("level") == (level_named("final-maze"),) * SIZE
+    assert envs.get_attr("render_mode") == ("rgb_array",) * SIZE
+    masks = envs.call("action_masks")
+    assert len(masks) == SIZE
+    assert masks[0].tolist() == envs.action_masks()[0].tolist()
+    with pytest.raises(AttributeError, match="battery"):
+        envs.get_attr("battery")
+    assert repr(envs) == f"LevelVectorEnv({LEVEL_ID}, num_envs={SIZE})"
+
+
+@pytest.mark.parametrize(("num_envs", "tiles"), [(1, (1, 1)), (16, (4, 4)), (1000, (4, 4))])
+def test_the_picture_shows_the_first_sixteen(num_envs: int, tiles: tuple[int, int]) -> None:
+    envs = LevelVectorEnv("frozen-lake", num_envs=num_envs, render_mode="rgb_array")
+    before = envs.render()
+    assert before.dtype == np.uint8
+    rows, columns = tiles
+    assert before.shape[0] == before.shape[1]
+    assert max(before.shape) <= 1024 + 12
+    envs.reset(seed=1)
+    assert np.array_equal(envs.render(), before)
+    actions = np.zeros(num_envs, int)
+    actions[min(15, num_envs - 1)] = brl.Action.SOUTH
+    while not envs._robots.state.any():
+        envs.step(actions)
+    changed = np.argwhere((envs.render() != before).any(axis=2))
+    height, width = before.shape[0] / rows, before.shape[1] / columns
+    assert set((changed[:, 0] // height).tolist()) == {rows - 1}
+    assert set((changed[:, 1] // width).tolist()) == {columns - 1}
+    if num_envs > 16:
+        shown = envs.render()
+        actions[:] = 0
+        actions[16:] = brl.Action.SOUTH
+        envs.step(actions)
+        assert np.array_equal(envs.render(), shown)
+
+
+def test_pictures_of_several_levels_and_none() -> None:
+    envs = LevelVectorEnv(
+        levels=["cliff-walking", "frozen-lake"], num_envs=5, render_mode="rgb_array"
+    )
+    envs.reset(seed=1)
+    picture = envs.render()
+    assert picture.ndim == 3
+    assert (picture == 255).any()
+    with pytest.warns(UserWarning, match="render_mode='rgb_array'"):
+        assert make().render() is None
+
+
+def test_it_can_be_closed_twice() -> None:
+    envs = make(render_mode="rgb_array")
+    envs.reset(seed=1)
+    envs.render()
+    envs.close()
+    assert envs.closed
+    envs.close()
