@@ -120,10 +120,10 @@ def test_a_file_that_cannot_be_written_does_not_stop_the_others(
     first, second = write("a.yaml"), write("b.yaml")
     whole = files.write_bytes
 
-    def failing(path: Path, data: bytes) -> None:
+    def failing(path: Path, data: bytes, **how: bool) -> None:
         if path == first:
             raise PermissionError(13, "Permission denied")
-        whole(path, data)
+        whole(path, data, **how)
 
     monkeypatch.setattr(files, "write_bytes", failing)
     result = babyrobot("format", "a.yaml", "b.yaml")

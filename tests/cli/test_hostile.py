@@ -220,6 +220,7 @@ def test_a_level_that_vanishes(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
         return read(source, name)
 
     monkeypatch.setattr(reading, "read_source", vanishing)
+    monkeypatch.setattr(files, "read_source", vanishing)
     assert babyrobot("preview", "short-lived").status == 1
     path.write_text("version: 1\n", encoding="utf-8")
     assert babyrobot("validate", "levels").status == 1

@@ -19,6 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import gymnasium
+import minigrid as minigrid_package  # noqa: F401  (registers its environments)
 import numpy as np
 from maze_dataset import SolvedMaze
 from maze_dataset.generation import LatticeMazeGenerators
@@ -40,7 +41,7 @@ GENERATORS: tuple[tuple[str, tuple[int, int], dict[str, float]], ...] = (
 def maze_dataset() -> dict[str, str]:
     """Return mazes with and without their solutions."""
     random.seed(1)
-    np.random.seed(1)  # noqa: NPY002  (the package draws from the global generator)
+    np.random.seed(1)  # the package draws from the global generator
     found = {}
     for name, shape, more in GENERATORS:
         maze = getattr(LatticeMazeGenerators, name)(np.array(shape), **more)
@@ -72,6 +73,13 @@ def minigrid() -> dict[str, str]:
     return found
 
 
+class _Letters(ast.NodeTransformer):
+    """Puts letters in the place of the names that stand for them: R, G and C."""
+
+    def visit_Name(self, node: ast.Name) -> ast.Constant:  # noqa: N802  (the name is ast's)
+        return ast.Constant(node.id.lower())
+
+
 def gymnasium_robotics() -> dict[str, Any]:
     """Return the maps of the package, whose other modules need a physics engine."""
     spec = importlib.util.find_spec("gymnasium_robotics")
@@ -81,11 +89,8 @@ def gymnasium_robotics() -> dict[str, Any]:
     found: dict[str, Any] = {}
     for node in ast.parse(text).body:
         if isinstance(node, ast.Assign):
-            names = {"R": "r", "G": "g", "C": "c"}
-            code = ast.unparse(node.value)
-            for name, letter in names.items():
-                code = code.replace(name, f"'{letter}'") if code.startswith("[") else code
-            found |= {t.id: ast.literal_eval(code) for t in node.targets if isinstance(t, ast.Name)}
+            value = ast.literal_eval(_Letters().visit(node.value))
+            found |= {t.id: value for t in node.targets if isinstance(t, ast.Name)}
     return {name: rows for name, rows in found.items() if isinstance(rows, list)}
 
 
