@@ -16,6 +16,7 @@ from support.playing import level_named
 
 import babyrobot_levels as brl
 from babyrobot_levels.engine.choice import make_engine
+from babyrobot_levels.engine.draws import Draws
 from babyrobot_levels.engine.tables import ALWAYS, build_tables
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
@@ -138,12 +139,52 @@ def test_another_generator_is_used_at_once(engine: str) -> None:
     assert [envs.step(move)[0].tolist() for move in moves] == first
 
 
+class Quarters:
+    """In the place of a generator: draws that lie on the thresholds themselves."""
+
+    def __init__(self) -> None:
+        self._count = 0
+
+    def random(self, out: Any = None) -> float:
+        numbers = (np.arange(1 if out is None else len(out)) + self._count) * 5 % 8 / 8
+        self._count += len(numbers)
+        if out is not None:
+            out[:] = numbers
+        return float(numbers[0])
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_draw_that_is_a_threshold_falls_on_the_same_side_as_in_a_single_environment(
+    engine: str,
+) -> None:
+    world = {"version": 1, "size": [4, 4], "skid": {"probability": 0.75, "to": "others"}}
+    single: Any = brl.load(world).make().unwrapped
+    envs: Any = LevelVectorEnv(world, engine=engine)
+    single.reset()
+    envs.reset()
+    single.np_random, envs.np_random = Quarters(), Quarters()
+    for action in [1, 2, 3, 4, 3, 2] * 20:
+        observation, _, terminated, *_ = single.step(action)
+        observations, *_ = envs.step([action])
+        assert observations[0].tolist() == observation.tolist()
+        if terminated:
+            break
+
+
+def test_draws_are_those_of_the_generator_in_their_order() -> None:
+    draws, source, taken = Draws(700), np.random.default_rng(3), []
+    for count in (1, 700, 0, 650, 699, 13, 700) * 3:
+        draws.reserve(source, count)
+        taken += draws.take(count).tolist()
+    assert taken == np.random.default_rng(3).random(len(taken)).tolist()
+
+
 def test_drawn_levels_and_starts_are_all_there_are_evenly() -> None:
     four = level_named("four-corners")
     envs = LevelVectorEnv(levels=[four, "default"], num_envs=20_000, draw_levels=True)
     _, info = envs.reset(seed=5)
-    assert info["level"].mean() == pytest.approx(0.5, abs=0.02)
-    states, counts = np.unique(envs._robots.state[info["level"] == 0], return_counts=True)
+    assert info["level_index"].mean() == pytest.approx(0.5, abs=0.02)
+    states, counts = np.unique(envs._robots.state[info["level_index"] == 0], return_counts=True)
     width = four.size[0]
     assert set(states) == {y * width + x for x, y in four.starts}
     assert counts / counts.sum() == pytest.approx(1 / len(four.starts), abs=0.02)

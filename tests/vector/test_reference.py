@@ -27,7 +27,7 @@ def assert_same_info(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
     """
     assert set(theirs) <= set(ours)
     for key, value in ours.items():
-        if key in ("level", "_level"):
+        if key in ("level_index", "_level_index"):
             continue
         if key not in theirs:
             said = value if key.startswith("_") else ours[f"_{key}"]

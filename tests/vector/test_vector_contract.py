@@ -146,7 +146,7 @@ def test_some_of_the_mazes_of_a_level_that_grows_them() -> None:
     mazes = [level.with_maze_seed(seed) for seed in range(5)]
     envs = LevelVectorEnv(levels=mazes, num_envs=200, draw_levels=True)
     _, info = envs.reset(seed=1)
-    assert set(info["level"]) == set(range(5))
+    assert set(info["level_index"]) == set(range(5))
 
 
 # -- playing ---------------------------------------------------------------------------------
@@ -204,8 +204,8 @@ def test_starts_are_drawn_for_each_environment_at_each_beginning() -> None:
 
 def test_a_start_that_is_asked_for() -> None:
     envs = LevelVectorEnv(levels=["final-maze", "frozen-lake"], num_envs=4)
-    observations, _ = envs.reset(options={"start": [1, 0]})
-    assert observations.tolist() == [[1, 0]] * 4
+    observations, _ = envs.reset(options={"start": [2, 1]})
+    assert observations.tolist() == [[2, 1]] * 4
     with pytest.raises(ValueError, match=r"\[7, 1\] is off the grid"):
         envs.reset(options={"start": [7, 1]})
     assert envs.call("action_masks")[0].tolist() == envs.action_masks()[0].tolist()
@@ -415,12 +415,18 @@ def test_levels_of_all_sizes_share_their_spaces(observation: str) -> None:
         assert told[0 if len(told) == 2 else 1] in envs.observation_space
     assert envs.call("level") == tuple(levels[number % 3] for number in range(7))
     _, info = envs.reset(seed=1)
-    assert info["level"].tolist() == [0, 1, 2, 0, 1, 2, 0]
-    assert info["_level"].all()
+    assert info["level_index"].tolist() == [0, 1, 2, 0, 1, 2, 0]
+    assert info["_level_index"].all()
+    if observation == "image":
+        corner = LevelVectorEnv("frozen-lake", observation="image", image_size=(64, 64))
+        observations, _ = envs.reset(seed=1)
+        assert observations[0][:64, :64].tolist() == corner.reset()[0][0].tolist()
+        assert not observations[0][64:].any()
+        assert not observations[0][:, 64:].any()
     if observation == "position":
         assert envs.single_observation_space == spaces.MultiDiscrete([12, 5])
     if observation == "index":
-        assert envs.single_observation_space == spaces.Discrete(48)
+        assert envs.single_observation_space == spaces.Discrete(60)
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -436,7 +442,7 @@ def test_drawn_levels_change_at_each_beginning(engine: str, mode: AutoresetMode)
         observation="index",
     )
     _, info = envs.reset(seed=1)
-    played, steps = info["level"], np.zeros(50, int)
+    played, steps = info["level_index"], np.zeros(50, int)
     for _ in range(40):
         _, _, terminated, _, info = envs.step(np.full(50, brl.Action.EAST))
         acted = info["_target_reached"] if mode is AutoresetMode.NEXT_STEP else np.ones(50, bool)
@@ -444,10 +450,10 @@ def test_drawn_levels_change_at_each_beginning(engine: str, mode: AutoresetMode)
         # A corridor of n cells takes n - 1 steps.
         assert terminated.tolist() == (acted & (steps == played + 1)).tolist()
         if mode is AutoresetMode.SAME_STEP and terminated.any():
-            ended = info["final_info"]["level"][terminated]
+            ended = info["final_info"]["level_index"][terminated]
             assert ended.tolist() == played[terminated].tolist()
         steps[terminated] = 0
-        played = info["level"]
+        played = info["level_index"]
     assert set(played) == {0, 1, 2}
 
 

@@ -158,8 +158,8 @@ class LevelVectorEnv(RenderedVectorEnv):
 
         Returns:
             The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `level_digest` and, of several levels, `level` (int64 `[num_envs]`): which one each
-            environment plays.
+            `level_digest` and, of several levels, `level_index` (int64 `[num_envs]`): which one
+            each environment plays.
 
         Raises:
             ValueError: the robots cannot start at that cell, or the seed or the mask is none.
@@ -232,7 +232,8 @@ class LevelVectorEnv(RenderedVectorEnv):
         info["skidded"] = signs["skidded"]
         info["_skidded"] = acted
         if len(self.levels) > 1:
-            info["level"], info["_level"] = robots.level.copy(), info["_action_mask"]
+            info["level_index"] = robots.level.copy()
+            info["_level_index"] = info["_action_mask"]
         observations = self._observer.batch(results, robots.state, self._copy)
         return observations, results.rewards, results.terminated, results.truncated, info
 
@@ -251,7 +252,7 @@ class LevelVectorEnv(RenderedVectorEnv):
     def _told(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
         """Return values as an info, which says of each in which environments it holds."""
         if len(self.levels) > 1:
-            values["level"] = np.where(where, self._robots.level, 0)
+            values["level_index"] = np.where(where, self._robots.level, 0)
         return {**values, **{f"_{name}": where for name in values}}
 
     def _end(self, results: Results, over: Ints) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations import ImageObserver
+from babyrobot_levels.envs.suite import PaddedImageObserver
 from babyrobot_levels.level import Level
 
 if TYPE_CHECKING:
@@ -26,15 +26,14 @@ class TableObserver:
     """
 
     def __init__(self, levels: Sequence[Level], observation: str) -> None:
-        width, height = (max(level.size[axis] for level in levels) for axis in (0, 1))
+        width, height = largest_of(levels)
         self.space: spaces.Space[Any]
         if observation == "index":
-            most = max(level.size[0] * level.size[1] for level in levels)
-            self.space = spaces.Discrete(most)
+            self.space = spaces.Discrete(width * height)
         else:
             sides = [2] * 4 if observation == "walls" else []
             self.space = spaces.MultiDiscrete([width, height, *sides])
-        self.table = np.concatenate([_numbers(level, observation) for level in levels])
+        self.table = np.concatenate([_numbers(level, observation, width) for level in levels])
         self._is_flat = observation == "index"
 
     def at(self, states: Ints) -> NDArray[Any]:
@@ -48,7 +47,7 @@ class TableObserver:
 
 
 class BatchImageObserver:
-    """Shows pictures, all of one size; every level's cells are stretched onto it.
+    """Shows pictures, all of one size, on which smaller levels are black where they have no cells.
 
     Attributes:
         space: the space of one robot's pictures.
@@ -58,13 +57,10 @@ class BatchImageObserver:
     def __init__(
         self, levels: Sequence[Level], image_size: tuple[int, int] | None, grayscale: bool
     ) -> None:
-        if image_size is None:
-            from babyrobot_levels.render.frames import default_image_size
-
-            image_size = default_image_size(
-                max(level.size[0] for level in levels), max(level.size[1] for level in levels)
-            )
-        self._observers = [ImageObserver(level, image_size, grayscale) for level in levels]
+        largest = largest_of(levels)
+        self._observers = [
+            PaddedImageObserver(level, largest, image_size, grayscale) for level in levels
+        ]
         self._offset = np.cumsum([0, *(level.size[0] * level.size[1] for level in levels)])
         self.space: spaces.Space[Any] = self._observers[0].space
         self.table = np.empty((int(self._offset[-1]), 0), np.int64)
@@ -88,8 +84,8 @@ class BatchImageObserver:
         seen, which = np.unique(states, return_inverse=True)
         levels = np.searchsorted(self._offset, seen, side="right") - 1
         for number, (state, level) in enumerate(zip(seen.tolist(), levels.tolist(), strict=True)):
-            observer = self._observers[level]
-            pictures[which == number] = observer.painter.frame(state - int(self._offset[level]))
+            observe = self._observers[level].at(state - int(self._offset[level]))
+            pictures[which == number] = observe()
         return pictures
 
 
@@ -105,13 +101,19 @@ def make_batch_observer(
     return TableObserver(levels, observation)
 
 
-def _numbers(level: Level, observation: str) -> NDArray[np.int64]:
+def largest_of(levels: Sequence[Level]) -> tuple[int, int]:
+    """Return the width of the widest of levels, and the height of the highest."""
+    widths, heights = zip(*(level.size for level in levels), strict=True)
+    return max(widths), max(heights)
+
+
+def _numbers(level: Level, observation: str, largest_width: int) -> NDArray[np.int64]:
     """Return what each state of a level shows, `[states, numbers]`."""
     width, height = level.size
     states = np.arange(width * height)
-    if observation == "index":
-        return states[:, None]
     columns = [states % width, states // width]
+    if observation == "index":
+        return (columns[1] * largest_width + columns[0])[:, None]
     if observation == "walls":
         open_bits = np.frombuffer(level.grid().open_bits, np.uint8).astype(np.int64)
         columns += [open_bits >> side & 1 for side in range(4)]

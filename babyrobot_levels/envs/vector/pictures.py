@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.vector.observations import largest_of
 from babyrobot_levels.level import Level
 
 MOST = 16
@@ -31,7 +32,7 @@ class Tiles:
         from babyrobot_levels.render.frames import FramePainter
 
         self.count = min(num_robots, MOST)
-        width, height = (max(level.size[axis] for level in levels) for axis in (0, 1))
+        width, height = largest_of(levels)
         self._columns = _columns(self.count, width, height)
         self._rows = math.ceil(self.count / self._columns)
         longer = max(self._columns * width, self._rows * height)
