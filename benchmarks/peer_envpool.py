@@ -1,3 +1,4 @@
+# mypy: disable-error-code="import-not-found,import-untyped"
 """EnvPool's FrozenLake: answers how long steps of many environments take."""
 
 from __future__ import annotations

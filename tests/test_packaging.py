@@ -195,8 +195,9 @@ def test_the_installed_package_is_complete(installed: Path, tmp_path: Path) -> N
 
 def test_the_installed_gallery(installed: Path, tmp_path: Path) -> None:
     lines = run([installed / "babyrobot", "list"], tmp_path).splitlines()
-    gallery = [name for name in tracked_files()
-               if name.startswith("levels/") and not {"themes", "suites"} & {*name.split("/")}]  # fmt: skip
+    files = [name.split("/") for name in tracked_files()]
+    gallery = [parts for parts in files
+               if parts[0] == "levels" and not {"themes", "suites"} & {*parts}]  # fmt: skip
     assert len(lines) == 1 + len(gallery)
     assert str(ROOT) not in run([installed / "babyrobot", "list", "--format", "json"], tmp_path)
     assert "+---+" in run([installed / "babyrobot", "show", "final-maze"], tmp_path)

@@ -49,7 +49,8 @@ def list_levels(
         write(_table(infos, bold=wants_color(sys.stdout)))
     else:
         note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
-    if report_format is ReportFormat.TEXT and not tag:
+    if report_format is ReportFormat.TEXT and not tag and sys.stdout.isatty():
+        # For people: in a pipe it would stand among what went wrong.
         note("suites: " + ", ".join(sorted(suite_files())))
     for path in map(one_line, map(str, broken)):
         note(f"{path} has errors and is left out (`babyrobot validate {path}` shows them)")
