@@ -19,9 +19,7 @@ from babyrobot_levels.level import Level
 from babyrobot_levels.measures.metrics import SHAPE, WAYS, WORTH
 
 NAMES = (*SHAPE, *WAYS, *WORTH)
-GALLERY = sorted(
-    path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites"
-)
+GALLERY = sorted(path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
 
 
 def drawn(text: str, **fields: Any) -> Level:

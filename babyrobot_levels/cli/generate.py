@@ -289,7 +289,7 @@ def _starved(error: StarvedError, *, from_options: bool) -> str:
     """Return why an order cannot be met, in the words in which it was given."""
     from babyrobot_levels.spec.suite import SuiteFields
 
-    told = f"{error.condition} {error.asked}: {error.reason}"
+    told = str(error)
     if not from_options:
         return told
     names = "|".join(SuiteFields.model_fields)

@@ -61,7 +61,7 @@ def import_level(
 
     Examples:
 
-      babyrobot import setup.py -o levels/first.yaml
+      babyrobot import setup.py -o levels/setup.yaml
 
       babyrobot import lake.txt --no-slippery
 

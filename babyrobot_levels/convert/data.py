@@ -21,6 +21,11 @@ _DATA = (
 )
 
 
+def looks_like_data(text: str) -> bool:
+    """Tell whether a text may be JSON or a Python literal, rather than a map that is drawn."""
+    return text.lstrip().startswith(("{", "[", "(")) or "=" in text
+
+
 def read_data(source: SourceFile) -> Any:
     """Return the data of a text: JSON, or a Python literal, also one that a name is given to.
 

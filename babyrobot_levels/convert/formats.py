@@ -12,7 +12,7 @@ from babyrobot_levels.convert.babyrobot.writing import write_setup
 from babyrobot_levels.convert.blocks import is_lattice, text_rows
 from babyrobot_levels.convert.checked import mapping
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
-from babyrobot_levels.convert.data import read_data
+from babyrobot_levels.convert.data import looks_like_data, read_data
 from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
 from babyrobot_levels.convert.maze_dataset import read_maze_dataset, write_maze_dataset
 from babyrobot_levels.convert.maze_map import read_maze_map, write_maze_map
@@ -117,7 +117,7 @@ def _of_text(source: SourceFile) -> list[str]:
 
 
 def _of_data(source: SourceFile) -> Iterator[str]:
-    if not source.text.lstrip().startswith(("{", "[", "(")) and "=" not in source.text:
+    if not looks_like_data(source.text):
         return
     data = read_data(source)
     if is_tiled(data):

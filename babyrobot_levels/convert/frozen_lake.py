@@ -16,8 +16,8 @@ from babyrobot_levels.convert.conversion import (
     fields_lost,
     shown,
 )
-from babyrobot_levels.convert.data import read_data
-from babyrobot_levels.convert.marks import END_COLOR, ENDS, SPATIAL, UNLIKE, lost_areas, marked
+from babyrobot_levels.convert.data import looks_like_data, read_data
+from babyrobot_levels.convert.marks import ENDS, HOLE_COLOR, SPATIAL, UNLIKE, lost_areas, marked
 from babyrobot_levels.level import Level
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.cells import as_skid
@@ -38,7 +38,7 @@ def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
         source: the text.
         is_slippery: whether it slips, where the text does not say so itself.
     """
-    if set(source.text) <= {*LETTERS, *"\r\n\t "}:
+    if not looks_like_data(source.text):
         rows = [row.strip() for row in text_rows(source)]
         return _world(source, rows, {"is_slippery": is_slippery})
     data = read_data(source)
@@ -69,7 +69,7 @@ def _world(source: SourceFile, rows: list[str], keywords: dict[str, Any]) -> Wor
     fields: dict[str, Any] = {"version": 1, **drawn(cells)}
     comments = {}
     if any("H" in row for row in rows):
-        legend = {"color": END_COLOR, "ends": True}
+        legend = {"color": HOLE_COLOR, "ends": True}
         fields["legend"] = {"H": legend if hole == step else {**legend, "reward": hole}}
         comments["legend"] = "Falling into a hole ends the episode."
     if slips and rate < 1:

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 ENDS = "x"
 """The mark of a cell whose area ends the episode."""
 
-END_COLOR = "#1b3a5c"
-"""The colour of such cells where the other format shows them in one of its own."""
+HOLE_COLOR, LAVA_COLOR = "#1b3a5c", "orangered"
+"""The colours of such cells where the other format shows them in one of its own."""
 
 SPATIAL = frozenset({"size", "start", "exit", "maze", "walls", "openings", "blocked"})
 """The fields that a map of blocks is made of."""
@@ -86,7 +86,7 @@ def lost_areas(level: Level, ends: str | None) -> Iterator[Lost]:
         ends: why not even that is kept; None if it is.
     """
     kept: dict[str, set[object]] = {
-        "color": {None, END_COLOR},
+        "color": {None, HOLE_COLOR, LAVA_COLOR},
         "reward": {None, level.rewards.step},
         "skid": {None},
         "ends": {None, False, True} if ends is None else {None, False},

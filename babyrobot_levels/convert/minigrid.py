@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from babyrobot_levels import drawing as d
-from babyrobot_levels.convert.blocks import drawn, text_rows, without_ring
+from babyrobot_levels.convert.blocks import drawn, text_rows, without_ring, without_surroundings
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
-from babyrobot_levels.convert.marks import ENDS, block_map
+from babyrobot_levels.convert.marks import ENDS, LAVA_COLOR, block_map
 from babyrobot_levels.level import Level
 from babyrobot_levels.source import Position, SourceFile
 from babyrobot_levels.spec.moves import Rewards
@@ -34,11 +34,11 @@ def read_minigrid(source: SourceFile) -> World:
         line += " " * (len(line) % 2)
         pairs = [line[x : x + 2] for x in range(0, len(line), 2)]
         rows.append("".join(_cell(source, pair, x, y, lost) for x, pair in enumerate(pairs)))
-    cells = without_ring(tuple(rows))
+    cells = without_ring(without_surroundings(tuple(rows)))
     fields = {"version": 1, **drawn(cells)}
     comments = {"rewards": "Without what MiniGrid takes off for each step."}
     if any(LAVA in row for row in cells):
-        fields["legend"] = {LAVA: {"color": "orangered", "ends": True}}
+        fields["legend"] = {LAVA: {"color": LAVA_COLOR, "ends": True}}
         comments["legend"] = "Lava ends the episode."
     fields["rewards"] = {"step": 0, "exit": 1}
     return World(fields, "A text of MiniGrid's pprint_grid.", comments, tuple(lost.values()))

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 from babyrobot_levels.level import Level, plain
 from babyrobot_levels.maze.draws import below
 from babyrobot_levels.measures.metrics import Metrics
-from babyrobot_levels.measures.walks import distances, neighbours
+from babyrobot_levels.measures.walks import Ahead, distances, neighbours
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.spec.cells import Puddle
 from babyrobot_levels.spec.ranges import bounds
@@ -29,30 +28,77 @@ SHARED = ("rewards", "discount", "max_steps", "theme")
 SIZES_KEPT = 256
 
 
-@dataclass(frozen=True, slots=True)
 class Candidate:
-    """A level that was drawn, and what conditions ask about it.
+    """A try at a level. What is asked of it is worked out when it is asked for.
 
     Attributes:
-        level: the level.
-        path_length: the number of steps of a shortest walk from start to exit; None if the robot
-            cannot come to the exit and to all other cells.
-        layout: a number in [0, 1) that size and open sides alone decide.
+        size: width and height in cells.
+        start: the start's number, row by row.
+        exit: the exit's number.
     """
 
-    level: Level
-    path_length: int | None
-    layout: float
+    def __init__(
+        self, maker: Maker, name: str, rng: random.Random, grown: Level, start: int, exit_: int
+    ) -> None:
+        self._maker, self._name, self._rng, self._grown = maker, name, rng, grown
+        self.size, self.start, self.exit = grown.size, start, exit_
+
+    @cached_property
+    def layout(self) -> float:
+        """A number in [0, 1) that size and open sides alone decide."""
+        grid = self._grown.grid()
+        hashed = sha256(f"{grid.width}x{grid.height} ".encode("ascii") + grid.open_bits)
+        return int.from_bytes(hashed.digest()[:6], "big") / 2**48
+
+    @cached_property
+    def is_playable(self) -> bool:
+        """Whether the robot can come to the exit and everywhere else, and not win in one step."""
+        grid, maze = self._grown.grid(), self._grown.maze
+        is_tree = maze is not None and not maze.loops
+        if is_tree and grid.open_bits[self.exit].bit_count() > 1:
+            # The exit stands between two parts of the maze.
+            return False
+        return self.path_length > 1 and min(self._steps) >= 0
+
+    @property
+    def path_length(self) -> int:
+        """The number of steps of a shortest walk from start to exit, -1 if there is none."""
+        return self._steps[self.exit]
 
     @property
     def dead_ends(self) -> int:
         """The number of cells with exactly one open side."""
-        return Metrics(self.level).dead_ends
+        return Metrics(self._grown).dead_ends
 
     @property
     def difficulty(self) -> float | None:
         """How hard the level is, None where it cannot be told."""
         return Metrics(self.level).difficulty
+
+    @cached_property
+    def level(self) -> Level:
+        """The level."""
+        suite, (width, height) = self._maker.suite, self.size
+        count = _between(self._rng, *bounds(suite.puddles))
+        puddles = _draw_puddles(self._rng, count, width * height, (self.start, self.exit))
+        fields = {
+            "name": self._name,
+            "start": (self.start % width, self.start // width),
+            "exit": (self.exit % width, self.exit // width),
+        }
+        if puddles:
+            fields["puddles"] = tuple(
+                Puddle(at=(cell % width, cell // width), size=size) for cell, size in puddles
+            )
+        level = self._grown.model_copy(update=fields)
+        return self._maker.drawn(level) if suite.start == "farthest" else level
+
+    @cached_property
+    def _steps(self) -> Sequence[int]:
+        """How many steps it takes from the start to each cell; the exit leads nowhere."""
+        ahead = neighbours(self._grown.grid())
+        ahead[self.exit] = []
+        return distances([self.start], ahead)
 
 
 class Maker:
@@ -100,31 +146,14 @@ class Maker:
         start, exit_ = 0, cells - 1
         if suite.start == "random":
             start = _another(rng, cells, exit_ if suite.exit == "corner" else None)
-        level = _grown(self._blank(width, height), maze, start)
-        ahead = neighbours(level.grid())
+        grown = _grown(self._blank(width, height), maze, start)
         if suite.exit == "random":
-            ends = [cell for cell, ways in enumerate(ahead) if len(ways) == 1 and cell != start]
+            sides = [bits.bit_count() for bits in grown.grid().open_bits]
+            ends = [cell for cell in range(cells) if sides[cell] == 1 and cell != start]
             exit_ = ends[below(rng, len(ends))] if ends else _another(rng, cells, start)
-        if suite.start == "farthest":
-            # If both are to be far apart: in a maze without loops, the ends of a longest path.
-            start = _farthest(distances([0 if suite.exit == "farthest" else exit_], ahead))
-        if suite.exit == "farthest":
-            exit_ = _farthest(distances([start], ahead))
-        ahead[exit_] = []
-        steps = distances([start], ahead)
-        puddles = _draw_puddles(rng, _between(rng, *bounds(suite.puddles)), cells, (start, exit_))
-        fields = {
-            "name": self.name(number),
-            "start": (start % width, start // width),
-            "exit": (exit_ % width, exit_ // width),
-            "puddles": tuple(
-                Puddle(at=(cell % width, cell // width), size=kind) for cell, kind in puddles
-            ),
-        }
-        level = level.model_copy(update={key: fields[key] for key in fields if fields[key]})
-        if suite.start == "farthest":
-            level = self._drawn(level)
-        return Candidate(level, steps[exit_] if min(steps) >= 0 else None, _layout(level))
+        if "farthest" in (suite.start, suite.exit):
+            start, exit_ = _far_apart(suite, neighbours(grown.grid()), start, exit_)
+        return Candidate(self, self.name(number), rng, grown, start, exit_)
 
     def _draw_maze(self, rng: random.Random) -> dict[str, Any]:
         suite = self.suite
@@ -148,7 +177,7 @@ class Maker:
             {"version": 1, "size": [width, height], "exit": "none", **shared}, folder=self.folder
         )
 
-    def _drawn(self, level: Level) -> Level:
+    def drawn(self, level: Level) -> Level:
         """Return a level as a drawing.
 
         A maze grows from the start: where that is chosen by the maze, the file cannot say both.
@@ -199,12 +228,16 @@ def _another(rng: random.Random, cells: int, taken: int | None) -> int:
     return cell + (cell >= taken)
 
 
+def _far_apart(suite: SuiteFields, ahead: Ahead, start: int, exit_: int) -> tuple[int, int]:
+    """Return start and exit, one of them, or both, as many steps from the other as can be."""
+    if suite.start == "farthest":
+        # Of both, in a maze without loops: the ends of a longest path.
+        start = _farthest(distances([0 if suite.exit == "farthest" else exit_], ahead))
+    if suite.exit == "farthest":
+        exit_ = _farthest(distances([start], ahead))
+    return start, exit_
+
+
 def _farthest(steps: Sequence[int]) -> int:
     """Return the cell that is the most steps away, the first of several."""
     return max(range(len(steps)), key=steps.__getitem__)
-
-
-def _layout(level: Level) -> float:
-    grid = level.grid()
-    hashed = sha256(f"{grid.width}x{grid.height} ".encode("ascii") + grid.open_bits)
-    return int.from_bytes(hashed.digest()[:6], "big") / 2**48

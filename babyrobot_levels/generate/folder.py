@@ -135,7 +135,7 @@ class Target:
 
 def _files(folder: Path) -> Iterator[Path]:
     if folder.is_dir():
-        yield from (path for path in folder.iterdir() if path.suffix in SUFFIXES)
+        yield from (path for path in sorted(folder.iterdir()) if path.suffix in SUFFIXES)
 
 
 def _head(path: Path) -> str:

@@ -40,7 +40,7 @@ class StarvedError(BabyRobotError):
         super().__init__(condition, asked, reason)
 
     def __str__(self) -> str:
-        return f"{self.condition} {self.asked}: {self.reason}".replace(" :", ":")
+        return f"{self.condition} {self.asked}: {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,10 +81,10 @@ class Condition:
         self.met += 1
         return True
 
-    def nearest(self) -> str:
-        """Return how near the tries came that did not meet the condition."""
+    def nearest(self, count: int) -> str:
+        """Return how near so many tries came, none of which met the condition."""
         low, high = _EXTREMES[self.name]
-        tries = f"{self.asked_of:,} tries"
+        tries = f"{count:,} tries"
         if self.below is None and self.above is None:
             return f"none of {tries} has one"
         if self.above is None:
@@ -120,15 +120,14 @@ class Tally:
     def accepts(self, candidate: Candidate) -> bool:
         """Tell whether a try meets all conditions."""
         self.tries += 1
-        # One step to the exit is no game.
-        if candidate.path_length is None or candidate.path_length < 2:
-            return False
-        self.playable += 1
         least, most = self.layouts
         if not least <= candidate.layout < most:
             return False
         self.in_split += 1
-        # All that are quickly told, so that each says for itself how often it is met.
+        if not candidate.is_playable:
+            return False
+        self.playable += 1
+        # Both are looked at, so that each says for itself how often it is met.
         quick = [
             self.conditions[name].accepts(getattr(candidate, name))
             for name in ("path_length", "dead_ends")
@@ -147,27 +146,27 @@ class Tally:
 
     def error(self) -> StarvedError:
         """Return what is to be said if none was found."""
-        if not self.playable:
-            reason = f"in each of {self.tries:,} tries it is beside the start, or cuts off cells"
-            return StarvedError("exit", self.suite.exit, reason)
-        if not self.in_split:
-            reason = f"none of {self.tries:,} tries had a maze of this split"
-            return StarvedError("splits", str(self.split), reason)
+        asked_for = [each for each in self.conditions.values() if each.asked_of]
+        rarest = min(asked_for, key=lambda each: each.met, default=None)
+        if rarest is not None and not rarest.met:
+            tries = rarest.asked_of if rarest.name == "difficulty" else self.tries
+            return StarvedError(rarest.name, rarest.asked, rarest.nearest(tries))
         if self.again:
             reason = (
                 f"{self.again:,} of {self.tries:,} tries met all conditions, and each of them was "
                 "a game that is there already"
             )
             return StarvedError("count", str(self.suite.count), reason)
-        asked_for = [each for each in self.conditions.values() if each.asked_of]
-        rarest = min(asked_for, key=lambda each: each.met)
-        if not rarest.met:
-            return StarvedError(rarest.name, rarest.asked, rarest.nearest())
+        if not self.in_split:
+            reason = f"none of {self.tries:,} tries had a maze of this split"
+            return StarvedError("splits", str(self.split), reason)
+        if rarest is None or not self.playable:
+            reason = f"in each of {self.tries:,} tries it is beside the start, or cuts off cells"
+            return StarvedError("exit", self.suite.exit, reason)
         others = [each for each in asked_for if each is not rarest]
-        reason = f"{rarest.met:,} of {rarest.asked_of:,} tries met it, " + ", ".join(
-            f"{each.met:,} met {each.name} {each.asked}" for each in others
-        )
-        return StarvedError(rarest.name, rarest.asked, f"{reason}, none met all")
+        met = [f"{rarest.met:,} of {self.tries:,} tries met it"]
+        met += [f"{each.met:,} met {each.name} {each.asked}" for each in others]
+        return StarvedError(rarest.name, rarest.asked, ", ".join([*met, "none met all"]))
 
 
 def find_level(

@@ -167,7 +167,7 @@ def test_max_steps_cut_episodes_off() -> None:
 
 
 def test_several_side_by_side() -> None:
-    envs = gymnasium.make_vec(SUITE_ID, num_envs=3, suite="small-mazes", split="train")
+    envs: Any = gymnasium.make_vec(SUITE_ID, num_envs=3, suite="small-mazes", split="train")
     _, infos = envs.reset(seed=[1, 2, 3])
     alone = gymnasium.make(SUITE_ID, suite="small-mazes", split="train")
     assert infos["level_digest"][1] == alone.reset(seed=2)[1]["level_digest"]

@@ -11,6 +11,9 @@ from babyrobot_levels.convert.edges import Edge, free_edges, in_rows, wall_at, w
 from babyrobot_levels.convert.tiled.reading import CLASSES, SPATIAL, TEXTS
 from babyrobot_levels.level import Level, plain
 from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.raster import to_png
+from babyrobot_levels.scene.build import build_scene
 from babyrobot_levels.syntax.emitter import flow
 
 PIXELS = 64
@@ -45,7 +48,9 @@ def write_tiled(level: Level) -> Conversion:
         _tile_layer(2, "starts and exits", ends, level.size),
         _wall_layer(3, walls),
     ]
+    red, green, blue, _ = rgba(level.colors_and_widths.colors.base)
     data = {
+        "backgroundcolor": f"#{red:02x}{green:02x}{blue:02x}",
         "compressionlevel": -1,
         "height": height,
         "infinite": False,
@@ -159,9 +164,6 @@ def _tileset(image: str) -> dict[str, Any]:
 
 def _picture(level: Level) -> bytes:
     """Return the picture of the tiles: that of a level which has one of each, side by side."""
-    from babyrobot_levels.render.raster import to_png
-    from babyrobot_levels.scene.build import build_scene
-
     theme = plain(level.colors_and_widths)
     tiles = from_mapping(
         {

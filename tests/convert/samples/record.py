@@ -67,7 +67,7 @@ def minigrid() -> dict[str, str]:
     """Return the text of some environments after a reset."""
     found = {}
     for name in MINIGRIDS:
-        env = gymnasium.make(f"MiniGrid-{name}-v0")
+        env: Any = gymnasium.make(f"MiniGrid-{name}-v0")
         env.reset(seed=3)
         found[name] = env.unwrapped.pprint_grid()
     return found
@@ -76,7 +76,7 @@ def minigrid() -> dict[str, str]:
 class _Letters(ast.NodeTransformer):
     """Puts letters in the place of the names that stand for them: R, G and C."""
 
-    def visit_Name(self, node: ast.Name) -> ast.Constant:  # noqa: N802  (the name is ast's)
+    def visit_Name(self, node: ast.Name) -> ast.Constant:
         return ast.Constant(node.id.lower())
 
 

@@ -1,0 +1,104 @@
+"""`import` and `export`: what becomes of files, and hostile ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.conversions import SAMPLES, sample
+from support.sessions import Result, environment, run_here
+
+import babyrobot_levels as brl
+
+ESCAPE = "\x1b]0;owned\x07\x1b[31m\u202e"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def babyrobot(*arguments: str) -> Result:
+    result = run_here(list(arguments), environment(Path.cwd()))
+    assert result.status in (0, 1, 2), result
+    assert all(c.isprintable() or c == "\n" for c in result.out + result.err)
+    return result
+
+
+def test_strict_writes_nothing_if_anything_is_lost() -> None:
+    Path("grid.txt").write_text(sample("minigrid")["KeyCorridorS3R2"], encoding="utf-8")
+    result = babyrobot("import", "grid.txt", "-o", "level.yaml", "--strict")
+    assert (result.status, result.out) == (1, "")
+    assert result.err.startswith("error: K: keys are left out")
+    assert not Path("level.yaml").exists()
+    assert babyrobot("import", "grid.txt", "-o", "level.yaml").status == 0
+    assert brl.load("level.yaml").starts == ((2, 2),)
+
+
+def test_the_schema_line_leads_to_the_schema_of_the_project() -> None:
+    Path("schemas").mkdir()
+    Path("schemas/level.schema.json").touch()
+    Path("lake.txt").write_text("SF\nHG\n", encoding="utf-8")
+    babyrobot("import", "lake.txt", "-o", "levels/lake.yaml")
+    first = Path("levels/lake.yaml").read_text(encoding="utf-8").splitlines()[0]
+    assert first == "# yaml-language-server: $schema=../schemas/level.schema.json"
+
+
+def test_a_map_of_tiled_is_known_by_its_suffix() -> None:
+    Path("glass.tmj").write_bytes((SAMPLES / "saved-by-tiled.tmj").read_bytes())
+    assert babyrobot("import", "glass.tmj", "-o", "glass.yaml").err == ""
+    assert brl.load("glass.yaml").digest == brl.load("glass-wall").digest
+    assert babyrobot("lint", "glass.yaml").out == "1 file checked, clean\n"
+
+
+def test_many_losses_are_not_all_told() -> None:
+    walls = ", ".join("((0, 0), 'N')" for _ in range(100))
+    Path("setup.py").write_text(f"{{'walls': [{walls}]}}", encoding="utf-8")
+    told = babyrobot("import", "setup.py").err.splitlines()
+    assert len(told) == 41
+    assert told[-1] == "… and 60 more"
+
+
+BYTES = {
+    "binary": bytes(range(256)) * 20,
+    "utf16": "[1]".encode("utf-16"),
+    "empty": b"",
+    "huge": b"#" * (1 << 20) + b"#",
+    "escape": f"SF{ESCAPE}\nFG".encode(),
+    "escape in data": f'{{"{ESCAPE}": 1, "width": "{ESCAPE}"}}'.encode(),
+    "unknown keywords": f"{{'{ESCAPE!r}': 1}}".replace("'\\x", '"\\x').encode(),
+    "deep": b"[" * 100_000,
+    "surrogate": b'{"title": "\\ud800", "width": 4, "grid": {"theme": "\\ud800"}}',
+}
+
+
+@pytest.mark.parametrize("name", BYTES)
+@pytest.mark.parametrize("form", [None, "babyrobot", "sokoban", "tiled", "minigrid"])
+def test_whatever_is_imported_the_answer_is_in_words(name: str, form: str | None) -> None:
+    Path("world").write_bytes(BYTES[name])
+    result = babyrobot("import", "world", *(["--from", form] if form else []))
+    assert result.status == 0 or result.err
+
+
+def test_a_file_name_cannot_steer_the_terminal() -> None:
+    path = Path(f"{ESCAPE}.txt")
+    path.write_text("#?", encoding="utf-8")
+    assert babyrobot("import", str(path)).status == 2
+    assert babyrobot("import", str(path), "--from", "sokoban").status == 1
+
+
+def test_the_picture_of_tiles_is_not_written_to_standard_output() -> None:
+    result = babyrobot("export", "default", "--to", "tiled")
+    assert result.out.startswith("{\n")
+    assert result.err == (
+        "note: default-tiles.png, the picture of the tiles, is written with -o FILE only\n"
+    )
+    assert list(Path.cwd().iterdir()) == []
+
+
+@pytest.mark.parametrize("kind", ["png", "svg"])
+def test_pictures_are_those_of_preview(kind: str) -> None:
+    assert babyrobot("export", "default", "--to", kind, "-o", f"a.{kind}").status == 0
+    assert babyrobot("preview", "default", "-o", f"b.{kind}").status == 0
+    assert Path(f"a.{kind}").read_bytes() == Path(f"b.{kind}").read_bytes()

@@ -1,0 +1,393 @@
+"""Setups of PyPI babyrobot: they become the games that the package plays, and setups again."""
+
+from __future__ import annotations
+
+import ast
+import json
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.conversions import level_of_world, world_of
+from support.worlds import level_of
+
+import babyrobot_levels as brl
+from babyrobot_levels.convert.babyrobot.reading import read_setup
+from babyrobot_levels.convert.babyrobot.writing import setup_of, write_setup
+from babyrobot_levels.convert.conversion import ConversionError
+
+RECORD = json.loads(
+    (Path(__file__).parents[1] / "oracles" / "babyrobot.json").read_text(encoding="utf-8")
+)["levels"]
+
+Setup = dict[str, Any]
+
+each_record = pytest.mark.parametrize("number", range(200))
+
+
+def lost(setup: Setup) -> dict[str, str]:
+    """Return what a setup says that a level cannot, by name."""
+    return {each.field: each.message for each in read_setup(setup).lost}
+
+
+def fields(setup: Setup) -> dict[str, Any]:
+    return read_setup(setup).fields
+
+
+# -- the recorded worlds of the package ------------------------------------------------------
+
+
+@each_record
+def test_a_recorded_setup_is_the_recorded_level(number: int) -> None:
+    record = RECORD[number]
+    level = brl.from_setup(record["setup"])
+    assert level.digest == level_of(record["level"]).digest
+
+
+@each_record
+def test_a_recorded_setup_has_the_recorded_transitions(number: int) -> None:
+    record = RECORD[number]
+    mdp = brl.from_setup(record["setup"]).compile()
+    for key, transitions in record["transitions"].items():
+        x, y, action = map(int, key.split(","))
+        expected: dict[tuple[int, float], float] = {}
+        for probability, (to_x, to_y), reward in transitions:
+            outcome = (to_y * mdp.width + to_x, reward)
+            expected[outcome] = expected.get(outcome, 0) + probability
+        found = {
+            (state, reward): probability
+            for probability, state, reward, _ in mdp.outcomes(y * mdp.width + x, action)
+        }
+        assert found == pytest.approx({o: p for o, p in expected.items() if p > 1e-12}, abs=1e-9)
+
+
+@each_record
+def test_a_recorded_setup_comes_back(number: int) -> None:
+    setup = RECORD[number]["setup"]
+    level = brl.from_setup(setup)
+    written = write_setup(level)
+    assert written.warnings == ()
+    again = ast.literal_eval(written.text)
+    assert brl.from_setup(again).digest == level.digest
+    # What does not touch the game comes back as well.
+    assert fields(again).get("areas") == fields(setup).get("areas")
+    assert fields(again).get("theme") == fields(setup).get("theme")
+
+
+def test_the_gallerys_final_maze_is_the_setup_that_it_was() -> None:
+    setup, lost_ones = setup_of(brl.load("final-maze"))
+    assert setup == {
+        "width": 8,
+        "height": 5,
+        "start": (0, 0),
+        "end": (5, 4),
+        "add_maze": True,
+        "maze_seed": 42,
+        "walls": [((2, 0), "E"), ((2, 2), "E"), ((3, 2), "E"), ((5, 2), "E")],
+        "puddles": [((2, 2), 1), ((2, 0), 1), ((7, 3), 1), ((3, 2), 2), ((5, 1), 2)],
+        "grid": {"theme": "black_orange"},
+        "add_compass": True,
+        "side_panel": 200,
+    }
+    assert "rewards.exit" in [each.field for each in lost_ones]
+    level = brl.from_setup(setup)
+    assert level.digest == brl.load("final-maze").replace(rewards={"exit": -1}).digest
+
+
+def test_walls_of_glass_in_a_maze_are_toggled_twice() -> None:
+    glass = {"at": [2, 0], "side": "E", "pass": 0.3, "color": "red"}
+    maze = {"version": 1, "size": [8, 5], "maze": {"seed": 42}, "rewards": {"exit": -1}}
+    level = level_of({**maze, "walls": [glass, {"at": [5, 2], "side": "E", "length": 2}]})
+    setup, told = setup_of(level)
+    assert told == []
+    assert setup["walls"] == [
+        ((2, 0), "E"),
+        ((5, 2, 2), "E"),
+        ((2, 0), "E", {"prob": 0.3, "color": "red"}),
+    ]
+    assert brl.from_setup(setup).digest == level.digest
+
+
+# -- keyword by keyword ----------------------------------------------------------------------
+
+
+def test_nothing_said_is_the_packages_grid_of_three_by_three() -> None:
+    level = brl.from_setup({})
+    assert (level.size, level.starts, level.exits) == ((3, 3), ((0, 0),), ((2, 2),))
+    assert level.rewards.exit == -1
+
+
+def test_numpys_values_and_tuples_are_taken() -> None:
+    setup = {"width": np.int64(4), "start": (np.int32(1), 0), "puddles": [((2, 2), np.int8(2))]}
+    assert brl.from_setup(setup).puddles[0].size == "large"
+
+
+@pytest.mark.parametrize("stands", [True, False])
+def test_a_wall_toggles_what_is_there(stands: bool) -> None:
+    maze = {"width": 8, "height": 5, "end": [5, 4], "add_maze": True, "maze_seed": 42}
+    side = ((2, 0), "E") if stands else ((5, 2), "E")
+    found = fields({**maze, "walls": [side]})
+    entry = {"at": [*side[0]], "side": "E"}
+    assert found.get("openings") == ([entry] if stands else None)
+    assert found.get("walls") == (None if stands else [entry])
+
+
+def test_toggling_twice_changes_nothing_but_what_the_wall_is_like() -> None:
+    maze = {"width": 8, "height": 5, "add_maze": True, "maze_seed": 42}
+    twice = [((2, 0), "E"), ((3, 0), "W")]
+    assert brl.from_setup({**maze, "walls": twice}).digest == brl.from_setup(maze).digest
+    glass = [((2, 0), "E"), ((3, 0), "W", {"prob": 0.3})]
+    found = fields({**maze, "walls": glass})
+    assert found["walls"] == [{"at": [3, 0], "side": "W", "pass": 0.3}]
+
+
+def test_one_entry_may_put_walls_and_take_some_away() -> None:
+    walls = [((1, 1), "S"), ((0, 1, 3), "S", {"color": "Blue", "width": 6, "fit": False})]
+    found = fields({"walls": walls})
+    look = {"color": "blue", "width": 6, "fit": True}
+    assert found["walls"] == [
+        {"at": [0, 1], "side": "S", **look},
+        {"at": [2, 1], "side": "S", **look},
+    ]
+    assert "openings" not in found
+
+
+def test_the_outer_wall_stays_and_what_is_off_the_grid_does_nothing() -> None:
+    setup = {"walls": [((0, 0), "W"), ((1, 2, 9), "N"), ((7, 7), "N")]}
+    assert brl.load(fields(setup)).grid().open[0, 0].tolist() == [False, True, True, False]
+    assert list(lost(setup)) == ["walls[0]", "walls[1]", "walls[2]"]
+
+
+@pytest.mark.parametrize("blocked", [True, False])
+def test_a_maze_that_the_language_would_grow_otherwise_is_written_out(blocked: bool) -> None:
+    # The package grows its maze through cells that are off the grid, and from `start`.
+    maze: Setup = {"width": 6, "height": 5, "add_maze": True, "maze_seed": 3, "start": [2, 2]}
+    other: Setup = {"base_areas": [(4, 1)]} if blocked else {"initial_pos": [0, 0]}
+    level = brl.load(fields({**maze, **other, "walls": [((2, 2), "N")]}))
+    plain = brl.load(fields({**maze, "walls": [((2, 2), "N")]}))
+    assert level.maze is None
+    same = level.grid().open == plain.grid().open
+    near = np.zeros((5, 6), bool)
+    if blocked:
+        near[1, 3:6] = near[0:3, 4] = True
+    assert same[~near].all()
+    assert level.starts == (((2, 2),) if blocked else ((0, 0),))
+
+
+@pytest.mark.parametrize(
+    "puddles",
+    [
+        [((1, 1), 2), ((2, 0), 1)],
+        [[0, 0, 1], [0, 2, 0], [0, 0, 0]],
+        [((1, 1), 2), ((2, 0), 1), ((1, 1), 2), ((0, 2), 0)],
+    ],
+    ids=["list", "table", "repeated"],
+)
+def test_puddles_are_a_list_or_a_table(puddles: Any) -> None:
+    level = brl.from_setup({"puddles": puddles})
+    assert {(puddle.at, puddle.size) for puddle in level.puddles} == {
+        ((1, 1), "large"),
+        ((2, 0), "small"),
+    }
+
+
+def test_a_puddle_on_the_exit_gives_the_exits_reward() -> None:
+    setup = {"puddles": [((2, 2), 1)], "puddle_props": {"small_reward": -7}}
+    assert brl.from_setup(setup).rewards.exit == -7
+
+
+def test_puddle_properties_are_the_chances_of_not_skidding() -> None:
+    props = {"large_reward": -10, "large_prob": 0.1, "small_reward": -5, "small_prob": 0.2}
+    types = brl.from_setup({"puddle_props": props}).puddle_types
+    assert (types.large.reward, types.large.skid) == (-10, 0.9)
+    assert (types.small.reward, types.small.skid) == (-5, 0.8)
+
+
+def test_rewards_are_counted_without_their_fractions_as_the_package_does() -> None:
+    setup = {"grid_areas": [((1, 1), "Red", -2.7)], "puddle_props": {"large_reward": -0.5}}
+    assert fields(setup)["areas"] == [{"at": [1, 1], "color": "red", "reward": -2}]
+    assert lost(setup) == {
+        "puddle_props large_reward": "the package counts -0.5 as 0",
+        "grid_areas[0]": "the package counts -2.7 as -2",
+    }
+
+
+def test_areas_are_cut_at_the_edge_of_the_grid() -> None:
+    setup = {"grid_areas": [((1, 2, 5, 5), "gold", -4), ((9, 9), "gold", 1)]}
+    assert fields(setup)["areas"] == [{"at": [1, 2], "size": [2, 1], "color": "gold", "reward": -4}]
+    assert list(lost(setup)) == ["grid_areas[1]"]
+
+
+def test_base_areas_are_blocked_in_all_their_forms() -> None:
+    setup = {
+        "width": 6,
+        "base_areas": [
+            (2, 0, 2, 2),
+            ((0, 2, 1, 1), "Gray"),
+            ((5, 0), "gray", [("E"), ("W", "Red")]),
+        ],
+    }
+    found = fields(setup)
+    assert found["blocked"] == [
+        {"at": [2, 0], "size": [2, 2]},
+        {"at": [0, 2]},
+        {"at": [5, 0]},
+    ]
+    assert found["theme"] == {"colors": {"blocked": "gray"}}
+    assert list(lost(setup)) == ["base_areas[2] borders"]
+
+
+def test_what_it_looks_like_is_kept() -> None:
+    setup = {
+        "add_compass": True,
+        "show_start_text": False,
+        "show_end_text": False,
+        "side_panel": {"width": 150, "color": "#644242", "text_fg": "Yellow", "height": 9},
+        "bottom_panel": 60,
+        "grid": {
+            "colors": {"base": "Aquamarine", "lines": "no colour", "zero_fg": "red"},
+            "widths": {"walls": 7, "padding": 3},
+        },
+        "robot": {"show": False, "sleep": 0.035, "initial_sprite": 3},
+    }
+    found = fields(setup)
+    assert found["display"] == {
+        "compass": True,
+        "start_text": False,
+        "exit_text": False,
+        "side_panel": {"width": 150, "color": "#644242", "text_color": "yellow"},
+        "bottom_panel": 60,
+        "robot": {"show": False, "speed": 2.0},
+    }
+    assert found["theme"] == {
+        "colors": {"base": "aquamarine"},
+        "widths": {"walls": 7, "padding": 3},
+    }
+    assert set(lost(setup)) == {
+        "side_panel height",
+        "grid colors lines",
+        "grid colors zero_fg",
+        "robot initial_sprite",
+    }
+    again, _ = setup_of(brl.load(found))
+    for keyword in ("add_compass", "show_start_text", "show_end_text", "bottom_panel"):
+        assert again[keyword] == setup[keyword]
+    assert again["robot"] == {"show": False, "sleep": 0.035}
+    assert again["side_panel"] == {"width": 150, "color": "#644242", "text_fg": "yellow"}
+
+
+@pytest.mark.parametrize("theme", ["black_orange", "blue_green", "green"])
+def test_themes_are_kept_by_their_names(theme: str) -> None:
+    level = brl.from_setup({"grid": {"theme": theme, "colors": {"base": "red"}}})
+    assert level.theme == theme
+    assert setup_of(level)[0]["grid"] == {"theme": theme}
+
+
+def test_another_theme_is_a_file_that_is_not_here() -> None:
+    assert list(lost({"grid": {"theme": "mine"}})) == ["grid theme"]
+
+
+@pytest.mark.parametrize("end", [[-1, -1], [9, 9]])
+def test_an_end_off_the_grid_is_no_exit(end: list[int]) -> None:
+    assert fields({"end": end})["exit"] == "none"
+    assert ("end" in lost({"end": end})) == (end != [-1, -1])
+    level = brl.load({"version": 1, "exit": "none", "max_steps": 5})
+    assert setup_of(level)[0]["end"] == (-1, -1)
+
+
+def test_what_is_about_playing_is_told_where_it_goes_now() -> None:
+    told = lost({"seed": 3, "render_mode": "human", "action_space": "discrete"})
+    assert "env.reset" in told["seed"]
+    assert "level.make" in told["render_mode"]
+    assert "level.make" in told["action_space"]
+
+
+def test_an_unknown_keyword_is_told_with_the_nearest_known_one() -> None:
+    assert "did you mean `puddles`?" in lost({"puddels": []})["puddels"]
+
+
+def test_from_setup_warns_of_what_it_cannot_keep() -> None:
+    with pytest.warns(brl.ConversionWarning, match=r"^seed: "):
+        brl.from_setup({"seed": 1})
+
+
+FAULTS: dict[str, Setup] = {
+    "width": {"width": "3"},
+    "width and height": {"width": 2000},
+    "start": {"start": [3, 0]},
+    "end": {"end": 4},
+    "puddles[1]": {"puddles": [((1, 1), 2), ((1, 1), 3)]},
+    "puddles[0]": {"puddles": [5]},
+    "walls[0]": {"walls": [((1, 1), "X")]},
+    "walls[1]": {"walls": [((1, 1), "E"), ((-1, 1), "E")]},
+    "walls[0] prob": {"walls": [((1, 1), "E", {"prob": 2})]},
+    "grid_areas[0]": {"grid_areas": [((1, 1, 3), "red")]},
+    "base_areas[0]": {"base_areas": ["red"]},
+    "maze_seed": {"add_maze": True, "maze_seed": "x"},
+    "puddle_props small_prob": {"puddle_props": {"small_prob": -1}},
+    "grid_areas": {"grid_areas": {"at": 1}},
+    "robot": {"robot": 3},
+    "the setup": [],  # type: ignore[dict-item]
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_faults_are_told_by_the_name_that_they_have_in_the_setup(name: str) -> None:
+    with pytest.raises(ConversionError) as caught:
+        brl.from_setup(FAULTS[name])
+    assert str(caught.value).startswith(name)
+
+
+def test_a_setup_that_is_no_level_is_an_error() -> None:
+    with pytest.raises(brl.LevelError, match="start"):
+        brl.from_setup({"start": [2, 2]})
+
+
+# -- texts -----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{'width': 5, 'walls': [((1, 1), 'E')], 'add_compass': True}",
+        "# my first world\nsetup = {\n  'width': 5,\n  'walls': [((1, 1), 'E')],\n"
+        "  'add_compass': True,\n}\n",
+        '{"width": 5, "walls": [[[1, 1], "E"]], "add_compass": true}',
+    ],
+    ids=["literal", "assigned", "json"],
+)
+def test_a_setup_is_read_from_a_literal_and_from_json(text: str) -> None:
+    level = level_of_world(world_of(text, "babyrobot"))
+    assert (level.size[0], len(level.walls), level.display.compass) == (5, 1, True)
+
+
+def test_nothing_in_a_setup_is_run(tmp_path: Path) -> None:
+    text = f"{{'width': __import__('pathlib').Path({str(tmp_path / 'made')!r}).write_text('x')}}"
+    with pytest.raises(ConversionError, match=r"world.txt:1:11: error: .*neither JSON nor"):
+        world_of(text, "babyrobot")
+    assert list(tmp_path.iterdir()) == []
+
+
+keywords = st.sampled_from(
+    [
+        *("width", "height", "start", "end", "initial_pos", "puddles", "puddle_props", "walls"),
+        *("base_areas", "grid_areas", "add_maze", "maze_seed", "max_steps", "grid", "robot"),
+        *("add_compass", "side_panel", "bottom_panel", "seed", "offset", "nonsense"),
+    ]
+)
+anything: st.SearchStrategy[Any] = st.recursive(
+    st.none() | st.booleans() | st.integers(-3, 9) | st.floats() | st.sampled_from(["E", "red"]),
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(st.sampled_from("ab"), inner),
+    max_leaves=8,
+)
+
+
+@given(st.dictionaries(keywords, anything, max_size=6))
+def test_whatever_is_in_a_setup_is_a_level_or_a_clear_error(setup: Setup) -> None:
+    # Anything but a `LevelError` would be a fault of ours.
+    with suppress(brl.LevelError):
+        assert brl.load(fields(setup)).digest.startswith("sha256:")

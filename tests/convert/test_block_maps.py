@@ -1,0 +1,277 @@
+"""Maps in blocks: Gymnasium-Robotics, MiniGrid, Sokoban, and maze-dataset's lattices."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from support.conversions import level_of_world, lost_fields, sample, world_of
+
+import babyrobot_levels as brl
+from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.convert.formats import export
+
+MAZE_MAPS = sample("gymnasium-robotics")
+DATASET = sample("maze-dataset")
+MAZELIB = sample("mazelib")
+MINIGRIDS = sample("minigrid")
+
+
+# -- Gymnasium-Robotics ----------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MAZE_MAPS)
+def test_a_maze_map_has_the_same_walls_starts_and_goals(name: str) -> None:
+    rows = MAZE_MAPS[name]
+    level = level_of_world(world_of(json.dumps(rows), "maze-map"))
+    inner = [row[1:-1] for row in rows[1:-1]]
+    assert level.grid().blocked.tolist() == [[cell == 1 for cell in row] for row in inner]
+    for value, cells in (("r", level.starts), ("g", level.exits)):
+        marked = {
+            (x, y) for y, row in enumerate(inner) for x, cell in enumerate(row) if cell == value
+        }
+        assert set(cells) == marked or (not marked and len(cells) == 1)
+    assert (level.rewards.step, level.rewards.exit) == (0, 1)
+
+
+@pytest.mark.parametrize("name", MAZE_MAPS)
+def test_a_maze_map_comes_back(name: str) -> None:
+    world = world_of(json.dumps(MAZE_MAPS[name]), "maze-map")
+    conversion = export(level_of_world(world), "maze-map")
+    assert conversion.warnings == ()
+    rows = json.loads(conversion.text)
+    if "r" not in lost_fields(world):
+        assert rows == MAZE_MAPS[name]
+    assert [[cell == 1 for cell in row] for row in rows] == [
+        [cell == 1 for cell in row] for row in MAZE_MAPS[name]
+    ]
+
+
+def test_where_any_cell_may_be_start_or_goal_the_choice_is_told() -> None:
+    world = world_of(json.dumps(MAZE_MAPS["MEDIUM_MAZE_DIVERSE_GR"]), "maze-map")
+    level = level_of_world(world)
+    assert (level.starts, level.exits) == (((0, 0),), ((4, 5),))
+    assert lost_fields(world) == ["r", "g"]
+
+
+def test_of_several_goals_one_is_drawn_there() -> None:
+    world = world_of(json.dumps(MAZE_MAPS["MEDIUM_MAZE_DIVERSE_G"]), "maze-map")
+    assert len(level_of_world(world).exits) == 3
+    assert lost_fields(world) == ["g"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('[[1, 0], ["r"]]', "row 1 has 1 cells, the first has 2"),
+        ('[[1, 0], ["r", 2]]', "row 1, column 1: 2 is none of"),
+        ("[[True, 0]]", "row 0, column 0: True is none of"),
+        ("[[1, 1], [1, 1]]", "no start"),
+        ("[]", "no rows"),
+        ("[[]]", "row 0 has 0 cells"),
+        ("{}", "must be a list"),
+        ('[[0, "\x1b[31m"]]', "row 0, column 1"),
+    ],
+)
+def test_faulty_maze_maps_are_refused(text: str, message: str) -> None:
+    with pytest.raises(ConversionError, match=message) as caught:
+        world_of(text, "maze-map")
+    assert str(caught.value).replace("\n", "").isprintable()
+
+
+# -- maze-dataset and mazelib ----------------------------------------------------------------
+
+
+def open_sides(text: str) -> set[tuple[int, int, str]]:
+    """Return where one gets through in a lattice: cell and side, by looking at the text alone."""
+    rows = text.splitlines()
+    return {
+        (x // 2, y // 2, side)
+        for y in range(1, len(rows), 2)
+        for x in range(1, len(rows[0]), 2)
+        for side, (dx, dy) in {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}.items()
+        if rows[y + dy][x + dx] != "#"
+        and 0 < y + dy < len(rows) - 1
+        and 0 < x + dx < len(rows[0]) - 1
+    }
+
+
+@pytest.mark.parametrize("name", [*DATASET, *MAZELIB])
+def test_a_lattice_becomes_walls_between_cells(name: str) -> None:
+    text = (DATASET | MAZELIB)[name]
+    level = level_of_world(world_of(text, "maze-dataset"))
+    rows = text.splitlines()
+    assert level.size == (len(rows[0]) // 2, len(rows) // 2)
+    grid = level.grid()
+    found = {
+        (x, y, side)
+        for y in range(grid.height)
+        for x in range(grid.width)
+        for index, side in enumerate("NESW")
+        if grid.open[y, x, index]
+    }
+    assert found == open_sides(text)
+    assert not grid.blocked.any()
+
+
+@pytest.mark.parametrize("name", DATASET)
+def test_a_maze_of_maze_dataset_comes_back(name: str) -> None:
+    level = level_of_world(world_of(DATASET[name], "maze-dataset"))
+    text = export(level, "maze-dataset").text
+    kept = DATASET[name].replace("X", " ")
+    assert (
+        text.replace("S", " ").replace("E", " ") == kept.replace("S", " ").replace("E", " ") + "\n"
+    )
+    if "S" in kept:
+        assert text == kept + "\n"
+
+
+def test_start_and_end_are_where_they_are_drawn() -> None:
+    text = DATASET["gen_wilson-solved"]
+    world = world_of(text, "maze-dataset")
+    place = text.replace("\n", "").index("S")
+    width = len(text.splitlines()[0])
+    assert level_of_world(world).starts == ((place % width // 2, place // width // 2),)
+    assert lost_fields(world) == ["X"]
+
+
+def test_doors_in_the_outer_wall_are_shut_behind_the_start() -> None:
+    world = world_of(MAZELIB["prims-3"], "maze-dataset")
+    level = level_of_world(world)
+    assert (level.starts, level.exits) == (((5, 0),), ((0, 3),))
+    assert lost_fields(world) == ["S", "E"]
+
+
+def test_without_marks_the_corners_are_start_and_exit_and_that_is_told() -> None:
+    world = world_of(DATASET["gen_dfs"], "maze-dataset")
+    level = level_of_world(world)
+    assert (level.starts, level.exits) == (((0, 0),), ((4, 4),))
+    assert lost_fields(world) == ["S", "E"]
+
+
+def test_walls_that_fill_cells_are_no_lattice() -> None:
+    with pytest.raises(ConversionError, match="sokoban"):
+        world_of("#####\n#S  #\n#  E#\n#####", "maze-dataset")
+
+
+@pytest.mark.parametrize("name", ["braided-maze", "default"])
+def test_a_level_of_walls_alone_comes_back_from_maze_dataset(name: str) -> None:
+    level = brl.load(name)
+    text = export(level, "maze-dataset").text
+    assert level_of_world(world_of(text, "maze-dataset")).digest == level.digest
+
+
+# -- MiniGrid --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", MINIGRIDS)
+def test_a_minigrid_has_its_walls_agent_and_goal(name: str) -> None:
+    text = MINIGRIDS[name]
+    level = level_of_world(world_of(text, "minigrid"))
+    drawn = text.strip("\n").splitlines()
+    rows = [line for line in drawn if line.strip()]
+    pairs = [[row[x : x + 2] for x in range(0, len(row), 2)] for row in rows]
+    agents = [
+        (x, y)
+        for y, row in enumerate(pairs)
+        for x, pair in enumerate(row)
+        if pair in (">>", "<<", "^^", "VV")
+    ]
+    # The ring around all of it is the level's outer wall.
+    assert [(x + 1, y + 1) for x, y in level.starts] == agents
+    assert [pairs[y + 1][x + 1] for x, y in level.exits] == ["GG"] * text.count("GG")
+    inner = [row[1:-1] for row in pairs[1:-1]]
+    walls = sum(pair == "WG" for row in inner for pair in row)
+    blocked = int(level.grid().blocked.sum())
+    # What is outside of the rooms, as only MultiRoom has it, is blocked as well.
+    assert blocked > walls if name.startswith("MultiRoom") else blocked == walls
+
+
+@pytest.mark.parametrize("name", ["Empty-5x5", "FourRooms", "LavaCrossingS9N2", "DistShift1"])
+def test_a_minigrid_comes_back(name: str) -> None:
+    level = level_of_world(world_of(MINIGRIDS[name], "minigrid"))
+    conversion = export(level, "minigrid")
+    expected = MINIGRIDS[name].replace("^^", ">>").replace("VV", ">>")
+    assert (expected.splitlines(), ()) == (
+        conversion.text.splitlines(),
+        tuple(lost for lost in conversion.warnings if lost.field != "areas.color"),
+    )
+
+
+def test_lava_ends_the_episode_with_nothing() -> None:
+    level = level_of_world(world_of(MINIGRIDS["LavaCrossingS9N2"], "minigrid"))
+    mdp = level.compile()
+    cell = 5  # The first lava of the first row: `VR` stands in column 6, behind the ring.
+    assert mdp.over[cell]
+    east = [(s, r, over) for p, s, r, over in mdp.outcomes(cell - 1, brl.Action.EAST) if p]
+    assert east == [(cell, 0.0, True)]
+
+
+def test_what_a_level_cannot_hold_is_told_once_for_each_kind() -> None:
+    assert lost_fields(world_of(MINIGRIDS["KeyCorridorS3R2"], "minigrid")) == [
+        *("K", "D", "agent", "L", "A")
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "place"), [("WGWGWG\nWG>>QG", "2:5"), ("WGW\nWG>>", "1:3"), ("\nWG>>WX", "2:5")]
+)
+def test_unknown_cells_are_refused_with_their_place(text: str, place: str) -> None:
+    with pytest.raises(ConversionError, match=f"world.txt:{place}: error:"):
+        world_of(text, "minigrid")
+
+
+# -- Sokoban ---------------------------------------------------------------------------------
+
+SOKOBAN = """
+   ######
+ ###    #
+ #   $# ##
+ # ## .  #
+##  $#.  ####
+#  @   *    #
+##########  #
+         ####
+"""
+
+INSIDE = """
+###    ####
+#    # ####
+# ## E  ###
+#   #E  ###
+  S   E
+#########
+"""
+
+
+def test_a_sokoban_map_keeps_its_walls_player_and_goals() -> None:
+    world = world_of(SOKOBAN, "sokoban")
+    level = level_of_world(world)
+    expected = [line.ljust(11) for line in INSIDE.strip("\n").splitlines()]
+    drawn = [line[2::4] for line in level.draw().splitlines()[1::2]]
+    assert drawn == expected
+    assert lost_fields(world) == ["boxes"]
+
+
+@pytest.mark.parametrize(("start", "goal"), [("@", "."), ("S", "E"), ("S", "X"), ("@", "E")])
+def test_the_marks_of_many_programs_are_known(start: str, goal: str) -> None:
+    level = level_of_world(world_of(f"######\n#{start}-_{goal}#\n######", "sokoban"))
+    assert (level.size, level.starts, level.exits) == ((4, 1), ((0, 0),), ((3, 0),))
+
+
+def test_a_ring_of_walls_is_the_outer_wall() -> None:
+    closed = level_of_world(world_of("#####\n#@  #\n# #.#\n#####", "sokoban"))
+    opened = level_of_world(world_of("@  \n #.", "sokoban"))
+    assert closed.digest == opened.digest
+
+
+@pytest.mark.parametrize("name", ["blocked-shapes", "glasshouse", "final-maze", "four-corners"])
+def test_walls_between_cells_double_the_grid_and_that_is_told(name: str) -> None:
+    level = brl.load(name)
+    for form in ("sokoban", "minigrid", "maze-map"):
+        conversion = export(level, form)
+        doubled = level_of_world(world_of(conversion.text, form)).size == tuple(
+            2 * side - 1 for side in level.size
+        )
+        assert doubled == ("walls" in [lost.field for lost in conversion.warnings])
+        assert doubled == (name != "blocked-shapes")

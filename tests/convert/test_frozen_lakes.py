@@ -1,0 +1,117 @@
+"""Frozen Lakes: Gymnasium's own tables say whether a map became the same game."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import gymnasium
+import pytest
+from gymnasium.envs.toy_text.frozen_lake import MAPS, generate_random_map
+from support.conversions import level_of_world, lost_fields, world_of
+
+import babyrobot_levels as brl
+from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.convert.formats import export
+from babyrobot_levels.convert.frozen_lake import read_frozen_lake
+from babyrobot_levels.source import SourceFile
+
+LAKES: dict[str, list[str]] = {
+    **MAPS,
+    **{f"random-{seed}": generate_random_map(size=6, p=0.8, seed=seed) for seed in range(6)},
+    "one row": ["SFHFG"],
+    "two starts": ["SFS", "HFG"],
+    "two goals": ["GFS", "FFG"],
+}
+
+
+def environment(**keywords: Any) -> Any:
+    return gymnasium.make("FrozenLake-v1", **keywords)
+
+
+@pytest.mark.parametrize("is_slippery", [True, False])
+@pytest.mark.parametrize("name", LAKES)
+def test_a_map_is_the_game_that_gymnasium_plays(name: str, is_slippery: bool) -> None:
+    text = "\n".join(LAKES[name])
+    world = read_frozen_lake(SourceFile("lake", text), is_slippery=is_slippery)
+    env = environment(desc=LAKES[name], is_slippery=is_slippery)
+    certificate = brl.compare(level_of_world(world), env)
+    assert certificate.difference is None
+    assert certificate.everywhere
+
+
+@pytest.mark.parametrize(
+    "keywords",
+    [
+        {},
+        {"is_slippery": False},
+        {"success_rate": 0.8},
+        {"success_rate": 1.0},
+        {"success_rate": 0.25, "reward_schedule": [5, -1, -0.1]},
+        {"is_slippery": False, "reward_schedule": [0, -5, 0]},
+    ],
+    ids=str,
+)
+def test_keywords_are_the_game_that_gymnasium_plays(keywords: dict[str, Any]) -> None:
+    whole = {"desc": MAPS["4x4"], **keywords}
+    world = world_of(json.dumps(whole), "frozen-lake")
+    certificate = brl.compare(level_of_world(world), environment(**whole))
+    assert certificate.difference is None
+    assert world.lost == ()
+
+
+@pytest.mark.parametrize("name", LAKES)
+@pytest.mark.parametrize("is_slippery", [True, False])
+def test_a_map_comes_back(name: str, is_slippery: bool) -> None:
+    keywords = {"desc": LAKES[name], "is_slippery": is_slippery}
+    level = level_of_world(world_of(json.dumps(keywords), "frozen-lake"))
+    conversion = export(level, "frozen-lake")
+    assert conversion.warnings == ()
+    assert json.loads(conversion.text) == keywords
+
+
+def test_a_list_of_lists_of_letters_is_a_map_too() -> None:
+    text = repr([list(row) for row in MAPS["4x4"]])
+    assert level_of_world(world_of(text, "frozen-lake")).exits == ((3, 3),)
+
+
+@pytest.mark.parametrize("name", ["frozen-lake", "frozen-lake-8x8", "frozen-lake-dry"])
+def test_the_gallerys_lakes_are_gymnasiums(name: str) -> None:
+    conversion = export(brl.load(name), "frozen-lake")
+    keywords = json.loads(conversion.text)
+    assert brl.compare(name, environment(**keywords)).equal
+    game = [lost.field for lost in conversion.warnings]
+    assert set(game) <= {"title", "description", "source", "tags", "max_steps", "theme"}
+
+
+def test_what_a_lake_cannot_have_is_told_by_its_field() -> None:
+    told = [lost.field for lost in export(brl.load("final-maze"), "frozen-lake").warnings]
+    assert {"puddles", "walls", "theme", "display"} <= set(told)
+    assert "rewards" not in told
+
+
+def test_a_map_name_alone_says_nothing() -> None:
+    with pytest.raises(ConversionError, match="desc"):
+        world_of('{"map_name": "8x8"}', "frozen-lake")
+
+
+def test_keywords_that_are_not_about_the_game_are_told() -> None:
+    text = json.dumps({"desc": ["SG"], "render_mode": "human"})
+    assert lost_fields(world_of(text, "frozen-lake")) == ["render_mode"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("SFF\nFXG", r"world\.txt:2:2: error: `X` means nothing"),
+        ("SFF\nFG", "row 2 of the map has 2 letters, the first has 3"),
+        ("FFF\nFFG", "no start"),
+        ('["SF", 3]', "list of texts"),
+        ("[]", "list of texts"),
+        ('{"desc": ["SG"], "success_rate": 2}', "success_rate must be a probability"),
+        ('{"desc": ["SG"], "reward_schedule": [1]}', "reward_schedule must be three numbers"),
+    ],
+)
+def test_faulty_maps_are_refused_with_the_place(text: str, message: str) -> None:
+    with pytest.raises(ConversionError, match=message):
+        world_of(text, "frozen-lake")

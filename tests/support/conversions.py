@@ -1,0 +1,36 @@
+"""Samples of other packages' worlds, and short ways to convert."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from babyrobot_levels.convert.conversion import World
+from babyrobot_levels.convert.formats import FORMATS
+from babyrobot_levels.level import Level
+from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.source import SourceFile
+
+SAMPLES = Path(__file__).parents[1] / "convert" / "samples"
+
+
+def sample(name: str) -> dict[str, Any]:
+    """Return a file of samples."""
+    found: dict[str, Any] = json.loads((SAMPLES / f"{name}.json").read_text(encoding="utf-8"))
+    return found
+
+
+def world_of(text: str, name: str) -> World:
+    """Return the world that a text in a format says."""
+    return FORMATS[name].read(SourceFile("world.txt", text))
+
+
+def level_of_world(world: World) -> Level:
+    """Return the level of a world."""
+    return from_mapping(world.fields)
+
+
+def lost_fields(world: World) -> list[str]:
+    """Return the names of what could not come along."""
+    return [lost.field for lost in world.lost]
