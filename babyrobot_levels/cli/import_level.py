@@ -9,7 +9,7 @@ import typer
 
 from babyrobot_levels.cli.console import FINDINGS, fail, note, save, write
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
-from babyrobot_levels.cli.new_level import _schema_for
+from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.diagnostics import one_line
 from babyrobot_levels.source import SourceFile
 
@@ -85,7 +85,7 @@ def import_level(
         world = _world(source, chosen, slippery)
         text = file_text(
             world,
-            schema=_schema_for(path),
+            schema=schema_for(path),
             name=name,
             title=title.replace("-", " ").capitalize(),
         )

@@ -115,7 +115,7 @@ def new_level(
         name, str(template), _size(size), maze_seed, str(algorithm), loops, puddles, theme
     )
     try:
-        text = starter(order, _schema_for(path))
+        text = starter(order, schema_for(path))
     except ValueError as error:
         fail(str(error), "ask for fewer puddles, or for a larger --size")
     _check(text, path)
@@ -149,7 +149,7 @@ def _size(text: str) -> tuple[int, int]:
     return width, height
 
 
-def _schema_for(path: Path) -> str:
+def schema_for(path: Path) -> str:
     """Return where editors find the schema: in the project around the file, or as installed."""
     folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
     for parent in (folder, *folder.parents):
