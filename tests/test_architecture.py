@@ -240,6 +240,14 @@ def test_validating_imports_nothing_heavy(
     assert imported & FOR_VALIDATE_TOO_HEAVY == set()
 
 
+def test_a_command_imports_what_it_needs_when_it_runs(tmp_path: Path) -> None:
+    done = python("-X", "importtime", "-m", PACKAGE, "--help", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr[-2000:]
+    imported = set(re.findall(r"^import time:.*\| +(\w+)", done.stderr, re.MULTILINE))
+    assert "typer" in imported
+    assert imported & {"pydantic", "yaml", *FOR_VALIDATE_TOO_HEAVY} == set()
+
+
 # -- habits ----------------------------------------------------------------------------------
 
 

@@ -10,13 +10,16 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from babyrobot_levels.cli.console import wants_color
 from babyrobot_levels.cli.differences import difference_text
 from babyrobot_levels.cli.diffs import unified
 from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.level import Level
 from babyrobot_levels.source import SourceFile
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
 
 _NO_FILES = ("/dev/null", "nul")
 
@@ -46,7 +49,7 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
     return _told(title, before, after, limit) + "\n"
 
 
-Version = tuple[SourceFile, Level | None] | None
+Version = tuple[SourceFile, "Level | None"] | None
 """A version of a file: its text, and the level that it is, if it is one. None for no file."""
 
 
