@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,11 +50,17 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
     return _told(title, before, after, limit) + "\n"
 
 
-Version = tuple[SourceFile, "Level | None"] | None
-"""A version of a file: its text, and the level that it is, if it is one. None for no file."""
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A version of a file: its text, and the level that it is, or else what is wrong with it."""
+
+    source: SourceFile
+    level: Level | None
+    faults: tuple[str, ...]
 
 
-def _read(file: str, path: str) -> Version:
+def _read(file: str, path: str) -> Version | None:
+    """Return a version, None for no file."""
     from babyrobot_levels.files import read_source
     from babyrobot_levels.reading import read_level
 
@@ -61,30 +68,43 @@ def _read(file: str, path: str) -> Version:
         return None
     source = read_source(Path(file), path)
     # The other version may lie in a folder of git's, but its themes lie where the path says.
-    return source, read_level(source, Path(path))[0]
+    level, diagnostics = read_level(source, Path(path))
+    faults = tuple(f"line {each.line}: {one_line(each.message)}" for each in diagnostics)
+    return Version(source, level, () if level is not None else faults[:1])
 
 
-def _told(title: str, before: Version, after: Version, limit: int | None) -> str:
+def _told(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
     from babyrobot_levels.difference.levels import diff
 
     if before is None or after is None:
-        return _told_alone(title, after, "is gone" if after is None else "is new")
-    if before[1] is None or after[1] is None:
-        which = " and ".join(
-            name for name, version in (("before", before), ("after", after)) if version[1] is None
+        return _told_alone(title, before, after)
+    if before.level is None or after.level is None:
+        versions = {"before": before, "after": after}
+        which = " and ".join(name for name, version in versions.items() if version.level is None)
+        return f"{one_line(title)}: no valid level {which} the change\n" + _lines(
+            title, before, after
         )
-        text = unified(before[0].text, after[0].text, title, color=wants_color(sys.stdout))
-        return f"{one_line(title)}: no valid level {which} the change\n\n{text}"
-    difference = diff(before[1], after[1], limit=limit)
+    difference = diff(before.level, after.level, limit=limit)
     told = "the same game" if difference.same_game else "another game"
     return difference_text(difference, f"{title}: {told}")
 
 
-def _told_alone(title: str, version: Version, told: str) -> str:
+def _told_alone(title: str, before: Version | None, after: Version | None) -> str:
+    told, version = ("is gone", before) if after is None else ("is new", after)
+    if version is not None and version.level is None:
+        text = f"{one_line(title)}: the file {told}, and no valid level\n"
+        return text + _lines(title, before, after)
     text = f"{one_line(title)}: the level {told}\n"
-    level = version[1] if version is not None else None
-    if version is not None and level is None:
-        text += "it is not valid\n"
-    elif level is not None and not level.has_random_maze:
-        text += f"\n{level.draw()}"
-    return text
+    new = after.level if after is not None else None
+    return text + f"\n{new.draw()}" if new is not None and not new.has_random_maze else text
+
+
+def _lines(title: str, before: Version | None, after: Version | None) -> str:
+    """Return what is wrong with the versions that are no levels, and which lines differ."""
+    faults = [
+        f"  {name}, {fault}\n"
+        for name, version in (("before", before), ("after", after))
+        for fault in (version.faults if version is not None else ())
+    ]
+    one, two = (version.source.text if version else "" for version in (before, after))
+    return "".join(faults) + "\n" + unified(one, two, title, color=wants_color(sys.stdout))

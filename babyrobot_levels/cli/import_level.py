@@ -10,6 +10,7 @@ import typer
 from babyrobot_levels.cli.console import FINDINGS, fail, note, save, write
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
 from babyrobot_levels.cli.new_level import schema_for
+from babyrobot_levels.cli.reporting import read_path
 from babyrobot_levels.diagnostics import one_line
 from babyrobot_levels.source import SourceFile
 
@@ -18,7 +19,9 @@ if TYPE_CHECKING:
 
 
 def import_level(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The file to read.")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="The file to read; `-` is standard input.")
+    ],
     world_format: Annotated[
         WorldFormat | None,
         typer.Option(
@@ -66,6 +69,8 @@ def import_level(
       babyrobot import lake.txt --no-slippery
 
       babyrobot import maze.txt --from maze-dataset -o levels/maze.yaml
+
+      babyrobot export four-rooms --to minigrid | babyrobot import -
     """
     from babyrobot_levels.convert.conversion import ConversionError
     from babyrobot_levels.convert.file_text import file_text
@@ -82,7 +87,7 @@ def import_level(
     title = name or slug(file.stem) or "imported"
     try:
         chosen = world_format or _guessed(source)
-        world = _world(source, chosen, slippery)
+        world = _world(source, chosen, slippery, file.parent)
         text = file_text(
             world,
             schema=schema_for(path),
@@ -90,9 +95,9 @@ def import_level(
             title=title.replace("-", " ").capitalize(),
         )
     except ConversionError as error:
-        told = str(error)
-        here = one_line(source.name)
-        note(told if told.startswith(here) else f"{here}: error: {told}")
+        told, here = str(error), one_line(source.name)
+        # Messages about a place in the text begin with it.
+        note(told if told.startswith(f"{here}:") else f"{here}: error: {told}")
         raise typer.Exit(FINDINGS) from None
     tell_losses(world.lost, strict=strict)
     if output is None:
@@ -104,10 +109,10 @@ def import_level(
 
 def _source(file: Path) -> SourceFile:
     from babyrobot_levels.errors import LevelError
-    from babyrobot_levels.files import ReadFault, read_source
+    from babyrobot_levels.files import ReadFault
 
     try:
-        return read_source(file)
+        return read_path(file)
     except ReadFault as fault:
         if fault.diagnostic.code == "BR101":
             fail(f"{file}: {fault.diagnostic.message}")
@@ -116,7 +121,13 @@ def _source(file: Path) -> SourceFile:
 
 def _guessed(source: SourceFile) -> WorldFormat:
     from babyrobot_levels.convert.formats import FORMATS, guess
+    from babyrobot_levels.files import SUFFIXES
 
+    if source.name.lower().endswith(SUFFIXES):
+        fail(
+            f"{source.name} is a level file already",
+            "`babyrobot export` writes it for other programs",
+        )
     found = guess(source)
     if not found:
         known = ", ".join(WorldFormat)
@@ -130,12 +141,15 @@ def _guessed(source: SourceFile) -> WorldFormat:
     return WorldFormat(found[0])
 
 
-def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None) -> World:
+def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None, folder: Path) -> World:
     from babyrobot_levels.convert.formats import FORMATS
     from babyrobot_levels.convert.frozen_lake import read_frozen_lake
+    from babyrobot_levels.convert.tiled.reading import read_tiled
 
     if chosen is WorldFormat.FROZEN_LAKE:
         return read_frozen_lake(source, is_slippery=slippery is not False)
     if slippery is not None:
         fail(f"--slippery and --no-slippery are for FrozenLake maps, and this is {chosen}")
+    if chosen is WorldFormat.TILED:
+        return read_tiled(source, folder)
     return FORMATS[chosen].read(source)

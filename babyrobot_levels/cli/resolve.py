@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
+
+_RELATIVE_SCHEMA = re.compile(
+    r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+", re.M
+)
 
 
 def resolve(
@@ -41,7 +47,7 @@ def resolve(
     """
     from babyrobot_levels.syntax.reader import MAX_BYTES
 
-    loaded = _with_seed(load_level(level), maze_seed)
+    loaded = with_seed(load_level(level), maze_seed)
     if loaded.maze is None:
         note(f"{loaded.name or 'the level'} has no maze; nothing is to be written out")
     resolved = loaded.resolve()
@@ -56,7 +62,8 @@ def resolve(
         write(text)
 
 
-def _with_seed(level: Level, maze_seed: int | None) -> Level:
+def with_seed(level: Level, maze_seed: int | None) -> Level:
+    """Return a level with the maze of a seed, which is needed if its mazes are random."""
     if level.has_random_maze:
         if maze_seed is None:
             fail("each reset grows another maze of this level", "choose one with --maze-seed N")
@@ -67,7 +74,7 @@ def _with_seed(level: Level, maze_seed: int | None) -> Level:
 
 
 def _text_for(level: Level, text: str, path: Path) -> str:
-    """Return the text for a file: away from its `themes/`, a level carries its theme with it."""
+    """Return the text for a file: away from its folder, a level carries its theme with it."""
     from babyrobot_levels.reading import read_level
     from babyrobot_levels.source import SourceFile
     from babyrobot_levels.spec.looks import BUILTIN_THEMES
@@ -75,5 +82,6 @@ def _text_for(level: Level, text: str, path: Path) -> str:
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
         found, _ = read_level(SourceFile(str(path), text), path)
         if found is None or found.colors_and_widths != level.colors_and_widths:
-            return level.replace(theme=level.colors_and_widths).to_yaml(comments=True)
-    return text
+            text = level.replace(theme=level.colors_and_widths).to_yaml(comments=True)
+    # Where the schema lies is said as seen from the level's own folder.
+    return _RELATIVE_SCHEMA.sub(lambda found: found[1] + schema_for(path), text, count=1)

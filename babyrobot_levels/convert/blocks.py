@@ -27,7 +27,7 @@ def text_rows(source: SourceFile) -> list[str]:
     first = next((number for number, line in enumerate(lines) if line), 0)
     lines = lines[first:]
     if not lines:
-        raise ConversionError(f"{source.name}: there is no map in it")
+        raise ConversionError("there is no map in it")
     # Editors drop blanks at the ends of lines.
     width = max(map(len, lines))
     return [line.ljust(width) for line in lines]

@@ -23,7 +23,7 @@ _DATA = (
 
 def looks_like_data(text: str) -> bool:
     """Tell whether a text may be JSON or a Python literal, rather than a map that is drawn."""
-    return text.lstrip().startswith(("{", "[", "(")) or "=" in text
+    return text.lstrip().startswith(("{", "[", "(", "'", '"')) or "=" in text
 
 
 def read_data(source: SourceFile) -> Any:
@@ -41,7 +41,11 @@ def read_data(source: SourceFile) -> Any:
         except SyntaxError as error:
             if isinstance(json_error, json.JSONDecodeError):
                 _raise_farther(source, json_error, error)
-            raise ConversionError(f"{source.name}: {json_error}") from None
+            message = str(json_error)
+            # Python speaks of its own limits there.
+            raise ConversionError(
+                "a number has too many digits" if "digits" in message else message
+            ) from None
         except (ValueError, MemoryError, RecursionError):
             message = "this is neither JSON nor a plain Python literal"
             raise ConversionError.at(source, _first_code(source.text), message, _PLAIN) from None

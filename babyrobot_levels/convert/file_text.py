@@ -41,7 +41,10 @@ def _tidy(text: str) -> str:
     try:
         source = decode(text.encode("utf-8"), "<imported>")
     except ReadFault as fault:
-        raise ConversionError(f"the level would be too much for one file: {fault}") from None
+        raise ConversionError(
+            f"the level would be too much for one file: {fault}",
+            "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
+        ) from None
     level, diagnostics = read_level(source)
     if level is None:
         raise ConversionError(

@@ -7,12 +7,14 @@ from dataclasses import dataclass
 from pathlib import PurePath
 
 from babyrobot_levels.certificate import compare
+from babyrobot_levels.convert.babyrobot.reading import KEYWORDS as SETUP_KEYWORDS
 from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import write_setup
 from babyrobot_levels.convert.blocks import is_lattice, text_rows
 from babyrobot_levels.convert.checked import mapping
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
 from babyrobot_levels.convert.data import looks_like_data, read_data
+from babyrobot_levels.convert.frozen_lake import KEYWORDS as LAKE_KEYWORDS
 from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
 from babyrobot_levels.convert.maze_dataset import read_maze_dataset, write_maze_dataset
 from babyrobot_levels.convert.maze_map import read_maze_map, write_maze_map
@@ -48,7 +50,7 @@ FORMATS = {
     "tiled": Format("Tiled map in JSON", read_tiled, write_tiled),
 }
 
-SUFFIXES = {".tmj": "tiled"}
+SUFFIXES = {".tmj": "tiled", ".xsb": "sokoban", ".sok": "sokoban"}
 """File suffixes that say which format a file has."""
 
 _LOOKS = (
@@ -101,7 +103,7 @@ def _of_text(source: SourceFile) -> list[str]:
     """Return the formats of a drawn map, none if the text is not one."""
     letters = set(source.text) - set("\r\n")
     if not letters - {" "}:
-        raise ConversionError(f"{source.name}: there is nothing in it")
+        raise ConversionError("there is nothing in it")
     if letters <= {*LETTERS, " ", "\t"}:
         return ["frozen-lake"]
     if letters <= set("#SEX "):
@@ -123,9 +125,13 @@ def _of_data(source: SourceFile) -> Iterator[str]:
     if is_tiled(data):
         yield "tiled"
     elif isinstance(data, dict):
-        yield "frozen-lake" if "desc" in data else "babyrobot"
+        if data.keys() & LAKE_KEYWORDS:
+            yield "frozen-lake"
+        elif not data or data.keys() & SETUP_KEYWORDS:
+            yield "babyrobot"
     elif isinstance(data, list | tuple) and data:
-        letters = {str(cell) for row in data if isinstance(row, list | tuple | str) for cell in row}
+        cells = [cell for row in data if isinstance(row, list | tuple | str) for cell in row]
+        letters = {c.decode("latin-1") if isinstance(c, bytes) else str(c) for c in cells}
         if letters <= LETTERS.keys():
             yield "frozen-lake"
         elif letters <= {"0", "1", "r", "g", "c"}:

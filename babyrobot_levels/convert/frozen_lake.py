@@ -28,6 +28,18 @@ USUAL_RATE = 1 / 3
 USUAL_REWARDS = (1, 0, 0)
 """The reward of the goal, of a hole, and of any other step."""
 
+KEYWORDS = frozenset({"desc", "map_name", "is_slippery", "success_rate", "reward_schedule"})
+"""The keywords of FrozenLake-v1 that make the game."""
+
+MAPS = {
+    "4x4": ["SFFF", "FHFH", "FFFH", "HFFG"],
+    "8x8": [
+        *("SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF"),
+        *("FFFHFFFF", "FHHFFFHF", "FHFFHFHF", "FFFHFFFG"),
+    ],
+}
+"""The maps that Gymnasium has a name for."""
+
 _KNOWN = "S start, F frozen, H hole, G goal"
 
 
@@ -42,17 +54,40 @@ def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
         rows = [row.strip() for row in text_rows(source)]
         return _world(source, rows, {"is_slippery": is_slippery})
     data = read_data(source)
-    keywords = {"is_slippery": is_slippery}
+    keywords: dict[str, Any] = {"is_slippery": is_slippery}
     if isinstance(data, dict):
-        keywords |= {name: value for name, value in data.items() if name != "desc"}
-        data = data.get("desc")
-    rows = [
-        "".join(map(str, row)) if isinstance(row, list) else row
-        for row in sequence(list(data) if isinstance(data, tuple) else data, "desc")
-    ]
-    if not rows or not all(isinstance(row, str) and row for row in rows):
+        if not data.keys() & KEYWORDS:
+            raise ConversionError("these are no keywords of FrozenLake", "give it `desc`, the map")
+        keywords |= data
+        data = _desc(keywords)
+    rows = [_row(row) for row in sequence(list(data) if isinstance(data, tuple) else data, "desc")]
+    if not rows or not all(rows):
         raise ConversionError("desc must be a list of texts, one for each row of the lake")
     return _world(SourceFile(source.name, "\n".join(rows)), rows, keywords)
+
+
+def _desc(keywords: dict[str, Any]) -> Any:
+    """Take the map out of the keywords: `desc`, or else the one that `map_name` names."""
+    desc, name = keywords.pop("desc", None), keywords.pop("map_name", "4x4")
+    if desc is not None:
+        return desc
+    if name is None:
+        raise ConversionError(
+            "without desc and map_name, Gymnasium draws another lake each time",
+            "give it the desc of the one that is meant: `env.unwrapped.desc.tolist()`",
+        )
+    if not isinstance(name, str) or name not in MAPS:
+        raise ConversionError(f"map_name must be 4x4 or 8x8, not {shown(name)}")
+    return MAPS[name]
+
+
+def _row(row: Any) -> str:
+    """Return a row as a text, an empty one if it is none."""
+    parts = row if isinstance(row, list | tuple) else [row]
+    if not all(isinstance(part, str | bytes) for part in parts):
+        return ""
+    # Environments hold their map as an array of bytes.
+    return "".join(p.decode("latin-1") if isinstance(p, bytes) else p for p in parts)
 
 
 def _world(source: SourceFile, rows: list[str], keywords: dict[str, Any]) -> World:
@@ -65,7 +100,9 @@ def _world(source: SourceFile, rows: list[str], keywords: dict[str, Any]) -> Wor
     rate = probability(keywords.pop("success_rate", USUAL_RATE), "success_rate")
     schedule = keywords.pop("reward_schedule", USUAL_REWARDS)
     goal, hole, step = (number(each, "reward_schedule") for each in _three(schedule))
-    slips = bool(keywords.pop("is_slippery"))
+    slips = keywords.pop("is_slippery")
+    if slips not in (True, False):
+        raise ConversionError(f"is_slippery must be true or false, not {shown(slips)}")
     fields: dict[str, Any] = {"version": 1, **drawn(cells)}
     comments = {}
     if any("H" in row for row in rows):
@@ -92,7 +129,8 @@ def write_frozen_lake(level: Level) -> Conversion:
     """Return a level as keywords of FrozenLake-v1, in JSON."""
     carried = SPATIAL | UNLIKE | {"skid"}
     lost = list(fields_lost(level, carried, PLACE))
-    lost += lost_areas(level, None)
+    hole = _hole_reward(level)
+    lost += lost_areas(level, None, hole=hole)
     if has_walls(level.grid()):
         lost.append(Lost("walls", f"{PLACE} has no walls between its cells; they are left out"))
     if level.blocked:
@@ -106,7 +144,7 @@ def write_frozen_lake(level: Level) -> Conversion:
             lost.append(Lost("skid.to", "moves slip to the sides only"))
         if abs(1 - skid.probability - USUAL_RATE) > 1e-12:
             keywords["success_rate"] = round(1 - skid.probability, 12)
-    schedule = (level.rewards.exit, level.rewards.step, level.rewards.step)
+    schedule = (level.rewards.exit, hole, level.rewards.step)
     if schedule != USUAL_REWARDS:
         keywords["reward_schedule"] = [
             int(each) if each.is_integer() else each for each in schedule
@@ -117,3 +155,10 @@ def write_frozen_lake(level: Level) -> Conversion:
     rows = ",\n    ".join(map(json.dumps, desc))
     more = "".join(f',\n  "{name}": {json.dumps(value)}' for name, value in keywords.items())
     return Conversion(f'{{\n  "desc": [\n    {rows}\n  ]{more}\n}}\n', tuple(lost))
+
+
+def _hole_reward(level: Level) -> float:
+    """Return the reward of all areas that end the episode, that of a step if they have no one."""
+    step = level.rewards.step
+    rewards = {step if a.reward is None else a.reward for a in level.areas if a.ends}
+    return rewards.pop() if len(rewards) == 1 else step

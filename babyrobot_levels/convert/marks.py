@@ -78,16 +78,18 @@ def block_map(
     return as_blocks(grid, cells, lattice=lattice), lost
 
 
-def lost_areas(level: Level, ends: str | None) -> Iterator[Lost]:
-    """Yield what areas say beside that the episode ends there with the reward of a step.
+def lost_areas(level: Level, ends: str | None, *, hole: float | None = None) -> Iterator[Lost]:
+    """Yield what areas say beside that the episode ends there.
 
     Args:
         level: the level.
         ends: why not even that is kept; None if it is.
+        hole: the reward that is kept where it ends; None for that of a step.
     """
+    step = level.rewards.step
+    hole = step if hole is None else hole
     kept: dict[str, set[object]] = {
         "color": {None, HOLE_COLOR, LAVA_COLOR},
-        "reward": {None, level.rewards.step},
         "skid": {None},
         "ends": {None, False, True} if ends is None else {None, False},
         "label": {None},
@@ -95,3 +97,6 @@ def lost_areas(level: Level, ends: str | None) -> Iterator[Lost]:
     for name, values in kept.items():
         if any(getattr(area, name) not in values for area in level.areas):
             yield Lost(f"areas.{name}", ends if name == "ends" and ends else "areas are not shown")
+    rewards = ((area, step if area.reward is None else area.reward) for area in level.areas)
+    if any(reward != (hole if area.ends else step) for area, reward in rewards):
+        yield Lost("areas.reward", "areas are not shown")

@@ -36,7 +36,7 @@ def read_maze_dataset(source: SourceFile) -> World:
     rows = _with_doors_shut(translated(source, lines, _CELLS, _KNOWN), lost)
     if not is_lattice(rows):
         raise ConversionError(
-            f"{source.name}: this is no maze of cells with walls between them",
+            "this is no maze of cells with walls between them",
             "an odd number of rows and columns, a cell in every second one, and `#` between four; "
             "for walls that fill cells, say --from sokoban",
         )

@@ -52,6 +52,36 @@ def test_a_map_of_tiled_is_known_by_its_suffix() -> None:
     assert babyrobot("lint", "glass.yaml").out == "1 file checked, clean\n"
 
 
+def test_a_world_may_come_from_standard_input() -> None:
+    exported = babyrobot("export", "frozen-lake", "--to", "frozen-lake").out
+    call = ["import", "-", "--name", "lake", "-o", "lake.yaml"]
+    result = run_here(call, environment(Path.cwd()), exported.encode())
+    assert (result.status, result.err) == (0, "")
+    assert brl.load("lake.yaml").digest == brl.load("frozen-lake").digest
+    result = run_here(["import", "-"], environment(Path.cwd()), b"SF\nFG\nF")
+    assert (result.status, result.err) == (
+        1,
+        "<stdin>: error: row 3 of the map has 1 letters, the first has 2\n",
+    )
+
+
+def test_a_level_file_is_no_world_of_another_program() -> None:
+    Path("lake.yaml").write_text("version: 1\n", encoding="utf-8")
+    result = babyrobot("import", "lake.yaml")
+    assert (result.status, result.err.splitlines()[0]) == (
+        2,
+        "error: lake.yaml is a level file already",
+    )
+
+
+def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:
+    Path("lake.txt").write_text("\n".join(["S" + "F" * 499] * 500), encoding="utf-8")
+    result = babyrobot("import", "lake.txt")
+    assert (result.status, result.out) == (1, "")
+    assert result.err.startswith("lake.txt: error: the level would be too much for one file")
+    assert "360 by 360" in result.err
+
+
 def test_many_losses_are_not_all_told() -> None:
     walls = ", ".join("((0, 0), 'N')" for _ in range(100))
     Path("setup.py").write_text(f"{{'walls': [{walls}]}}", encoding="utf-8")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from urllib.parse import urlsplit
+from urllib.request import url2pathname
 
 import pytest
 from support.sessions import Result, environment, run_here
@@ -34,8 +36,39 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_share_prints_the_code_and_nothing_else(name: str) -> None:
     code = load(name).share_code()
     assert babyrobot("share", name) == Result(f"{code}\n", "", 0)
-    base = "https://example.org/play.html?speed=2"
-    assert babyrobot("share", name, "--link", base) == Result(f"{base}#{code}\n", "", 0)
+
+
+@pytest.mark.parametrize(
+    "base", ["https://example.org/play.html?speed=2", "file:///home/play.html"]
+)
+def test_a_link_is_a_code_and_what_a_page_plays(base: str) -> None:
+    code = load("two-doors").share_code()
+    link = babyrobot("share", "two-doors", "--link", base)
+    assert re.fullmatch(rf"{re.escape(base)}#{re.escape(code)}~1\.\d+\.[\w-]+\n", link.out)
+    assert link.err == ""
+    assert babyrobot("share", link.out).out == f"{code}\n"
+
+
+def test_a_link_to_a_random_maze_says_which_one_the_page_plays() -> None:
+    link = babyrobot("share", "random-maze", "--link", "play.html")
+    assert link.err == (
+        "each reset grows another maze; the page plays the one of seed 0 (see `resolve`)\n"
+    )
+    assert babyrobot("share", link.out).out == f"{load('random-maze').share_code()}\n"
+
+
+def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> None:
+    for side in (45, 125, 200):
+        text = f"version: 1\nsize: [{side}, {side}]\nmaze: {{seed: 1}}\n"
+        (folder / f"{side}.yaml").write_text(text, "utf-8")
+    link = babyrobot("share", "45.yaml", "--link", "play.html")
+    assert link.err == "the page shows no best moves: with them, the link would be too long\n"
+    assert len(link.out) < 30_000
+    for side, what in ((125, "too large for a link"), (200, "too large for a page")):
+        refused = babyrobot("share", f"{side}.yaml", "--link", "play.html", status=2)
+        assert what in refused.err
+        assert "send the file; up to 16,384 cells, there is `babyrobot preview" in refused.err
+        assert refused.out == ""
 
 
 def test_from_a_file_to_a_code_to_a_file(folder: Path) -> None:
@@ -47,6 +80,22 @@ def test_from_a_file_to_a_code_to_a_file(folder: Path) -> None:
     assert babyrobot("diff", "levels/ours.yaml", "theirs.yaml").out == (
         "levels/ours.yaml and theirs.yaml are the same game\n"
     )
+
+
+def test_a_resolved_level_finds_its_schema(folder: Path) -> None:
+    def first_line() -> str:
+        return (folder / "new/walls.yaml").read_text("utf-8").splitlines()[0]
+
+    babyrobot("resolve", "final-maze", "-o", "new/walls.yaml")
+    assert Path(url2pathname(urlsplit(first_line().partition("$schema=")[2]).path)).is_file()
+    (folder / "schemas").mkdir()
+    (folder / "schemas/level.schema.json").touch()
+    babyrobot("resolve", "final-maze", "-o", "new/walls.yaml", "--force")
+    assert first_line().endswith("$schema=../schemas/level.schema.json")
+    own = "# yaml-language-server: $schema=https://example.org/level.json"
+    (folder / "own.yaml").write_text(f"{own}\nversion: 1\nmaze: {{seed: 1}}\n", "utf-8")
+    babyrobot("resolve", "own.yaml", "-o", "new/walls.yaml", "--force")
+    assert first_line() == own
 
 
 def test_a_resolved_level_finds_its_theme_or_takes_it_along(folder: Path) -> None:

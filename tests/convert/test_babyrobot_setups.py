@@ -145,6 +145,25 @@ def test_toggling_twice_changes_nothing_but_what_the_wall_is_like() -> None:
     assert found["walls"] == [{"at": [3, 0], "side": "W", "pass": 0.3}]
 
 
+def test_one_bounces_off_glass_that_lets_nobody_through() -> None:
+    # The level of the article on Monte Carlo methods, with the values that the package prints.
+    look = {"color": "#00a9ff", "width": 10, "fit": True}
+    setup = {
+        **{"width": 3, "height": 4, "start": [0, 1], "end": [1, 3], "puddles": [((1, 0), 2)]},
+        "base_areas": [(0, 0, 1, 1), (0, 2, 1, 2), (2, 0, 1, 1), (2, 3, 1, 1)],
+        "walls": [((1, 1), "S", {**look, "prob": 0.0})],
+    }
+    assert list(lost(setup)) == ["walls[0] prob"]
+    level = brl.load(fields(setup))
+    values = brl.evaluate(level, "random", actions="moves").values
+    nan = float("nan")
+    expected = [[nan, -108.0, nan], [-102.0, -101.0, -75.0], [nan, -17.0, -47.0], [nan, 0.0, nan]]
+    assert np.allclose(values, expected, atol=1e-5, equal_nan=True)
+    written = write_setup(level)
+    assert written.warnings == ()
+    assert ast.literal_eval(written.text)["walls"] == [((1, 1), "S", {**look, "prob": 0})]
+
+
 def test_one_entry_may_put_walls_and_take_some_away() -> None:
     walls = [((1, 1), "S"), ((0, 1, 3), "S", {"color": "Blue", "width": 6, "fit": False})]
     found = fields({"walls": walls})

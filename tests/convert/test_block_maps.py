@@ -259,6 +259,36 @@ def test_the_marks_of_many_programs_are_known(start: str, goal: str) -> None:
     assert (level.size, level.starts, level.exits) == ((4, 1), ((0, 0),), ((3, 0),))
 
 
+LEVEL_FILE = """; the first one
+
+#####
+#@ .#
+#####
+Title: Go east
+Author: Nobody
+Date: today
+; done
+"""
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_what_stands_around_a_sokoban_map_is_kept_or_told(end: str) -> None:
+    world = world_of(LEVEL_FILE.replace("\n", end), "sokoban")
+    level = level_of_world(world)
+    assert (level.title, level.author, level.size) == ("Go east", "Nobody", (3, 1))
+    assert lost_fields(world) == [";", "date"]
+
+
+def test_of_many_sokoban_maps_none_is_taken() -> None:
+    with pytest.raises(ConversionError, match="2 maps"):
+        world_of(f"{LEVEL_FILE}\n{LEVEL_FILE}", "sokoban")
+
+
+def test_a_place_in_a_sokoban_file_is_that_of_its_line() -> None:
+    with pytest.raises(ConversionError, match=r"world\.txt:4:3: error: `\?`"):
+        world_of(LEVEL_FILE.replace("@ ", "@?"), "sokoban")
+
+
 def test_a_ring_of_walls_is_the_outer_wall() -> None:
     closed = level_of_world(world_of("#####\n#@  #\n# #.#\n#####", "sokoban"))
     opened = level_of_world(world_of("@  \n #.", "sokoban"))

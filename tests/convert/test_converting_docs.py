@@ -11,7 +11,7 @@ from gymnasium.envs.registration import registry
 from support.sessions import environment, run_here
 
 from babyrobot_levels.cli.export_level import ExportFormat
-from babyrobot_levels.convert.babyrobot.reading import _KNOWN, _PLAYING
+from babyrobot_levels.convert.babyrobot.reading import _PLAYING, KEYWORDS
 
 TEXT = (Path(__file__).parents[2] / "docs" / "converting.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```python\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
@@ -37,7 +37,7 @@ def test_the_table_has_all_formats() -> None:
 
 def test_the_keywords_are_all_explained() -> None:
     explained = set(re.findall(r"`(\w+)`", TEXT))
-    assert _KNOWN - set(_PLAYING) <= explained
+    assert KEYWORDS - set(_PLAYING) <= explained
 
 
 def test_the_session_is_what_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

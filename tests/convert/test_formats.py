@@ -153,6 +153,10 @@ GUESSES = {
     "{'width': 4}": ["babyrobot"],
     "{}": ["babyrobot"],
     "setup = {'width': 4}": ["babyrobot"],
+    '{"is_slippery": false}': ["frozen-lake"],
+    "[[b'S', b'G']]": ["frozen-lake"],
+    '"SFF", "FFG"': ["frozen-lake"],
+    '{"unheard": 1}': [],
     '{"layers": [], "tilewidth": 8, "tileheight": 8}': ["tiled"],
     "#####\n#@ .#\n#####": ["sokoban"],
     "#####\n#S E#\n#####": ["maze-dataset", "sokoban"],
@@ -172,8 +176,9 @@ def test_a_format_is_known_by_its_look(text: str) -> None:
     assert guess(SourceFile("world", text)) == GUESSES[text]
 
 
-def test_tiled_is_known_by_its_suffix() -> None:
-    assert guess(SourceFile("a/b.TMJ", "anything")) == ["tiled"]
+@pytest.mark.parametrize(("name", "form"), [("b.TMJ", "tiled"), ("b.xsb", "sokoban")])
+def test_a_format_is_known_by_its_suffix(name: str, form: str) -> None:
+    assert guess(SourceFile(f"a/{name}", "anything")) == [form]
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", "  \n"])

@@ -12,7 +12,7 @@ from support.conversions import level_of_world, lost_fields, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.convert.formats import export
+from babyrobot_levels.convert.formats import export, guess
 from babyrobot_levels.convert.frozen_lake import read_frozen_lake
 from babyrobot_levels.source import SourceFile
 
@@ -70,9 +70,34 @@ def test_a_map_comes_back(name: str, is_slippery: bool) -> None:
     assert json.loads(conversion.text) == keywords
 
 
+@pytest.mark.parametrize("schedule", [[1, -1, 0], [10, -5, -0.5], [0, 0, 10]], ids=str)
+def test_the_reward_of_a_hole_comes_back(schedule: list[float]) -> None:
+    keywords = {"desc": LAKES["4x4"], "is_slippery": True, "reward_schedule": schedule}
+    conversion = export(
+        level_of_world(world_of(json.dumps(keywords), "frozen-lake")), "frozen-lake"
+    )
+    assert conversion.warnings == ()
+    assert json.loads(conversion.text) == keywords
+
+
+def test_holes_of_different_rewards_are_told() -> None:
+    hole = {"size": [1, 1], "ends": True}
+    areas = [{"at": [1, 0], "reward": -1, **hole}, {"at": [2, 1], "reward": -2, **hole}]
+    level = brl.load({"version": 1, "areas": areas, "skid": {"probability": 0.5, "to": "sides"}})
+    told = [lost.field for lost in export(level, "frozen-lake").warnings]
+    assert told == ["areas.reward"]
+
+
 def test_a_list_of_lists_of_letters_is_a_map_too() -> None:
     text = repr([list(row) for row in MAPS["4x4"]])
     assert level_of_world(world_of(text, "frozen-lake")).exits == ((3, 3),)
+
+
+def test_the_map_of_an_environment_is_read_as_it_is() -> None:
+    held = repr(environment(map_name="8x8").unwrapped.desc.tolist())
+    assert guess(SourceFile("lake", held)) == ["frozen-lake"]
+    plain = "\n".join(MAPS["8x8"])
+    assert world_of(held, "frozen-lake").fields == world_of(plain, "frozen-lake").fields
 
 
 @pytest.mark.parametrize("name", ["frozen-lake", "frozen-lake-8x8", "frozen-lake-dry"])
@@ -90,9 +115,22 @@ def test_what_a_lake_cannot_have_is_told_by_its_field() -> None:
     assert "rewards" not in told
 
 
-def test_a_map_name_alone_says_nothing() -> None:
-    with pytest.raises(ConversionError, match="desc"):
-        world_of('{"map_name": "8x8"}', "frozen-lake")
+@pytest.mark.parametrize(
+    "keywords",
+    [{"map_name": "8x8"}, {"map_name": "4x4"}, {"is_slippery": False}, {"desc": None}],
+    ids=str,
+)
+def test_a_map_may_be_named(keywords: dict[str, Any]) -> None:
+    text = json.dumps(keywords)
+    assert guess(SourceFile("lake", text)) == ["frozen-lake"]
+    world = world_of(text, "frozen-lake")
+    assert world.lost == ()
+    assert brl.compare(level_of_world(world), environment(**keywords)).difference is None
+
+
+def test_a_map_wins_over_a_name() -> None:
+    world = world_of('{"desc": ["SG"], "map_name": "8x8"}', "frozen-lake")
+    assert (level_of_world(world).size, world.lost) == ((2, 1), ())
 
 
 def test_keywords_that_are_not_about_the_game_are_told() -> None:
@@ -110,6 +148,9 @@ def test_keywords_that_are_not_about_the_game_are_told() -> None:
         ("[]", "list of texts"),
         ('{"desc": ["SG"], "success_rate": 2}', "success_rate must be a probability"),
         ('{"desc": ["SG"], "reward_schedule": [1]}', "reward_schedule must be three numbers"),
+        ('{"desc": ["SG"], "is_slippery": "no"}', "is_slippery must be true or false"),
+        ('{"map_name": "9x9"}', "map_name must be 4x4 or 8x8"),
+        ('{"map_name": null}', "another lake each time"),
     ],
 )
 def test_faulty_maps_are_refused_with_the_place(text: str, message: str) -> None:

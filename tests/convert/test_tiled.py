@@ -2,8 +2,15 @@
 
 from __future__ import annotations
 
+import base64
+import gzip
 import io
 import json
+import struct
+import time
+import zlib
+from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,6 +22,8 @@ from support.worlds import World, decorated_worlds, level_of
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
 from babyrobot_levels.convert.formats import export
+from babyrobot_levels.convert.tiled.reading import read_tiled
+from babyrobot_levels.source import SourceFile
 
 SAVED = (SAMPLES / "saved-by-tiled.tmj").read_text(encoding="utf-8")
 
@@ -189,12 +198,14 @@ def test_properties_are_fields_as_in_a_level_file() -> None:
     ("changes", "message"),
     [
         ({"orientation": "isometric"}, "orthogonal, not 'isometric'"),
-        ({"infinite": True}, "infinite"),
+        ({"infinite": True}, "layer 'a', chunks must be a list"),
+        ({"infinite": True, "layers": []}, "has no tiles"),
         ({"width": 5000}, "at most 1024"),
         ({"width": None}, "width must be a whole number"),
         ({"tilewidth": 0}, "tilewidth"),
         ({"layers": None}, "layers must be a list"),
-        ({"layers": [{"type": "tilelayer", "data": "eJw="}]}, "packed"),
+        ({"layers": [{"type": "tilelayer", "data": "eJw="}]}, "fewer than 6 tiles"),
+        ({"layers": [{"type": "tilelayer", "data": "?"}]}, "not with base64"),
         ({"layers": [{"type": "tilelayer", "data": [1]}]}, "has 1 tiles, not 6"),
         ({"layers": [{"type": "tilelayer", "data": ["x"] * 6}]}, "whole number, not 'x'"),
         ({"tilesets": [{}]}, "firstgid"),
@@ -205,3 +216,239 @@ def test_properties_are_fields_as_in_a_level_file() -> None:
 def test_other_maps_are_refused_with_a_reason(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(ConversionError, match=message):
         world_of(foreign(**changes), "tiled")
+
+
+# -- packed layers ---------------------------------------------------------------------------
+
+PACKERS: dict[str, Callable[[bytes], bytes]] = {
+    "": bytes,
+    "zlib": zlib.compress,
+    "gzip": gzip.compress,
+}
+
+
+def packed(numbers: list[int], compression: str) -> str:
+    data = struct.pack(f"<{len(numbers)}I", *numbers)
+    return base64.b64encode(PACKERS[compression](data)).decode("ascii")
+
+
+def packed_layer(data: str, compression: str, **more: Any) -> dict[str, Any]:
+    how = {"encoding": "base64", "compression": compression}
+    return {"type": "tilelayer", "name": "a", "data": data, **how, **more}
+
+
+def packed_map(layer: dict[str, Any], **changes: Any) -> str:
+    group = {"type": "group", "name": "g", "layers": [layer]}
+    return foreign(layers=[{"type": "group", "name": "h", "layers": [group]}], **changes)
+
+
+@pytest.mark.parametrize("compression", PACKERS)
+def test_packed_layers_are_those_that_are_written_as_lists(compression: str) -> None:
+    numbers = [5, 8, 0xA0000008, 0, 2, 0]
+    plain = {"type": "tilelayer", "name": "a", "data": numbers}
+    layer = packed_layer(packed(numbers, compression), compression)
+    assert world_of(packed_map(layer), "tiled") == world_of(packed_map(plain), "tiled")
+
+
+@pytest.mark.parametrize("compression", PACKERS)
+def test_what_tiled_has_saved_may_be_packed(compression: str) -> None:
+    data = json.loads(SAVED)
+    for layer in data["layers"]:
+        if layer["type"] == "tilelayer":
+            layer.update(packed_layer(packed(layer["data"], compression), compression))
+    again = level_of_world(world_of(json.dumps(data), "tiled"))
+    assert again.digest == brl.load("glass-wall").digest
+
+
+@pytest.mark.parametrize(
+    ("data", "compression", "message"),
+    [
+        (packed([1] * 6, "zlib"), "zstd", "packed with 'zstd', not CSV"),
+        (packed([1] * 6, "zlib"), ["zlib"], "packed with"),
+        (packed([1] * 6, "zlib"), "gzip", "not with gzip"),
+        (packed([1] * 6, "zlib")[:-8], "zlib", "cut off"),
+        (packed([1] * 5, "zlib"), "zlib", "fewer than 6 tiles"),
+        (packed([1] * 7, "zlib"), "zlib", "more than 6 tiles"),
+        (packed([1] * 7, ""), "", "more than 6 tiles"),
+    ],
+)
+def test_badly_packed_layers_are_refused(data: str, compression: Any, message: str) -> None:
+    with pytest.raises(ConversionError, match=message):
+        world_of(packed_map(packed_layer(data, compression)), "tiled")
+
+
+@pytest.mark.parametrize("compression", ["zlib", "gzip"])
+def test_a_bomb_is_refused_before_it_is_unpacked(compression: str) -> None:
+    text = packed([0] * 100_000_000, compression)
+    before = time.process_time()
+    with pytest.raises(ConversionError, match="more than 6 tiles"):
+        world_of(packed_map(packed_layer(text, compression)), "tiled")
+    assert time.process_time() - before < 0.5
+
+
+def test_many_large_layers_are_refused_before_any_is_unpacked() -> None:
+    # What is not unpacked cannot be told to be damaged.
+    layer = packed_layer("", "zlib")
+    with pytest.raises(ConversionError, match="more than 4,194,304 tiles"):
+        world_of(foreign(width=1024, height=1024, layers=[layer] * 5), "tiled")
+
+
+def test_more_than_a_file_has_room_for_is_refused_early() -> None:
+    layer = packed_layer(packed([5] * 1024**2, "zlib"), "zlib")
+    with pytest.raises(ConversionError, match="1,048,576 starts, .* too much for one file"):
+        world_of(foreign(width=1024, height=1024, layers=[layer]), "tiled")
+
+
+# -- infinite maps ---------------------------------------------------------------------------
+
+
+def chunk(x: int, y: int, width: int, data: Any, height: int = 1) -> dict[str, Any]:
+    return {"x": x, "y": y, "width": width, "height": height, "data": data}
+
+
+def infinite(*chunks: dict[str, Any], layers: tuple[Any, ...] = (), **more: Any) -> str:
+    layer = {"type": "tilelayer", "name": "a", "chunks": [*chunks], **more}
+    # An infinite map's own size means nothing.
+    return foreign(infinite=True, width=5000, height=-1, layers=[layer, *layers])
+
+
+@pytest.mark.parametrize("compression", ["", "zlib"])
+def test_an_infinite_map_is_the_box_around_its_tiles(compression: str) -> None:
+    numbers = [[0, 0, 5, 0], [8, 0, 1, 0]]
+    data: list[Any] = [*numbers]
+    if compression:
+        data = [packed(each, compression) for each in numbers]
+    wall = {"type": "objectgroup", "name": "w", "objects": [line(-16, -8, (0, 0), (0, 8))]}
+    text = infinite(
+        chunk(-4, -1, 4, data[0]), chunk(0, -1, 4, data[1]), layers=(wall,), compression=compression
+    )
+    world = world_of(text, "tiled")
+    level = level_of_world(world)
+    assert (level.size, level.starts) == ((5, 1), ((0, 0),))
+    assert level.grid().blocked.tolist() == [[False, False, True, False, False]]
+    assert world.fields["walls"] == [{"at": [0, 0], "side": "E"}]
+
+
+@pytest.mark.parametrize(
+    ("chunks", "message"),
+    [
+        ([chunk(0, 0, 1, [5]), chunk(1024, 0, 1, [5])], "1,025 by 1 cells"),
+        ([chunk(0, 0, 2000, [5])], "1 to 1024 cells"),
+        ([chunk(0, 0, 0, [])], "1 to 1024 cells"),
+        ([chunk(10**7, 0, 1, [5])], "cells away"),
+        ([chunk(0, 0, 2, [5])], "has 1 tiles, not 2"),
+        ([chunk(0, 0, 1024, [5], height=1024)] * 5, "more than 4,194,304 tiles"),
+        ([[]], "chunk 0 must be a mapping"),
+        ([{"x": 0}], "chunk 0, y must be a whole number"),
+    ],
+)
+def test_other_infinite_maps_are_refused(chunks: list[Any], message: str) -> None:
+    with pytest.raises(ConversionError, match=message):
+        world_of(infinite(*chunks), "tiled")
+
+
+# -- tilesets in files -----------------------------------------------------------------------
+
+TILESET_JSON = json.dumps({"name": "t", "tiles": [{"id": 0, "type": "start"}]})
+TILESET_XML = """<?xml version="1.0" encoding="UTF-8"?>
+<tileset version="1.10" name="t" tilewidth="16" tileheight="8" tilecount="2">
+ <image source="t.png" width="32" height="8"/>
+ <tile id="0" type="start"/>
+ <tile id="1" class="blocked"><properties><property name="tile" value="x"/></properties></tile>
+ <wangsets><tile id="0" type="exit"/></wangsets>
+</tileset>
+"""
+
+
+def with_tileset(name: str, folder: Path | None) -> Any:
+    tilesets = [{"firstgid": 1, "source": name}]
+    layer = {"type": "tilelayer", "name": "a", "data": [0, 1, 0, 0, 0, 0]}
+    return read_tiled(SourceFile("map.tmj", foreign(tilesets=tilesets, layers=[layer])), folder)
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("t.tsj", TILESET_JSON), ("t.json", TILESET_JSON), ("t.tsx", TILESET_XML)],
+)
+@pytest.mark.parametrize("below", ["", "tiles/", "tiles/../"])
+def test_tilesets_beside_the_map_are_read(name: str, text: str, below: str, tmp_path: Path) -> None:
+    (tmp_path / "tiles").mkdir()
+    (tmp_path / below / name).write_text(text, encoding="utf-8")
+    world = with_tileset(below + name, tmp_path)
+    assert (world.fields["start"], world.lost) == ([1, 0], ())
+
+
+def test_tilesets_elsewhere_are_not_read(tmp_path: Path) -> None:
+    (tmp_path / "maps").mkdir()
+    (tmp_path / "t.tsj").write_text(TILESET_JSON, encoding="utf-8")
+    (tmp_path / "maps" / "linked.tsj").symlink_to(tmp_path / "t.tsj")
+    for name in ("../t.tsj", str(tmp_path / "t.tsj"), "linked.tsj", "x/../../t.tsj"):
+        world = with_tileset(name, tmp_path / "maps")
+        assert "start" not in world.fields
+        (told, *_) = world.lost
+        assert told.field == "tilesets[0]"
+        assert "outside the map's folder" in told.message
+        assert "--embed-tilesets" in told.message
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("none.tsx", "there is no such file"),
+        (".", "is no tileset by its name"),
+        ("folder.tsj", "this is a folder"),
+        ("map.tmj", "is no tileset by its name"),
+        ("a\0.tsj", "is no name of a file"),
+        ("\ud800.tsj", "is no name of a file"),
+        ("x" * 5000 + ".tsj", "not"),
+        (["t.tsj"], "is a file of its own"),
+    ],
+)
+def test_tilesets_that_cannot_be_had_are_told(name: Any, message: str, tmp_path: Path) -> None:
+    (tmp_path / "folder.tsj").mkdir()
+    world = with_tileset(name, tmp_path)
+    assert message in str(world.lost[0])
+    assert "--embed-tilesets" in str(world.lost[0])
+
+
+def test_no_file_is_read_unless_a_folder_is_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "t.tsj").write_text(TILESET_JSON, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    assert "start" not in with_tileset("t.tsj", None).fields
+
+
+ENTITIES = "".join(f'<!ENTITY a{n} "{f"&a{n - 1};" * 10}">' for n in range(1, 10))
+BAD_XML = {
+    "bomb": f"<!DOCTYPE tileset [<!ENTITY a0 'a'>{ENTITIES}]><tileset name='&a9;'/>",
+    "external": "<!DOCTYPE tileset SYSTEM 'file:///etc/passwd'><tileset/>",
+    "cut": TILESET_XML[:200],
+    "other": "<map><tileset><tile id='0' type='start'/></tileset></map>",
+    "deep": "<tileset>" + "<a>" * 100_000,
+    "id": "<tileset><tile id='-1' type='start'/></tileset>",
+    "large id": f"<tileset><tile id='{'9' * 5000}' type='start'/></tileset>",
+    "empty": "",
+}
+
+
+@pytest.mark.parametrize("name", BAD_XML)
+def test_bad_xml_is_refused_with_a_reason(name: str, tmp_path: Path) -> None:
+    (tmp_path / "t.tsx").write_text(BAD_XML[name], encoding="utf-8")
+    words = "DOCTYPE|is no XML|no tileset of Tiled|id must be a whole number"
+    with pytest.raises(ConversionError, match=rf"t\.tsx.*({words})"):
+        with_tileset("t.tsx", tmp_path)
+
+
+def test_files_of_tilesets_are_bounded(tmp_path: Path) -> None:
+    (tmp_path / "t.tsj").write_text(TILESET_JSON, encoding="utf-8")
+    tilesets = [{"firstgid": 1 + n, "source": "t.tsj"} for n in range(20)]
+    world = read_tiled(SourceFile("map.tmj", foreign(tilesets=tilesets)), tmp_path)
+    told = [str(lost) for lost in world.lost if lost.field.startswith("tilesets")]
+    assert len(told) == 4
+    assert all("more than 16 files" in each for each in told)
+
+
+def test_an_offset_of_a_layer_is_told() -> None:
+    layer = {"type": "objectgroup", "name": "w", "objects": [], "offsetx": 4}
+    assert "layer 'w'" in lost_fields(world_of(foreign(layers=[layer]), "tiled"))

@@ -113,6 +113,7 @@ def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -
     repository.write("levels/maze.yaml", LEVEL.replace("2, 2", "0, 2"))
     assert repository.git("diff") == (
         "levels/maze.yaml: no valid level after the change\n"
+        "  after, line 2: `size[0]` must be at least 1, not `0`\n"
         "\n"
         "--- levels/maze.yaml\n"
         "+++ levels/maze.yaml\n"
@@ -123,6 +124,23 @@ def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -
         " theme: mine\n"
         "\n"
     )
+
+
+def test_a_file_that_comes_without_being_a_level_is_shown_as_text(repository: Repository) -> None:
+    repository.write("levels/new.yaml", "sice: 3\n")
+    repository.git("add", "--all")
+    told = repository.git("diff", "--cached")
+    assert told.startswith(
+        "levels/new.yaml: the file is new, and no valid level\n  after, line 1: "
+    )
+    assert told.endswith("@@ -0,0 +1 @@\n+sice: 3\n\n")
+    repository.commit()
+    repository.git("rm", "--quiet", "levels/new.yaml")
+    told = repository.git("diff", "--cached")
+    assert told.startswith(
+        "levels/new.yaml: the file is gone, and no valid level\n  before, line 1: "
+    )
+    assert told.endswith("@@ -1 +0,0 @@\n-sice: 3\n\n")
 
 
 def test_a_file_that_cannot_be_read(repository: Repository) -> None:

@@ -46,10 +46,11 @@ _PLAYING = {
     "drawmode": "pictures look the same everywhere",
     "offset": "the robot is drawn where he stands",
 }
-_KNOWN = {"width", "height", "start", "end", "initial_pos", "puddles", "puddle_props", "walls"}
-_KNOWN |= {"base_areas", "grid_areas", "add_maze", "maze_seed", "max_steps", "grid", "robot"}
-_KNOWN |= {"add_compass", "show_start_text", "show_end_text", "side_panel", "bottom_panel"}
-_KNOWN |= set(_PLAYING)
+KEYWORDS = {"width", "height", "start", "end", "initial_pos", "puddles", "puddle_props", "walls"}
+KEYWORDS |= {"base_areas", "grid_areas", "add_maze", "maze_seed", "max_steps", "grid", "robot"}
+KEYWORDS |= {"add_compass", "show_start_text", "show_end_text", "side_panel", "bottom_panel"}
+KEYWORDS |= set(_PLAYING)
+"""The keywords of the package."""
 
 
 def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
@@ -98,7 +99,7 @@ class _Reader:
         if steps is not None:
             self.fields["max_steps"] = integer(steps, "max_steps")
         for keyword in self.setup:
-            unknown = f"the package has no such keyword{did_you_mean(keyword, _KNOWN)}"
+            unknown = f"the package has no such keyword{did_you_mean(keyword, KEYWORDS)}"
             self._lose(shown(keyword).strip("'"), _PLAYING.get(keyword, unknown))
         origin = "A setup of PyPI babyrobot 1.0.40."
         return World(self.fields, origin, self.comments, tuple(self.lost))

@@ -17,6 +17,9 @@ Place = tuple[int, int, str, Edge]
 
 _PLAIN: dict[str, Any] = {}
 
+ALMOST_NEVER = 1e-9
+"""The `pass` of glass that lets nobody through: nobody would bounce off a wall of `pass: 0`."""
+
 MAX_TOGGLES = 4_000_000
 """More than the largest grid has edges."""
 
@@ -143,10 +146,10 @@ def _properties(value: Any, where: str, lost: list[Lost]) -> dict[str, Any]:
     for name, given in mapping(value, where).items():
         place = f"{where} {name}"
         if name == "prob":
-            found["pass"] = probability(given, place)
+            found["pass"] = probability(given, place) or ALMOST_NEVER
             if not given:
-                del found["pass"]
-                lost.append(Lost(place, "a wall that lets nobody through is a solid one"))
+                message = f"with `pass: 0` the wall would be solid, so it is {ALMOST_NEVER:g}"
+                lost.append(Lost(place, message))
         elif name == "color" and (known := color(given)) is not None:
             found["color"] = known
         elif name == "width" and 0 <= number(given, place) <= 100:

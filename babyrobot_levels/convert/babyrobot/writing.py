@@ -14,7 +14,7 @@ from babyrobot_levels.convert.babyrobot.looks import (
     WIDTHS,
 )
 from babyrobot_levels.convert.babyrobot.reading import NO_EXIT, SIZES
-from babyrobot_levels.convert.babyrobot.toggles import maze_edges
+from babyrobot_levels.convert.babyrobot.toggles import ALMOST_NEVER, maze_edges
 from babyrobot_levels.convert.conversion import Conversion, Lost, fields_lost
 from babyrobot_levels.convert.edges import (
     Edge,
@@ -85,7 +85,8 @@ def _maze_and_walls(level: Level, lost: list[Lost]) -> dict[str, Any]:
     again: dict[Edge, dict[str, Any]] = {}
     for edge in free_edges(grid):
         glass = wall_at(grid, edge)
-        given = ({"prob": glass} if glass else {}) | looks.get(edge, {})
+        prob = 0.0 if glass == ALMOST_NEVER else glass
+        given = ({"prob": prob} if glass else {}) | looks.get(edge, {})
         if edge not in stands and glass is not None:
             once[edge] = given
         elif edge in stands and glass is None:

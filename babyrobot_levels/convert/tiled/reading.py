@@ -2,45 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import groupby, pairwise
+from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.convert.checked import integer, mapping, sequence
 from babyrobot_levels.convert.conversion import ConversionError, Lost, World, shown
 from babyrobot_levels.convert.data import read_data
 from babyrobot_levels.convert.edges import Edge, edge_of, in_rows
+from babyrobot_levels.convert.tiled.tiles import FAR, MAX_TILES, TileLayer, tile_layer
+from babyrobot_levels.convert.tiled.tilesets import CLASSES, Tilesets
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.base import MAX_SIZE
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.syntax.document import YamlFault
-from babyrobot_levels.syntax.reader import read
-
-CLASSES = ("start", "exit", "small-puddle", "large-puddle", "blocked")
-"""The classes by which tiles say what they are, in the order of the tileset."""
+from babyrobot_levels.syntax.reader import MAX_BYTES, read
 
 TEXTS = ("title", "description", "author", "license", "source")
 SPATIAL = frozenset(
     {"size", "start", "exit", "walls", "openings", "maze", "puddles", "blocked", "map", "legend"}
 )
-FLIPS = 0x0FFFFFFF
-"""The bits of a tile's number that are left when those for flipping are gone."""
-
 MAX_LENGTH = 4_000_000
 """More than the largest grid has sides of cells."""
 
+MAX_THINGS = MAX_BYTES // len("[0, 0]")
+"""Of more starts, exits, walls and so on, no level file has room for the places."""
+
 _WALL_PROPERTIES = ("pass", "color", "width", "fit")
-_HINT = "give a tile of an embedded tileset the class " + ", ".join(CLASSES[:-1]) + " or blocked"
+_HINT = "give a tile of its tileset the class " + ", ".join(CLASSES[:-1]) + " or blocked"
 
 
-def read_tiled(source: SourceFile) -> World:
-    """Return the world of a map: orthogonal, finite, with its layers written as lists."""
-    return _Reader(mapping(read_data(source), "the map")).world()
+def read_tiled(source: SourceFile, folder: Path | None = None) -> World:
+    """Return the world of a map, which must be orthogonal.
+
+    Args:
+        source: the map.
+        folder: where it lies: tilesets that are files in it, or below it, are read. None to read
+            no other file.
+
+    Raises:
+        ConversionError: it is no such map, malformed, or larger than a level may be.
+    """
+    return _Reader(mapping(read_data(source), "the map"), folder).world()
 
 
 class _Reader:
-    def __init__(self, data: dict[str, Any]):
+    def __init__(self, data: dict[str, Any], folder: Path | None):
         self.data = data
+        self.folder = folder
         self.lost: list[Lost] = []
         self.found: dict[str, list[tuple[int, int]]] = {name: [] for name in CLASSES}
         self.walls: dict[Edge, dict[str, Any]] = {}
@@ -50,38 +60,38 @@ class _Reader:
         data = self.data
         if data.get("orientation", "orthogonal") != "orthogonal":
             raise ConversionError(f"a level is orthogonal, not {shown(data['orientation'])}")
-        if data.get("infinite"):
-            raise ConversionError("the map is infinite", "untick Infinite in its properties")
-        self.width, self.height = (integer(data.get(n), n) for n in ("width", "height"))
-        if not (1 <= self.width <= MAX_SIZE and 1 <= self.height <= MAX_SIZE):
-            raise ConversionError(f"a level is at most {MAX_SIZE} cells wide and high")
+        size = None if data.get("infinite") else self._size()
         self.tile = tuple(integer(data.get(n), n) for n in ("tilewidth", "tileheight"))
         if min(self.tile) < 1:
             raise ConversionError("tilewidth and tileheight must be 1 or more")
-        self.tilesets = list(self._tilesets())
-        for layer in self._layers(data.get("layers"), "layers"):
-            self._layer(layer)
+        tilesets = Tilesets(data.get("tilesets", []), self.folder)
+        self.lost += tilesets.lost
+        layers = list(self._layers(data.get("layers"), "layers"))
+        tiled = {
+            index: tile_layer(layer, f"layer {shown(layer.get('name'))}", size)
+            for index, layer in enumerate(layers)
+            if layer.get("type") == "tilelayer"
+        }
+        if sum(layer.count for layer in tiled.values()) > MAX_TILES:
+            raise ConversionError(f"its layers have more than {MAX_TILES:,} tiles")
+        box = (0, 0, *size) if size else _box(tiled.values())
+        self.left, self.top, self.width, self.height = box
+        for index, layer in enumerate(layers):
+            if index in tiled:
+                self._tiles(tiled[index], tilesets)
+            else:
+                self._layer(layer)
         properties = self._properties()
         if not self.found["start"]:
             self.lost.append(Lost("start", f"no tile is one, so it is the top-left cell; {_HINT}"))
         fields = {"version": 1, "size": [self.width, self.height], **self._cells(), **properties}
         return World(fields, "A map of Tiled.", {}, tuple(self.lost))
 
-    def _tilesets(self) -> Iterator[tuple[int, dict[int, str]]]:
-        """Yield the first number of each tileset, and the classes of its tiles."""
-        for index, entry in enumerate(sequence(self.data.get("tilesets", []), "tilesets")):
-            where = f"tilesets[{index}]"
-            tileset = mapping(entry, where)
-            if "source" in tileset:
-                told = f"{shown(tileset['source'])} is a file of its own; embed the tileset"
-                self.lost.append(Lost(where, told))
-            classes = {}
-            for tile in sequence(tileset.get("tiles", []), f"{where}.tiles"):
-                given = mapping(tile, f"{where}.tiles")
-                name = given.get("class") or given.get("type")
-                if name in CLASSES:
-                    classes[integer(given.get("id"), f"{where}.tiles.id")] = str(name)
-            yield integer(tileset.get("firstgid"), f"{where}.firstgid"), classes
+    def _size(self) -> tuple[int, int]:
+        width, height = (integer(self.data.get(n), n) for n in ("width", "height"))
+        if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
+            raise ConversionError(f"a level is at most {MAX_SIZE} cells wide and high")
+        return width, height
 
     def _layers(self, layers: Any, where: str) -> Iterator[dict[str, Any]]:
         for index, entry in enumerate(sequence(layers, where)):
@@ -90,42 +100,28 @@ class _Reader:
                 yield from self._layers(layer.get("layers"), f"{where}[{index}].layers")
             else:
                 yield layer
+            if layer.get("offsetx") or layer.get("offsety"):
+                self.lost.append(Lost(f"layer {shown(layer.get('name'))}", "it is not offset"))
 
     def _layer(self, layer: dict[str, Any]) -> None:
-        name, kind = shown(layer.get("name")), layer.get("type")
-        if kind == "tilelayer":
-            self._tiles(layer.get("data"), f"layer {name}")
-        elif kind == "objectgroup":
+        name = shown(layer.get("name"))
+        if layer.get("type") == "objectgroup":
             for thing in sequence(layer.get("objects"), f"layer {name}"):
                 self._thing(mapping(thing, f"layer {name}"), f"layer {name}")
         else:
             self.lost.append(Lost(f"layer {name}", "it is no layer of tiles or of objects"))
 
-    def _tiles(self, data: Any, where: str) -> None:
-        if isinstance(data, str):
-            raise ConversionError(
-                f"{where} is packed", "set the map's Tile Layer Format to CSV, and save it again"
-            )
-        numbers = sequence(data, where)
-        if len(numbers) != self.width * self.height:
-            raise ConversionError(
-                f"{where} has {len(numbers)} tiles, not {self.width * self.height}"
-            )
+    def _tiles(self, layer: TileLayer, tilesets: Tilesets) -> None:
         unknown = 0
-        for place, number in enumerate(numbers):
-            gid = integer(number, where) & FLIPS
-            name = self._class(gid) if gid else None
-            if name is not None:
-                self.found[name].append((place % self.width, place // self.width))
-            unknown += bool(gid) and name is None
+        for x, y, number in layer.placed():
+            name = tilesets.class_of(number)
+            if name is None:
+                unknown += 1
+            else:
+                self.found[name].append((x - self.left, y - self.top))
         if unknown:
             told = f"{unknown} tiles do not say what they are, and are plain cells; {_HINT}"
-            self.lost.append(Lost(where, told))
-
-    def _class(self, gid: int) -> str | None:
-        own = [entry for entry in self.tilesets if entry[0] <= gid]
-        first, classes = max(own, key=lambda entry: entry[0]) if own else (0, {})
-        return classes.get(gid - first)
+            self.lost.append(Lost(layer.where, told))
 
     def _thing(self, thing: dict[str, Any], where: str) -> None:
         label = f"{where}, object {shown(thing.get('id'))}"
@@ -148,14 +144,14 @@ class _Reader:
         line = thing.get("polyline")
         places = []
         for point in line if isinstance(line, list) else []:
-            for axis, size in zip("xy", self.tile, strict=True):
+            for axis, size, origin in zip("xy", self.tile, (self.left, self.top), strict=True):
                 parts = [each.get(axis, 0) for each in (thing, point) if isinstance(each, dict)]
                 if not all(isinstance(part, int | float) and abs(part) < 1e6 for part in parts):
                     return
                 place = sum(parts) / size
                 if abs(place - round(place)) > 0.25:
                     return
-                places.append(round(place))
+                places.append(round(place) - origin)
         yield from zip(places[::2], places[1::2], strict=True)
 
     def _edges(self, start: tuple[int, int], end: tuple[int, int]) -> Iterator[Edge]:
@@ -211,7 +207,30 @@ class _Reader:
         puddles = [{"at": [*c], "size": "small"} for c in found["small-puddle"]]
         puddles += [{"at": [*c], "size": "large"} for c in found["large-puddle"]]
         lists = {"walls": walls, "puddles": puddles, "blocked": list(_rows(found["blocked"]))}
+        things = len(found["start"]) + len(found["exit"]) + sum(map(len, lists.values()))
+        if things > MAX_THINGS:
+            raise ConversionError(
+                f"its {things:,} starts, exits, walls, puddles and blocked stretches "
+                "would be too much for one file"
+            )
         return fields | {name: entries for name, entries in lists.items() if entries}
+
+
+def _box(layers: Iterable[TileLayer]) -> tuple[int, int, int, int]:
+    """Return left, top, width and height of the smallest box around all tiles."""
+    left, top, right, bottom = FAR * 2, FAR * 2, -FAR * 2, -FAR * 2
+    for layer in layers:
+        for x, y, _ in layer.placed():
+            left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
+    if left > right:
+        raise ConversionError("the map is infinite and has no tiles", "untick Infinite in it")
+    width, height = right - left + 1, bottom - top + 1
+    if max(width, height) > MAX_SIZE:
+        raise ConversionError(
+            f"the tiles of the infinite map take {width:,} by {height:,} cells; "
+            f"a level is at most {MAX_SIZE} cells wide and high"
+        )
+    return left, top, width, height
 
 
 def _one_or_all(cells: list[tuple[int, int]]) -> list[Any]:
