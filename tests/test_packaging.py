@@ -141,9 +141,13 @@ def imported_packages() -> set[str]:
 def test_the_dependencies_are_what_the_code_imports(wheel: Path) -> None:
     lines = email.message_from_string(info(wheel, "METADATA")).get_all("Requires-Dist") or []
     declared = {line.split(";")[0].split(">")[0].strip().lower() for line in lines
-                if "extra ==" not in line or "fast" in line}  # fmt: skip
+                if "extra ==" not in line or "fast" in line or "sb3" in line}  # fmt: skip
     owners = packages_distributions()
-    used = {owners[name][0].lower() for name in imported_packages() - {"pydantic_core"}}
+    # What is not installed is called as the package is.
+    used = {
+        owners.get(name, [name])[0].lower().replace("_", "-")
+        for name in imported_packages() - {"pydantic_core"}
+    }
     assert used <= declared
 
 

@@ -3,8 +3,6 @@
 `pip install -e .[sb3]` and `pytest -m sb3`; everywhere else they are left out: `-m "not sb3"`.
 """
 
-# mypy: disable-error-code="import-not-found,import-untyped"
-
 from __future__ import annotations
 
 from pathlib import Path

@@ -1,0 +1,78 @@
+"""Stable-Baselines3's PPO learns a level: python examples/ppo_sb3.py --level final-maze
+
+It needs the extra `sb3`: pip install "babyrobot-levels[sb3]"
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from typing import Any
+
+import numpy as np
+import torch
+from comparison import print_comparison
+from numpy.typing import NDArray
+from stable_baselines3 import PPO
+from stable_baselines3.common.evaluation import evaluate_policy
+from stable_baselines3.common.monitor import Monitor
+from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+
+import babyrobot_levels as brl
+from babyrobot_levels.sb3 import LevelVecEnv
+
+NUM_ENVS = 64
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
+    parser.add_argument("--steps", type=int, default=200_000, help="steps of all robots together")
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+    # Networks as small as this one learn fastest on one thread.
+    torch.set_num_threads(1)
+
+    level = brl.load(args.level)
+    limit = level.max_steps or 500
+    envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_ENVS, max_episode_steps=limit))
+    # Returns of -1,000 are too large for a network; it learns from scaled ones.
+    scaled = VecNormalize(envs, norm_obs=False, gamma=level.discount)
+    learner = PPO(
+        "MlpPolicy",
+        scaled,
+        n_steps=64,
+        batch_size=512,
+        n_epochs=8,
+        learning_rate=3e-3,
+        gamma=level.discount,
+        ent_coef=0.01,
+        seed=args.seed,
+    )
+    began = time.perf_counter()
+    learner.learn(args.steps)
+    print(f"{learner.num_timesteps:,} steps in {time.perf_counter() - began:.1f} s")
+
+    env = Monitor(level.make(max_episode_steps=limit))
+    env.reset(seed=args.seed)
+    mean, deviation = evaluate_policy(learner, env, n_eval_episodes=20)
+    print(f"evaluate_policy: {mean:.2f} ± {deviation:.2f} in 20 episodes")
+
+    width, height = level.size
+    chances = probabilities(learner, level)
+    greedy = chances.argmax(axis=1).reshape(height, width)
+    print_comparison(level, {"learned, as it explores": chances, "learned, greedy": greedy})
+
+
+def probabilities(learner: Any, level: brl.Level) -> NDArray[np.float32]:
+    """Return with which probability the learner takes each action in each cell."""
+    width, height = level.size
+    cells = np.array([(x, y) for y in range(height) for x in range(width)])
+    with torch.no_grad():
+        observations, _ = learner.policy.obs_to_tensor(cells)
+        chances = learner.policy.get_distribution(observations).distribution.probs
+    return np.asarray(chances)
+
+
+if __name__ == "__main__":
+    main()

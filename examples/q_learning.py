@@ -1,0 +1,82 @@
+"""Q-learning by thousands of robots at once, in NumPy: python examples/q_learning.py
+
+All robots share one table of action values. What they see in a step is put together: the value of
+an action moves towards the mean of what the robots that took it have found.
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+
+import numpy as np
+from comparison import print_comparison
+from numpy.typing import NDArray
+
+import babyrobot_levels as brl
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
+    parser.add_argument("--steps", type=int, default=8_000_000, help="steps of all robots together")
+    parser.add_argument("--robots", type=int, default=4096)
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+
+    level = brl.load(args.level)
+    began = time.perf_counter()
+    values = q_learning(level, args.robots, args.steps // args.robots, args.seed)
+    print(f"{args.steps:,} steps in {time.perf_counter() - began:.1f} s")
+
+    print("\nvalues, learned:")
+    print_grid(values.max(axis=2))
+    print("values, exactly:")
+    print_grid(brl.solve(level, actions="moves").values)
+    print_comparison(level, {"learned, greedy": values.argmax(axis=2)}, actions="moves")
+
+
+def q_learning(level: brl.Level, robots: int, steps: int, seed: int) -> NDArray[np.float64]:
+    """Return action values, `[height, width, 4]`."""
+    envs = brl.LevelVectorEnv(
+        level,
+        num_envs=robots,
+        observation="index",
+        actions="moves",
+        max_episode_steps=level.max_steps or 500,
+    )
+    rng = np.random.default_rng(seed)
+    # From careful robots to one that only explores.
+    epsilon = np.linspace(0.05, 1.0, robots)
+    width, height = level.size
+    values = np.zeros((height * width, 4))
+    updates = np.zeros((height * width, 4))
+    states, _ = envs.reset(seed=seed)
+    begins = np.zeros(robots, bool)
+    for _ in range(steps):
+        best = values.argmax(axis=1)[states]
+        explores = rng.random(robots) < epsilon
+        actions = np.where(explores, rng.integers(4, size=robots), best)
+        next_states, rewards, terminated, truncated, _ = envs.step(actions)
+        ahead = np.where(terminated, 0.0, values.max(axis=1)[next_states])
+        targets = rewards + level.discount * ahead
+
+        # Where an episode has just begun anew, no action was taken.
+        taken = (4 * states + actions)[~begins]
+        count = np.bincount(taken, minlength=values.size).reshape(values.shape)
+        total = np.bincount(taken, targets[~begins], values.size).reshape(values.shape)
+        seen = count > 0
+        updates += seen
+        step_size = updates[seen] ** -0.5
+        values[seen] += step_size * (total[seen] / count[seen] - values[seen])
+        states, begins = next_states, terminated | truncated
+    return values.reshape(height, width, 4)
+
+
+def print_grid(values: NDArray[np.float64]) -> None:
+    for row in values:
+        print("  " + " ".join(f"{value:8.2f}" for value in row))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,36 @@
+"""The page on training: its pieces of code run."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGE = (ROOT / "docs" / "training.md").read_text(encoding="utf-8")
+PIECES = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def run(code: str) -> None:
+    exec(compile(code, "training.md", "exec"), {})
+
+
+@pytest.mark.parametrize("code", [code for code in PIECES if "sb3" not in code])
+def test_what_needs_numpy_only(code: str) -> None:
+    run(code)
+
+
+@pytest.mark.sb3
+@pytest.mark.parametrize("code", [code for code in PIECES if "sb3" in code])
+def test_what_needs_stable_baselines(code: str) -> None:
+    import torch
+
+    torch.set_num_threads(1)
+    run(code)
+
+
+def test_the_page_names_all_examples() -> None:
+    examples = {path.name for path in (ROOT / "examples").glob("*.py")}
+    named = set(re.findall(r"\.\./examples/(\w+\.py)", PAGE))
+    assert named == examples - {"play.py", "comparison.py"}
