@@ -15,13 +15,14 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from timing import Measure
+from timing import Measure, MissingPeer
 
 SCRIPTS = Path(sys.executable).parent
 BABYROBOT = (sys.executable, "-m", "babyrobot_levels")
 YAMLLINT_RULES = "{extends: relaxed}"
 YAMLLINT = (str(SCRIPTS / "yamllint"), "-d", YAMLLINT_RULES)
 COUNT = 1000
+FILES = f"{COUNT} files, files per second"
 
 
 def running(*command: str, worth: float = 1) -> Measure:
@@ -40,7 +41,10 @@ def running(*command: str, worth: float = 1) -> Measure:
         # From an empty folder, so that no peer reads a configuration of ours.
         with tempfile.TemporaryDirectory() as folder:
             begin = time.perf_counter()
-            subprocess.run(command, check=True, cwd=folder, env=variables, capture_output=True)
+            try:
+                subprocess.run(command, check=True, cwd=folder, env=variables, capture_output=True)
+            except FileNotFoundError:
+                raise MissingPeer(f"{Path(command[0]).name} is not installed") from None
             return worth / (time.perf_counter() - begin)
 
     return measure
@@ -60,9 +64,16 @@ def reading_each(folder: Path, look: Callable[[Path], object]) -> Measure:
 
 def yamllint_each(folder: Path) -> Measure:
     """Return the measure of yamllint inside of this process."""
-    linter, config = import_module("yamllint.linter"), import_module("yamllint.config")
-    rules = config.YamlLintConfig(YAMLLINT_RULES)
-    return reading_each(folder, lambda path: list(linter.run(path.read_text("utf-8"), rules)))
+
+    def measure() -> float:
+        try:
+            linter, config = import_module("yamllint.linter"), import_module("yamllint.config")
+        except ModuleNotFoundError:
+            raise MissingPeer("yamllint is not installed") from None
+        rules = config.YamlLintConfig(YAMLLINT_RULES)
+        return reading_each(folder, lambda path: list(linter.run(path.read_text("utf-8"), rules)))()
+
+    return measure
 
 
 @cache

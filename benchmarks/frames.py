@@ -12,12 +12,13 @@ from __future__ import annotations
 
 import random
 import time
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
+import report
 from peers import Peer
-from timing import Measure, rounds, table, versions
+from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels as brl
 
@@ -63,28 +64,36 @@ def shown(env: gymnasium.Env[Any, Any]) -> str:
     return f"{width}x{height}"
 
 
-def main() -> None:
-    """Measure, and print the table."""
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure pictures of our maze beside those of others."""
     level = brl.load("final-maze").replace(display={})
     plain, written = level.make(render_mode="rgb_array"), level.make(render_mode="rgb_array")
     best = brl.solve(level)
     written.unwrapped.show_info({"values": best.values, "policy": best.policy})  # type: ignore[attr-defined]
     lake = gymnasium.make("FrozenLake-v1", desc=LAKE, render_mode="rgb_array")
-    peer = Peer("minigrid", Path(__file__).with_name("peer_minigrid.py"), ("minigrid==3.2.0",))
+    peer = Peer("minigrid", "peer_minigrid.py")
     room = f"MiniGrid, a room, {SIZE[0] * CELL}x{SIZE[1] * CELL}"
-    rates = rounds(
+    maze = f"the final maze, {shown(plain)}"
+    yield compare_in_turns(
+        "frames per second",
+        {
+            maze: drawing(plain, 1, FRAMES),
+            "the final maze, with values and arrows": drawing(written, 1, FRAMES),
+        },
         {
             room: asking(peer, highlight=True),
             "MiniGrid, no field of view": asking(peer, highlight=False),
             f"FrozenLake-v1, {shown(lake)}": drawing(lake, 0, FEWER),
-            f"the final maze, {shown(plain)}": drawing(plain, 1, FRAMES),
-            "the final maze, with values and arrows": drawing(written, 1, FRAMES),
-        }
+        },
+        count,
+        aims={(maze, room): 10},
+        versions={
+            **installed("babyrobot-levels", "gymnasium", "numpy", "pygame-ce"),
+            **peer.version,
+        },
     )
     peer.close()
-    print(versions(["babyrobot-levels", "gymnasium", "numpy", "pygame"]) + ", minigrid 3.2.0")
-    print(table(rates, room, "frames per second"))
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

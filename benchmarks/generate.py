@@ -13,10 +13,12 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
-from timing import Measure, rounds, table, versions
+import report
+from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels as brl
 from babyrobot_levels.maze import compiled
@@ -60,22 +62,31 @@ def generating() -> float:
         return time.perf_counter() - begin
 
 
-def main() -> None:
-    """Measure, and print the table."""
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure suites, and then the command, which has no peer either."""
     is_fast = compiled.load() is not None
-    print(
-        versions(["babyrobot-levels", "gymnasium", "numpy"]),
-        "with" if is_fast else "without",
-        "fast",
-    )
+    versions = installed("babyrobot-levels", "gymnasium", "numba", "numpy")
     # From here on the kernel is loaded, as it is in every process that draws many levels.
     suite = brl.load_suite({"version": 1, "kind": "suite", "count": 10_000, "size": [8, 8]})
     for level in suite[:8_000]:
         level.grid()
-    rates = rounds({name: resetting(fields) for name, fields in SUITES.items()}, 5)
-    print(table(rates, "depth-first", "levels of 8x8 per second, Suite-v0"))
-    print(f"{COUNT:,} files, {' '.join(ORDER)}: {generating():.1f} s")
+    how = "with" if is_fast else "without"
+    yield compare_in_turns(
+        f"levels of 8x8 per second, Suite-v0, {how} fast",
+        {name: resetting(fields) for name, fields in SUITES.items()},
+        {},
+        count,
+        aims={("depth-first", None): 2_000} if is_fast else {},
+        versions=versions,
+    )
+    seconds = generating()
+    yield Comparison(
+        "files per second, babyrobot generate",
+        {" ".join(ORDER): [COUNT / seconds]},
+        versions=versions,
+        note=f"{COUNT:,} files, {' '.join(ORDER)}: {seconds:.1f} s",
+    )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

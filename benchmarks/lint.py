@@ -9,44 +9,56 @@ it can tell whether it can be won.
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
+import report
 from commands import (
     BABYROBOT,
     COUNT,
+    FILES,
     YAMLLINT,
     reading_each,
     running,
     write_levels,
     yamllint_each,
 )
-from timing import rounds, table, versions
+from timing import Aims, Comparison, compare_in_turns, installed
 
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import lint_file
 
 
-def main() -> None:
-    """Measure, and print the table."""
-    with tempfile.TemporaryDirectory() as folder:
-        write_levels(Path(folder))
-        measures = {
-            "babyrobot lint": running(*BABYROBOT, "lint", "--jobs=1", folder, worth=COUNT),
-            "babyrobot lint --select BR6 (style)": running(
-                *BABYROBOT, "lint", "--jobs=1", "--select=BR6", folder, worth=COUNT
-            ),
-            "yamllint": running(*YAMLLINT, folder, worth=COUNT),
-        }
-        rates = rounds(measures, count=5)
-        print(versions(["babyrobot-levels", "yamllint"]))
-        print(table(rates, "yamllint", f"{COUNT} files, files per second"))
-        rules = select(None)
-        inside = {
-            "babyrobot lint": reading_each(Path(folder), lambda path: lint_file(path, rules)),
-            "yamllint": yamllint_each(Path(folder)),
-        }
-        print(table(rounds(inside, 5), "yamllint", f"{COUNT} files, files per second, no start"))
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure linting a folder as whole processes, and then inside of this one."""
+    rules = select(None)
+    versions = installed("babyrobot-levels", "yamllint")
+    aims: Aims = {("babyrobot lint", "yamllint"): 3}
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        write_levels(folder)
+        yield compare_in_turns(
+            FILES,
+            {
+                "babyrobot lint": running(*BABYROBOT, "lint", "--jobs=1", name, worth=COUNT),
+                "babyrobot lint --select BR6 (style)": running(
+                    *BABYROBOT, "lint", "--jobs=1", "--select=BR6", name, worth=COUNT
+                ),
+            },
+            {"yamllint": running(*YAMLLINT, name, worth=COUNT)},
+            count,
+            aims=aims,
+            versions=versions,
+        )
+        yield compare_in_turns(
+            f"{FILES}, no start",
+            {"babyrobot lint": reading_each(folder, lambda path: lint_file(path, rules))},
+            {"yamllint": yamllint_each(folder)},
+            count,
+            aims=aims,
+            versions=versions,
+        )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

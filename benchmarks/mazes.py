@@ -12,18 +12,21 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from functools import partial
 
-from peers import BABYROBOT, Peer
-from timing import Measure, rounds, table, versions
+import report
+from peers import Peer
+from timing import Comparison, Measure, compare_in_turns, installed, with_fast
 
 from babyrobot_levels.maze import ALGORITHMS, carve, carve_many, compiled
 
-MAZELIB = (("mazelib==0.9.16",),)
-SIZES = {(8, 8): 300, (32, 32): 15}
-"""For each size, how many mazes the peers grow in a round."""
+SIZES = {(8, 8): (300, 1.5), (32, 32): (15, 4.0)}
+"""For each size, how many mazes the peers grow in a round, and how many times as fast ours are to
+be in plain Python."""
 
 LARGE = (1000, 1000)
+SECONDS = 0.15
+"""How long a large one may take with compiled code."""
 
 
 @contextmanager
@@ -53,7 +56,7 @@ def ours(size: tuple[int, int], count: int, *, plain: bool, many: bool = False) 
                     carve(width, height, blocked, 0, seed, "depth-first", 0.0)
             return count / (time.perf_counter() - begin)
 
-    return measure
+    return measure if plain else with_fast(lambda: measure)
 
 
 def theirs(peer: Peer, size: tuple[int, int], count: int) -> Measure:
@@ -61,42 +64,56 @@ def theirs(peer: Peer, size: tuple[int, int], count: int) -> Measure:
     return lambda: count / float(peer.ask(size=size, count=count)["seconds"])
 
 
-def seconds(algorithm: str, *, plain: bool) -> float:
-    """Return how long one large maze takes."""
+def large(algorithm: str, *, plain: bool) -> float:
+    """Return how many cells of one large maze are grown a second."""
     width, height = LARGE
     with plainly(plain):
         begin = time.perf_counter()
         carve(width, height, bytes(width * height), 0, 1, algorithm, 0.0)
-        return time.perf_counter() - begin
+        return width * height / (time.perf_counter() - begin)
 
 
-def main() -> None:
-    """Measure, and print the tables."""
-    folder = Path(__file__).parent
-    babyrobot = Peer("babyrobot", folder / "peer_babyrobot_mazes.py", *BABYROBOT)
-    mazelib = Peer("mazelib", folder / "peer_mazelib.py", *MAZELIB)
-    print(versions(["babyrobot-levels", "numba", "numpy"]) + ", babyrobot 1.0.40, mazelib 0.9.16")
-    for size, count in SIZES.items():
-        width, height = size
-        baseline = f"babyrobot, {width}x{height}"
-        measures = {
-            baseline: theirs(babyrobot, size, count),
-            f"mazelib, {width}x{height}": theirs(mazelib, size, count),
-            f"ours, plain, {width}x{height}": ours(size, count * 4, plain=True),
-            f"ours, fast, {width}x{height}": ours(size, count * 60, plain=False),
-            f"ours, fast, many at a time, {width}x{height}": ours(
-                size, count * 60, plain=False, many=True
-            ),
-        }
-        print(table(rounds(measures, 7), baseline, "depth-first mazes per second"))
-    babyrobot.close()
-    mazelib.close()
-    width, height = LARGE
-    for name in ALGORITHMS:
-        print(f"{name}, {width}x{height}, plain: {seconds(name, plain=True):.2f} s")
-    fast = min(seconds("depth-first", plain=False) for _ in range(3))
-    print(f"depth-first, {width}x{height}, fast: {fast:.3f} s")
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure small mazes beside the peers, and then large ones alone."""
+    peers = Peer("babyrobot", "peer_babyrobot_mazes.py"), Peer("mazelib", "peer_mazelib.py")
+    versions = installed("babyrobot-levels", "numba", "numpy")
+    for size, (number, least) in SIZES.items():
+        there = {f"{peer.name}, {size[0]}x{size[1]}": theirs(peer, size, number) for peer in peers}
+        first = next(iter(there))
+        plain, fast, many = (
+            f"ours, {how}, {size[0]}x{size[1]}" for how in ("plain", "fast", "fast, many at a time")
+        )
+        yield compare_in_turns(
+            "depth-first mazes per second",
+            {
+                plain: ours(size, number * 4, plain=True),
+                fast: ours(size, number * 60, plain=False),
+                many: ours(size, number * 60, plain=False, many=True),
+            },
+            there,
+            count,
+            aims={(plain, first): least, (fast, first): 40, (many, first): 40},
+            versions=versions | peers[0].version | peers[1].version,
+        )
+    for peer in peers:
+        peer.close()
+    cells = f"{LARGE[0]}x{LARGE[1]}"
+    yield Comparison(
+        "cells of one maze per second",
+        {f"{name}, plain, {cells}": [large(name, plain=True)] for name in ALGORITHMS},
+        versions=versions,
+    )
+    # The first call loads what was compiled.
+    name = f"depth-first, fast, {cells}"
+    yield compare_in_turns(
+        "cells of one maze per second",
+        {name: with_fast(lambda: partial(large, "depth-first", plain=False))},
+        {},
+        count,
+        aims={(name, None): LARGE[0] * LARGE[1] / SECONDS},
+        versions=versions,
+    )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

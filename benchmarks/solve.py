@@ -13,17 +13,22 @@ import random
 import resource
 import sys
 import time
-from pathlib import Path
+from collections.abc import Iterator
 from typing import Any
 
-from peers import BABYROBOT, Peer
-from timing import Measure, rounds, table, versions
+import report
+from peers import Peer
+from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels as brl
 
-SIZES = ((8, 5), (30, 30))
+SIZES = {(8, 5): None, (30, 30): 100}
+"""For each size, how many times as fast as the peer ours is to be."""
+
 DISCOUNT = 0.9
 LARGE = (1000, 1000)
+SECONDS = 60
+"""How long the large one may take."""
 
 
 def maze(size: tuple[int, int], seed: int) -> dict[str, Any]:
@@ -61,20 +66,32 @@ def theirs(peer: Peer, world: dict[str, Any]) -> Measure:
     return lambda: 1 / float(peer.ask(**world, discount=DISCOUNT)["seconds"])
 
 
-def main() -> None:
-    """Measure, and print the tables."""
-    peer = Peer("babyrobot", Path(__file__).with_name("peer_babyrobot.py"), *BABYROBOT)
-    print(versions(["babyrobot-levels", "numpy", "scipy"]) + ", babyrobot 1.0.40")
-    for size in SIZES:
-        world, (width, height) = maze(size, 42), size
-        level, name = level_of(world), f"babyrobot's ValueIteration, {width}x{height}"
-        measures = {
-            name: theirs(peer, world),
-            f"brl.solve, {width}x{height}, discount {DISCOUNT}": ours(level, DISCOUNT),
-            f"brl.solve, {width}x{height}, discount 1": ours(level, 1.0),
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure mazes of two sizes beside the peer, and then a large one alone."""
+    peer = Peer("babyrobot", "peer_babyrobot.py")
+    versions = installed("babyrobot-levels", "numpy", "scipy")
+    for (width, height), aim in SIZES.items():
+        world = maze((width, height), 42)
+        level = level_of(world)
+        theirs_here = f"babyrobot's ValueIteration, {width}x{height}"
+        discounts = {
+            f"brl.solve, {width}x{height}, discount {discount:g}": discount
+            for discount in (DISCOUNT, 1.0)
         }
-        print(table(rounds(measures, 5), name, "solved per second"))
+        yield compare_in_turns(
+            "solved per second",
+            {name: ours(level, discount) for name, discount in discounts.items()},
+            {theirs_here: theirs(peer, world)},
+            count,
+            aims={(name, theirs_here): aim for name in discounts} if aim else {},
+            versions={**versions, **peer.version},
+        )
     peer.close()
+    yield large(versions)
+
+
+def large(versions: dict[str, str]) -> Comparison:
+    """Measure a maze of a million cells, once."""
     level = level_of(maze(LARGE, 42))
     begin = time.perf_counter()
     solution = brl.solve(level, 1.0)
@@ -82,11 +99,17 @@ def main() -> None:
     # Linux counts kilobytes here, macOS bytes.
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     gigabytes = peak / (1 << 30 if sys.platform == "darwin" else 1 << 20)
-    print(
-        f"brl.solve, {LARGE[0]}x{LARGE[1]}, discount 1: {seconds:.1f} s, "
-        f"at most {gigabytes:.2f} GiB with the level, residual {solution.residual:.1e}"
+    name = f"brl.solve, {LARGE[0]}x{LARGE[1]}, discount 1"
+    cells = LARGE[0] * LARGE[1]
+    return Comparison(
+        "cells solved per second",
+        {name: [cells / seconds]},
+        aims={(name, None): cells / SECONDS},
+        versions=versions,
+        note=f"{name}: {seconds:.1f} s, at most {gigabytes:.2f} GiB with the level, "
+        f"residual {solution.residual:.1e}",
     )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

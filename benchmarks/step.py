@@ -10,15 +10,17 @@ from __future__ import annotations
 
 import random
 import time
+from collections.abc import Iterator
 from typing import Any
 
 import gymnasium
-from timing import Measure, rounds, table, versions
+import report
+from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels  # noqa: F401  (registers the environments)
 
 STEPS = 100_000
-OURS, PEER = "babyrobot/final-maze-v0", "FrozenLake-v1 8x8"
+MAZE, OUR_LAKE, LAKE = "babyrobot/final-maze-v0", "babyrobot/frozen-lake-v0", "FrozenLake-v1 8x8"
 
 
 def stepping(env: gymnasium.Env[Any, Any], first_action: int) -> Measure:
@@ -38,23 +40,30 @@ def stepping(env: gymnasium.Env[Any, Any], first_action: int) -> Measure:
     return measure
 
 
-def main() -> None:
-    """Measure, and print the table."""
-    ours = gymnasium.make("babyrobot/final-maze-v0")
-    lake = gymnasium.make("FrozenLake-v1", map_name="8x8")
-    rates = rounds(
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure environments as `gymnasium.make` returns them, and without its wrappers."""
+    maze, lake = gymnasium.make(MAZE), gymnasium.make("FrozenLake-v1", map_name="8x8")
+    versions = installed("babyrobot-levels", "gymnasium", "numpy")
+    yield compare_in_turns(
+        "steps per second",
+        {MAZE: stepping(maze, 1), OUR_LAKE: stepping(gymnasium.make(OUR_LAKE), 1)},
         {
-            PEER: stepping(lake, 0),
+            LAKE: stepping(lake, 0),
             "CliffWalking-v1": stepping(gymnasium.make("CliffWalking-v1"), 0),
-            OURS: stepping(ours, 1),
-            "babyrobot/frozen-lake-v0": stepping(gymnasium.make("babyrobot/frozen-lake-v0"), 1),
-            f"{PEER}, unwrapped": stepping(lake.unwrapped, 0),
-            f"{OURS}, unwrapped": stepping(ours.unwrapped, 1),
-        }
+        },
+        count,
+        aims={(MAZE, LAKE): 5},
+        versions=versions,
     )
-    print(versions(["babyrobot-levels", "gymnasium", "numpy"]))
-    print(table(rates, PEER, "steps per second"))
+    yield compare_in_turns(
+        "steps per second, unwrapped",
+        {MAZE: stepping(maze.unwrapped, 1)},
+        {LAKE: stepping(lake.unwrapped, 0)},
+        count,
+        aims={(MAZE, None): 700_000},
+        versions=versions,
+    )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

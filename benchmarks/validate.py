@@ -10,12 +10,15 @@ from __future__ import annotations
 
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
+import report
 import yaml
 from commands import (
     BABYROBOT,
     COUNT,
+    FILES,
     SCRIPTS,
     YAMLLINT,
     reading_each,
@@ -23,7 +26,7 @@ from commands import (
     write_levels,
     yamllint_each,
 )
-from timing import Measure, rounds, table, versions
+from timing import Comparison, compare_in_turns, installed
 
 from babyrobot_levels.level import Level
 from babyrobot_levels.reading import read_file
@@ -31,53 +34,54 @@ from babyrobot_levels.reading import read_file
 ROOT = Path(__file__).parents[1]
 LEVEL = ROOT / "levels" / "final-maze.yaml"
 SCHEMA = ROOT / "schemas" / "level.schema.json"
-PEER = "check-jsonschema"
+COMMAND, SHAPE = "babyrobot validate", "check-jsonschema"
 
 
-def one_file() -> dict[str, Measure]:
-    """Return the measures of checking one small file, in runs per minute."""
-    check = (str(SCRIPTS / PEER), "--schemafile", str(SCHEMA), str(LEVEL))
-    return {
-        "babyrobot validate": running(*BABYROBOT, "validate", str(LEVEL), worth=60),
-        PEER: running(*check, worth=60),
-        "yamllint": running(*YAMLLINT, str(LEVEL), worth=60),
-        "python -c pass": running(sys.executable, "-c", "pass", worth=60),
-    }
+def parts(path: Path) -> object:
+    """Read and validate a level with what checking one is made of, and nothing else."""
+    data = yaml.load(path.read_text("utf-8"), yaml.CSafeLoader)
+    return Level.model_validate(data)
 
 
-def many_files(folder: Path) -> dict[str, Measure]:
-    """Return the measures of checking a folder in one process, in files per second."""
-    return {
-        "babyrobot validate": running(*BABYROBOT, "validate", "--jobs=1", str(folder), worth=COUNT),
-        "yamllint": running(*YAMLLINT, str(folder), worth=COUNT),
-    }
-
-
-def without_the_start(folder: Path) -> dict[str, Measure]:
-    """Return the same measures inside of this process, and what the parts take at least."""
-
-    def parts(path: Path) -> object:
-        data = yaml.load(path.read_text("utf-8"), yaml.CSafeLoader)
-        return Level.model_validate(data)
-
-    return {
-        "babyrobot_levels.check": reading_each(folder, read_file),
-        "yamllint": yamllint_each(folder),
-        "libyaml and pydantic, nothing else": reading_each(folder, parts),
-    }
-
-
-def main() -> None:
-    """Measure, and print the tables."""
-    print(versions(["babyrobot-levels", PEER, "yamllint"]))
-    print(table(rounds(one_file()), PEER, "one file, runs per minute"))
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure one small file, a folder in one process, and the same without its start."""
+    versions = installed("babyrobot-levels", SHAPE, "yamllint")
+    schema = ("--schemafile", str(SCHEMA))
+    yield compare_in_turns(
+        "one file, runs per minute",
+        {COMMAND: running(*BABYROBOT, "validate", str(LEVEL), worth=60)},
+        {
+            SHAPE: running(str(SCRIPTS / SHAPE), *schema, str(LEVEL), worth=60),
+            "yamllint": running(*YAMLLINT, str(LEVEL), worth=60),
+            "python -c pass": running(sys.executable, "-c", "pass", worth=60),
+        },
+        count,
+        aims={(COMMAND, SHAPE): 1},
+        versions=versions,
+    )
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         write_levels(folder)
-        files = f"{COUNT} files, files per second"
-        print(table(rounds(many_files(folder)), "yamllint", files))
-        print(table(rounds(without_the_start(folder)), "yamllint", f"{files}, no start"))
+        yield compare_in_turns(
+            FILES,
+            {COMMAND: running(*BABYROBOT, "validate", "--jobs=1", name, worth=COUNT)},
+            {"yamllint": running(*YAMLLINT, name, worth=COUNT)},
+            count,
+            aims={(COMMAND, "yamllint"): 8},
+            versions=versions,
+        )
+        yield compare_in_turns(
+            f"{FILES}, no start",
+            {"babyrobot_levels.check": reading_each(folder, read_file)},
+            {
+                "yamllint": yamllint_each(folder),
+                "libyaml and pydantic, nothing else": reading_each(folder, parts),
+            },
+            count,
+            aims={("babyrobot_levels.check", "yamllint"): 8},
+            versions=versions,
+        )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)

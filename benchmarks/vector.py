@@ -6,7 +6,7 @@ All give whole Gymnasium results: observations, rewards, terminated, truncated, 
 masks. Ours walk the final maze, with its puddles, by random possible actions; the peers slide over
 FrozenLake's ice by random moves. All actions are drawn beforehand. Of ours, `copy=False` hands out
 the arrays that it writes into, without copies. EnvPool runs in an environment of its own, which the
-first run sets up; where it cannot be installed, the run says so.
+first run sets up.
 
 With the extra `fast`, ours is also set beside a bare loop over the same tables, which writes
 observations, rewards and flags into arrays that are there, checks nothing and masks nothing.
@@ -15,22 +15,22 @@ observations, rewards and flags into arrays that are there, checks nothing and m
 from __future__ import annotations
 
 import math
-import subprocess
-import sys
 import time
-from importlib.util import find_spec
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Any
 
 import gymnasium
 import numpy as np
+import report
 from peers import Peer
-from timing import Measure, rounds, table, versions
+from timing import Comparison, Measure, compare_in_turns, installed, with_fast
 
 import babyrobot_levels as brl
 
 SIZES = (64, 1024, 16_384)
 LEVEL = "final-maze"
+ENGINES = ("numpy", "compiled")
 SECONDS = 0.1
 """About how long a measurement lasts."""
 
@@ -39,6 +39,23 @@ LENGTH = 500_000
 
 ROLLOUT = (1024, 8192)
 """Robots and steps of a rollout."""
+
+AIMS = {
+    ("numpy", "sync", 64): 40,
+    ("numpy", "sync", 1024): 300,
+    ("numpy", "envpool", 1024): 20,
+    ("numpy", "envpool", 16_384): 60,
+    ("compiled", "envpool", 1024): 100,
+    ("compiled", "envpool", 16_384): 150,
+    ("compiled", "bare", 1024): 0.6,
+    ("compiled", "bare", 16_384): 0.6,
+}
+"""How many times as fast as a peer an engine is to be, with a number of robots."""
+
+
+def on(engine: str, make: Callable[[], Measure]) -> Measure:
+    """Return an engine's measure; the compiled one may be missing."""
+    return with_fast(make) if engine == "compiled" else make()
 
 
 def ours(engine: str, num_envs: int, copy: bool) -> Measure:
@@ -180,51 +197,57 @@ def rolling(engine: str, policy: Any) -> Measure:
     return measure
 
 
-def main() -> None:
-    """Measure, and print the tables."""
-    engines = ["numpy", *(["compiled"] if find_spec("numba") else [])]
-    peer: Peer | None = None
-    try:
-        peer = Peer(
-            "envpool", Path(__file__).with_name("peer_envpool.py"), ("envpool", "gymnasium")
-        )
-    except subprocess.CalledProcessError:
-        print("missing: EnvPool, which cannot be installed for this Python", file=sys.stderr)
-    told = ["babyrobot-levels", "gymnasium", "numpy"]
-    print(versions([*told, "numba"] if "compiled" in engines else told), end="")
-    print(f", envpool {peer.ask(num_envs=1, steps=1)['version']}" if peer is not None else "")
+def compare(count: int) -> Iterator[Comparison]:
+    """Measure three numbers of robots beside the peers, and then whole rollouts."""
+    peer = Peer("envpool", "peer_envpool.py")
+    versions = installed("babyrobot-levels", "gymnasium", "numpy", "numba") | peer.version
     for size in SIZES:
         names = {
             (engine, copy): f"LevelVectorEnv, {engine}, {size:,}{'' if copy else ', no copies'}"
-            for engine in engines
+            for engine in ENGINES
             for copy in (True, False)
         }
-        rates = rounds(
+        peers = {
+            "sync": f"SyncVectorEnv FrozenLake, {size:,}",
+            "envpool": f"EnvPool FrozenLake, {size:,}",
+            "bare": f"bare compiled loop, {size:,}",
+        }
+        yield compare_in_turns(
+            "steps per second",
+            {
+                name: on(engine, partial(ours, engine, size, copy))
+                for (engine, copy), name in names.items()
+            },
             {
                 # More of them take too long.
-                **({f"SyncVectorEnv FrozenLake, {size:,}": sync(size)} if size < 2000 else {}),
-                **({f"EnvPool FrozenLake, {size:,}": pool(peer, size)} if peer else {}),
-                **({f"bare compiled loop, {size:,}": bare(size)} if "compiled" in engines else {}),
-                **{name: ours(engine, size, copy) for (engine, copy), name in names.items()},
+                **({peers["sync"]: sync(size)} if size < 2000 else {}),
+                peers["envpool"]: pool(peer, size),
+                peers["bare"]: with_fast(partial(bare, size)),
             },
-            5,
+            count,
+            aims={
+                (name, peers[beside]): least
+                for (engine, beside, number), least in AIMS.items()
+                for (named, _), name in names.items()
+                if (named, number) == (engine, size)
+            },
+            versions=versions,
         )
-        for baseline in rates:
-            if baseline in names.values():
-                break
-            chosen = {baseline: rates[baseline]}
-            chosen |= {name: rates[name] for name in names.values()}
-            print(table(chosen, baseline, "steps per second"))
-    if peer is not None:
-        peer.close()
+    peer.close()
     solution = brl.solve(LEVEL)
-    measures = {
-        f"rollout, {engine}, {word}": rolling(engine, policy)
-        for engine in engines
-        for word, policy in (("random", "random"), ("greedy", solution))
-    }
-    print(table(rounds(measures, 5), next(iter(measures)), "steps per second"))
+    yield compare_in_turns(
+        "steps per second, whole rollouts",
+        {
+            f"rollout, {engine}, {word}": on(engine, partial(rolling, engine, policy))
+            for engine in ENGINES
+            for word, policy in (("random", "random"), ("greedy", solution))
+        },
+        {},
+        count,
+        aims={(f"rollout, compiled, {word}", None): 80e6 for word in ("random", "greedy")},
+        versions=versions,
+    )
 
 
 if __name__ == "__main__":
-    main()
+    report.main(__doc__, compare)
