@@ -2,25 +2,30 @@
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import compress
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.maze import carve
-from babyrobot_levels.spec.base import SIDES
+from babyrobot_levels.spec.base import SIDES, Side
 from babyrobot_levels.spec.level import LevelFields
-from babyrobot_levels.spec.walls import Opening, sides_of
+from babyrobot_levels.spec.walls import Opening
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
 BIT = {side: 1 << index for index, side in enumerate(SIDES)}
-OPPOSITE = {"N": "S", "S": "N", "E": "W", "W": "E"}
+OPPOSITE: dict[str, Side] = {"N": "S", "S": "N", "E": "W", "W": "E"}
 ALL_SIDES = 15
 
 _OTHER_SIDES = bytes(ALL_SIDES & ~bits for bits in range(256))
+_WITH = {side: bytes(bits | bit for bits in range(256)) for side, bit in BIT.items()}
+_WITHOUT = {side: bytes(bits & ~bit for bits in range(256)) for side, bit in BIT.items()}
+"""What a cell's walls become when one is added or taken away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,22 +116,25 @@ def build_grid(level: LevelFields) -> Grid:
     width, height = level.size
     blocked = _blocked(level)
     walls = _maze_walls(level, blocked)
-    glass: dict[tuple[int, str], float] = {}
+    passes: dict[Side, array[float]] = {}
     for wall in level.walls:
-        for cell, side in _both_sides(wall, width, height):
-            is_new = not walls[cell] & BIT[side]
-            walls[cell] |= BIT[side]
-            if is_new or "pass_" in wall.model_fields_set:
-                glass[cell, side] = wall.pass_
+        for cells, side in _stretches(wall, width, height):
+            walls[cells] = walls[cells].translate(_WITH[side])
+            # A wall that says nothing of glass leaves the glass that is there.
+            if "pass_" in wall.model_fields_set and (wall.pass_ or side in passes):
+                table = passes.setdefault(side, array("d", bytes(8 * len(walls))))
+                table[cells] = array("d", [wall.pass_]) * wall.length
     for opening in level.openings:
-        for cell, side in _both_sides(opening, width, height):
-            walls[cell] &= ~BIT[side]
-            glass.pop((cell, side), None)
+        for cells, side in _stretches(opening, width, height):
+            walls[cells] = walls[cells].translate(_WITHOUT[side])
+            if side in passes:
+                passes[side][cells] = array("d", bytes(8 * opening.length))
     _drop_hidden_walls(walls, blocked, width, height)
-    real_glass = {
-        (cell, side): probability
-        for (cell, side), probability in glass.items()
-        if probability > 0 and _joins_free_cells(cell, side, blocked, width, height)
+    real_glass: dict[tuple[int, str], float] = {
+        (cell, side): table[cell]
+        for side, table in passes.items()
+        for cell in compress(range(len(walls)), table)
+        if _joins_free_cells(cell, side, blocked, width, height)
     }
     return Grid(width, height, bytes(walls), bytes(blocked), real_glass)
 
@@ -166,16 +174,19 @@ def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
     return walls
 
 
-def _both_sides(entry: Opening, width: int, height: int) -> list[tuple[int, str]]:
-    """Return the sides that a wall or an opening covers, each from both of its cells."""
-    sides = []
-    for x, y in sides_of(entry):
-        cell = y * width + x
-        sides.append((cell, str(entry.side)))
-        other = neighbour(cell, entry.side, width, height)
-        if other is not None:
-            sides.append((other, OPPOSITE[entry.side]))
-    return sides
+def _stretches(entry: Opening, width: int, height: int) -> list[tuple[slice, Side]]:
+    """Return the cells along which a wall or an opening runs, and their side: from both sides."""
+    x, y = entry.at
+    first, step = y * width + x, 1 if entry.side in ("N", "S") else width
+    found: list[tuple[int | None, Side]] = [
+        (first, entry.side),
+        (neighbour(first, entry.side, width, height), OPPOSITE[entry.side]),
+    ]
+    return [
+        (slice(begin, begin + step * entry.length, step), side)
+        for begin, side in found
+        if begin is not None
+    ]
 
 
 def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height: int) -> None:

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, note
+from babyrobot_levels.render.numbers import number_lines
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
     from babyrobot_levels.render.page import Guide
     from babyrobot_levels.scene.overlays import Overlay
     from babyrobot_levels.solver.results import Solution
-
-WIDEST = 16
-"""Values of wider levels do not fit on a screen."""
 
 
 def solution_of(level: Level, discount: float | None = None) -> Solution:
@@ -51,9 +48,7 @@ def policy_of(solution: Solution) -> list[int]:
 
 def values_text(solution: Solution) -> str:
     """Return the values in rows and columns, with two decimals."""
-    rows = [["" if math.isnan(v) else f"{v:.2f}" for v in row] for row in solution.values.tolist()]
-    width = max(len(text) for row in rows for text in row)
-    return "".join("  ".join(text.rjust(width) for text in row).rstrip() + "\n" for row in rows)
+    return "".join(f"{line}\n" for line in number_lines(solution.values.tolist(), 2))
 
 
 def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:

@@ -14,6 +14,7 @@ from babyrobot_levels.cli.console import fail, note, save, write
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
 from babyrobot_levels.cli.pictures import Wishes, picture
 from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.resolve import with_seed
 
 
 class ExportFormat(StrEnum):
@@ -49,6 +50,12 @@ def export_level(
         Path | None,
         typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
     ] = None,
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Of a level with random mazes, the seed to take.", show_default=False
+        ),
+    ] = None,
     strict: StrictOption = False,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
@@ -63,9 +70,11 @@ def export_level(
       babyrobot export frozen-lake --to frozen-lake -o lake.json
 
       babyrobot export glass-wall -o glass-wall.tmj
+
+      babyrobot export random-maze --maze-seed 7 --to sokoban
     """
     chosen = to or _by_suffix(output)
-    loaded = load_level(level)
+    loaded = with_seed(load_level(level), maze_seed)
     made: str | bytes
     beside: Mapping[str, bytes] = {}
     if chosen in (ExportFormat.PNG, ExportFormat.SVG):

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from babyrobot_levels.cli.answers import WIDEST, policy_text, solution_of, values_text
+from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import fail, note, save, speaks_unicode, wants_color, write
 from babyrobot_levels.cli.pictures import MAX_SCALE, Walker, Wishes, film, page, picture
+from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.answers import WIDEST, policy_text, solution_of, values_text
+from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level

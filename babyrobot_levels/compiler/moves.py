@@ -69,17 +69,15 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
     landing, through = np.empty_like(step), np.empty_like(step)
     refused = np.empty_like(open_)
 
+    free = _free_runs(open_, grid)
+
     def walk(start: States, amount: States, vertical: bool) -> States:
-        """Walk `amount` cells along an axis, one at a time, each state until a wall stops it."""
-        ways = (SOUTH, NORTH) if vertical else (EAST, WEST)
-        position = start
-        for way, left in zip(ways, (amount, -amount), strict=True):
-            for taken in range(max(0, int(left.max(initial=0)))):
-                going = (left > taken) & open_[way, position]
-                if not going.any():
-                    break
-                position = np.where(going, position + delta[way], position)
-        return position
+        """Walk `amount` cells along an axis, each state until a wall stops it."""
+        ahead, back = (SOUTH, NORTH) if vertical else (EAST, WEST)
+        forth = np.minimum(amount, free[ahead, start])
+        taken = np.where(amount > 0, forth, -np.minimum(-amount, free[back, start]))
+        ends: States = start + taken * delta[ahead]
+        return ends
 
     for way in range(NUM_MOVES):
         vertical, sign = VERTICAL[way], SIGN[way]
@@ -93,3 +91,16 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
         drift = np.where(glass[way] > 0, across, 0)
         through[way] = walk(walk(behind, rest, vertical), drift, not vertical)
     return Moves(open_, landing, refused, glass, through, bounce)
+
+
+def _free_runs(open_: Flags, grid: Grid) -> States:
+    """Return, `[4, states]`, how many cells one can go in each direction until a wall."""
+    runs = np.zeros((NUM_MOVES, grid.height, grid.width), np.int64)
+    for way, (is_open, run) in enumerate(zip(open_.reshape(runs.shape), runs, strict=True)):
+        # Lines across the way, from the one where the grid ends.
+        across, along = (is_open, run) if VERTICAL[way] else (is_open.T, run.T)
+        if SIGN[way] > 0:
+            across, along = across[::-1], along[::-1]
+        for number in range(1, len(along)):
+            along[number] = np.where(across[number], along[number - 1] + 1, 0)
+    return runs.reshape(open_.shape)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.ansi import paint
+from babyrobot_levels.render.numbers import WIDEST, number_lines
 from babyrobot_levels.render.terminal import cut_out
 from babyrobot_levels.render.text import ROBOT, policy_drawing, unicode_drawing
 from babyrobot_levels.scene.overlays import Overlay, Rows
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.level import Level
 
 PLAIN_ROBOT = "@"
-
-WIDEST = 16
-"""Numbers of wider levels do not fit on a screen."""
 
 
 class TextPainter:
@@ -97,8 +95,5 @@ def _below(overlay: Overlay) -> Iterator[str]:
 def _table(rows: Rows[float | None], precision: int) -> Iterator[str]:
     if len(rows[0]) > WIDEST:
         return
-    shown = [["" if value is None else f"{value:.{precision}f}" for value in row] for row in rows]
-    width = max(len(text) for row in shown for text in row)
     yield ""
-    for row in shown:
-        yield "  ".join(text.rjust(width) for text in row).rstrip()
+    yield from number_lines(rows, precision)
