@@ -4,6 +4,8 @@ A code is `brl1.`, the number of characters that follow the next `.`, that `.`, 
 without padding. Its bytes are the CRC-32 of the packed data, four bytes, big-endian, and the packed
 data: a raw deflate stream with a dictionary to begin with. What is packed is the level as JSON in
 UTF-8: the fields of a level file, read and checked as a file is.
+
+In a link, what a page needs to play the level may follow behind a `~`; it is no part of the code.
 """
 
 from __future__ import annotations
@@ -32,10 +34,14 @@ NAME = "<share code>"
 MAX_CHARACTERS = 2 * MAX_BYTES
 """The most characters of a code: those of the largest level are fewer."""
 
+PLAY_MARK = "~"
+"""What stands between a code and the play part of a link."""
+
 _CODE = re.compile(r"\s*(?:[^\s#]+#)?(brl[0-9]{1,9}\..*)", re.DOTALL | re.IGNORECASE)
 _IS_FILE = re.compile(r"\.ya?ml\s*\Z")
 _PARTS = re.compile(r"brl([0-9]+)\.([0-9]{1,9})\.(.*)", re.IGNORECASE)
 _FOREIGN = re.compile(r"[^A-Za-z0-9_-]")
+_PLAY_PART = re.compile(rf"(?:{PLAY_MARK}|%7E).*", re.IGNORECASE)
 _CHECKSUM_BYTES = 4
 _NOT_IN_YAML = re.compile("[\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]")
 """Characters that JSON takes as they are, but YAML does not."""
@@ -79,7 +85,8 @@ def load_code(text: str) -> Level:
     if len(text) > MAX_CHARACTERS:
         raise LevelError(message="the share code is longer than that of any level")
     try:
-        source = decode(_unpacked(_packed("".join(match[1].split()))), NAME)
+        code = _PLAY_PART.sub("", "".join(match[1].split()))
+        source = decode(_unpacked(_packed(code)), NAME)
     except ReadFault as fault:
         raise LevelError([fault.diagnostic]) from None
     level, diagnostics = read_level(source)

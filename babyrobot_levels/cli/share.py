@@ -4,19 +4,27 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import fail, save, write
+from babyrobot_levels.cli.console import fail, note, save, write
 from babyrobot_levels.cli.preview import LevelArgument, load_level
+
+if TYPE_CHECKING:
+    from babyrobot_levels.level import Level
 
 
 def share(
     level: LevelArgument,
     link: Annotated[
         str | None,
-        typer.Option(metavar="BASE", help="Print a link instead: BASE#CODE.", show_default=False),
+        typer.Option(
+            metavar="BASE",
+            help="Print a link instead: BASE is the address of a page that `preview` has made, "
+            "and plays what the link holds.",
+            show_default=False,
+        ),
     ] = None,
     output: Annotated[
         Path | None,
@@ -35,6 +43,10 @@ def share(
     A code holds all that the level says, its texts and looks included, but no comments. It has a
     checksum: a code that was cut off or mistyped says so.
 
+    A link is a code with all that a page needs to play the level. Any page that `babyrobot preview
+    LEVEL -o page.html` has made, of whatever level, plays it: on a web server, or as a file
+    (`file:///…/page.html`).
+
     Examples:
 
       babyrobot share final-maze
@@ -45,14 +57,38 @@ def share(
     """
     if link is not None and output is not None:
         fail("--link and --output do not go together")
+    if link is not None and not re.fullmatch(r"[^\s#]+", link):
+        fail(f"{link!r} cannot be the beginning of a link", "it has no blanks, and no `#` yet")
     loaded = load_level(level)
     if output is not None:
         from babyrobot_levels.syntax.emitter import emit
 
         save(output, emit(loaded.to_dict(whole=True)), force=force)
     elif link is not None:
-        if not re.fullmatch(r"[^\s#]+", link):
-            fail(f"{link!r} cannot be the beginning of a link", "it has no blanks, and no `#` yet")
-        write(f"{link}#{loaded.share_code()}\n")
+        write(f"{link}#{_fragment(loaded)}\n")
     else:
         write(f"{loaded.share_code()}\n")
+
+
+def _fragment(level: Level) -> str:
+    """Return what a link to a level has behind its `#`."""
+    from babyrobot_levels.cli.answers import guide_of
+    from babyrobot_levels.render.link import link_fragment
+    from babyrobot_levels.render.pagedata import MAX_CELLS, TooLargeError
+
+    game = level
+    if level.has_random_maze:
+        note("each reset grows another maze; the page plays the one of seed 0 (see `resolve`)")
+        game = level.with_maze_seed(0)
+    if (guide := guide_of(game, needed=False)) is not None:
+        try:
+            return link_fragment(level, game, guide)
+        except TooLargeError:
+            note("the page shows no best moves: with them, the link would be too long")
+    try:
+        return link_fragment(level, game)
+    except TooLargeError as error:
+        fail(
+            str(error),
+            f"send the file; up to {MAX_CELLS:,} cells, there is `babyrobot preview LEVEL -o p.html`",
+        )

@@ -1,7 +1,8 @@
 """The page painter: one HTML file that shows a level and plays it, by itself and without a network.
 
 What the page plays are the compiled tables. Its chance comes from the generator that the
-environments use: a seed and the same actions give the same episode there and here.
+environments use: a seed and the same actions give the same episode there and here. Opened with a
+link's play part behind a `#`, it shows and plays that level instead.
 """
 
 from __future__ import annotations
@@ -9,44 +10,37 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
-import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from importlib.resources import files
 from string import Template
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.render.playable import PHASES, playable
+from babyrobot_levels.render.link import MAX_UNPACKED, PLAY_VERSION
+from babyrobot_levels.render.pagedata import (
+    LAYERS,
+    Guide,
+    Walker,
+    common_data,
+    facts,
+    page_data,
+    title_of,
+    without_panels,
+)
 from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
 from babyrobot_levels.scene.build import build_layers
 from babyrobot_levels.scene.layout import CELL
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.pose import Pose
 from babyrobot_levels.scene.robot import robot_shapes
 from babyrobot_levels.scene.shapes import Scene
+from babyrobot_levels.share import VERSION
+from babyrobot_levels.share_dictionary import PLAY_DICTIONARY_1
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
 
-MAX_CELLS = 16_384
-"""The most cells of a level on a page: 128 by 128."""
+__all__ = ["Guide", "Walker", "embedded_json", "to_html"]
 
-Walker = Literal["best", "random"]
-
-
-@dataclass(frozen=True, slots=True)
-class Guide:
-    """The best that can be done in a level, as the page tells it.
-
-    Attributes:
-        policy: the best action of each state, as `Action`s, `[states]`; -1 where there is none.
-        overlay: the values and best actions of the cells, which the page shows when asked.
-        expected_return: what the policy is worth from the starts; it may be infinite.
-    """
-
-    policy: Sequence[int]
-    overlay: Overlay
-    expected_return: float
+SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
+"""The page's script, in the order in which its parts need each other."""
 
 
 def to_html(
@@ -70,40 +64,30 @@ def to_html(
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: the level is too large for a page.
+        TooLargeError: the level is too large for a page.
     """
-    width, height = level.size
-    if width * height > MAX_CELLS:
-        raise ValueError(
-            f"a level of {width} x {height} cells is too large for a page, "
-            f"which has room for {MAX_CELLS:,}"
-        )
-    # The page itself has a place for what would stand in panels.
-    display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
-    level = level.model_copy(update={"display": level.display.model_copy(update=display)})
-    watched = walker if guide is not None or walker == "random" else None
-    tables, poses = playable(level)
-    data = {
-        **tables,
-        "seed": str(seed),
-        "walker": watched,
-        "policy": list(guide.policy) if guide is not None else None,
+    level = without_panels(level)
+    data = page_data(level, guide=guide, walker=walker, seed=seed, values=values, arrows=arrows)
+    common = {
+        **common_data(),
+        "code_version": VERSION,
+        "play_version": PLAY_VERSION,
+        "max_unpacked": MAX_UNPACKED,
+        "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
     style = _static("page.css")
-    script = f'"use strict";\n{_static("random.js")}\n{_static("page.js")}'
+    script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
     icon = to_svg(Scene(CELL, CELL, robot_shapes(level.colors_and_widths, 0, 0)))
-    title = level.title or level.name or "Level"
     return Template(_static("page.html")).substitute(
-        title=escaped(title),
-        description=_paragraph(level.description),
+        title=escaped(title_of(level)),
+        description=escaped(data["description"]),
         policy=_security_policy(style, script),
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
         style=style,
         script=script,
-        picture=_picture(level, guide, poses, values=values, arrows=arrows),
-        best=_best(guide),
-        controls="\n".join(_controls(watched, guide, values=values, arrows=arrows)),
-        facts="\n".join(_facts(level)),
+        picture=_picture(level, guide, data["shown"]),
+        facts="\n".join(_fact_rows(level)),
+        common=embedded_json(common),
         data=embedded_json(data),
     )
 
@@ -116,85 +100,26 @@ def embedded_json(data: Any) -> str:
     return text
 
 
-def _picture(
-    level: Level, guide: Guide | None, poses: Sequence[Pose], *, values: bool, arrows: bool
-) -> str:
-    """Return the scene, its layers as groups, and the robot in all poses that the tables need."""
+def _picture(level: Level, guide: Guide | None, shown: list[str]) -> str:
+    """Return the picture that is seen where no script runs."""
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
     scene = layers["base"]
+    names = ["base", "grid", *(LAYERS[name] for name in shown)]
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
         f'width="{number(scene.width)}" height="{number(scene.height)}" role="img" '
         f'font-family="{FONT}" stroke-linejoin="round">',
         f"<title>{escaped(scene.title)}</title>",
-        "<defs>",
-        *_sprites(level, poses),
-        "</defs>",
-        elements(layers["base"].shapes),
-        elements(layers["grid"].shapes),
+        *(elements(layers[name].shapes) for name in names),
+        "</svg>",
     ]
-    for name, layer, is_shown in (("policy", "underlay", arrows), ("values", "overlay", values)):
-        hidden = "" if is_shown else ' class="hidden"'
-        parts += [f'<g id="{name}"{hidden}>', elements(layers[layer].shapes), "</g>"]
-    parts.append('<g id="robot"><use width="64" height="64"/></g>')
-    parts.append("</svg>")
     return "\n".join(part for part in parts if part)
 
 
-def _sprites(level: Level, poses: Sequence[Pose]) -> Iterator[str]:
-    for index, pose in enumerate(poses):
-        for phase in range(PHASES):
-            shown = Pose(pose.facing, pose.mood, phase / PHASES)
-            shapes = robot_shapes(level.colors_and_widths, 0, 0, shown)
-            yield f'<symbol id="pose-{index}-{phase}">\n{elements(shapes)}\n</symbol>'
-
-
-def _controls(
-    walker: Walker | None, guide: Guide | None, *, values: bool, arrows: bool
-) -> Iterator[str]:
-    if walker is not None:
-        label = "Watch the best policy" if walker == "best" else "Watch a random walk"
-        yield (
-            '<button type="button" class="wide" id="watch" data-control="watch" '
-            f'aria-pressed="false">{label} <kbd>P</kbd></button>'
-        )
-    if guide is not None:
-        for name, label, key, shown in (
-            ("values", "Values", "V", values),
-            ("policy", "Best moves", "B", arrows),
-        ):
-            yield (
-                f'<button type="button" id="show-{name}" data-control="{name}" '
-                f'aria-pressed="{str(shown).lower()}">{label} <kbd>{key}</kbd></button>'
-            )
-
-
-def _best(guide: Guide | None) -> str:
-    if guide is None or not math.isfinite(guide.expected_return):
-        return ""
-    told = number(guide.expected_return).replace("-", "\N{MINUS SIGN}")
-    return f'<div class="best"><dt>Best average</dt><dd>{told}</dd></div>'
-
-
-def _facts(level: Level) -> Iterator[str]:
-    width, height = level.size
-    facts = {
-        "Level": level.name,
-        "Size": f"{width} × {height}",
-        "Author": level.author,
-        "Source": level.source,
-        "License": level.license,
-        "Time limit": f"{level.max_steps} steps" if level.max_steps is not None else None,
-        "Digest": level.digest,
-    }
-    for name, text in facts.items():
-        if text:
-            yield f"<dt>{name}</dt><dd><bdi>{escaped(text)}</bdi></dd>"
-
-
-def _paragraph(text: str | None) -> str:
-    return f"<p><bdi>{escaped(text.strip())}</bdi></p>" if text and text.strip() else ""
+def _fact_rows(level: Level) -> Iterator[str]:
+    for name, text in facts(level):
+        yield f"<dt>{name}</dt><dd><bdi>{escaped(text)}</bdi></dd>"
 
 
 def _security_policy(style: str, script: str) -> str:

@@ -6,22 +6,33 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.actions import NUM_ACTIONS, Action
 from babyrobot_levels.mdp import GLASS, REFUSED
-from babyrobot_levels.scene.layout import CELL, layout_of
+from babyrobot_levels.scene.layout import layout_of
 from babyrobot_levels.scene.pose import STANDING, Mood, Pose, pose_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
     from babyrobot_levels.mdp import Mdp
 
-FORMAT, VERSION = "babyrobot-page", 1
-"""What the data says of itself."""
-
 EVENTS = ("stay", "move", "carried", "bump", "skid", "bounce")
 """What a step can come to: warps and wind carry the robot, walls bump him, glass bounces him."""
+
+CHEER = 1
+"""The number of the pose at an exit."""
+
+POSES = (
+    STANDING,
+    Pose(mood=Mood.CHEER),
+    *(Pose(action) for action in Action if action is not Action.STAY),
+    *(Pose(action, Mood.SLIP) for action in Action),
+)
+"""All poses that a step can lead to, as outcomes number them; the first is that of the start."""
 
 PHASES = 4
 """The number of pictures of the robot on his way from cell to cell."""
 
+Row = tuple[float | int, ...]
+
+_NUMBERS = {pose: number for number, pose in enumerate(POSES)}
 _SHIFTS = {
     Action.NORTH: (0, -1),
     Action.EAST: (1, 0),
@@ -30,13 +41,14 @@ _SHIFTS = {
 }
 
 
-def playable(level: Level) -> tuple[dict[str, Any], list[Pose]]:
-    """Return the data, which JSON can hold, and the poses that it numbers.
+def playable(level: Level) -> dict[str, Any]:
+    """Return the data, which JSON can hold.
 
-    `outcomes` holds for each state and action all that can happen, in one list of six numbers
-    each: probability, next state, reward, terminal, and the numbers of event and pose. It is
-    None where the episode is over. `possible` has a bit for each action, and `cheer` is the pose
-    at an exit; pose 0 is that of the start. Lengths are those of the scene.
+    `rows` are the different things that an action can come to, and `table` says for each state and
+    action (`NUM_ACTIONS * state + action`) which row it is: -1 where the episode is over. A row is
+    one list of six numbers for each outcome: probability, how much larger the number of the next
+    state is, reward, terminal, and the numbers of event and pose. `possible` has a bit for each
+    action. Lengths are those of the scene.
 
     Args:
         level: the level; a maze needs a seed.
@@ -45,41 +57,36 @@ def playable(level: Level) -> tuple[dict[str, Any], list[Pose]]:
         LevelError: the maze has no seed yet (`seed: random`).
     """
     mdp = level.compile()
-    poses = {STANDING: 0, Pose(mood=Mood.CHEER): 1}
-    outcomes = [
-        None if over else [_outcomes(mdp, state, action, poses) for action in range(NUM_ACTIONS)]
-        for state, over in enumerate(mdp.over.tolist())
-    ]
-    data = {
-        "format": FORMAT,
-        "version": VERSION,
+    rows: dict[Row, int] = {}
+    table: list[int] = []
+    for state, over in enumerate(mdp.over.tolist()):
+        for action in range(NUM_ACTIONS):
+            row = None if over else tuple(_row(mdp, state, action))
+            table.append(-1 if row is None else rows.setdefault(row, len(rows)))
+    return {
         "width": mdp.width,
         "height": mdp.height,
-        "cell": CELL,
-        "margin": layout_of(level).margin,
-        "speed": level.display.robot.speed,
-        "phases": PHASES,
-        "cheer": 1,
+        "margin": _short(layout_of(level).margin),
+        "speed": _short(level.display.robot.speed),
         "starts": mdp.start.nonzero()[0].tolist(),
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
+        "rows": [list(row) for row in rows],
+        "table": table,
         "possible": [
             sum(possible << action for action, possible in enumerate(row))
             for row in mdp.possible.tolist()
         ],
-        "events": EVENTS,
-        "outcomes": outcomes,
     }
-    return data, list(poses)
 
 
-def _outcomes(mdp: Mdp, state: int, action: int, poses: dict[Pose, int]) -> list[float | int]:
+def _row(mdp: Mdp, state: int, action: int) -> list[float | int]:
     row: list[float | int] = []
     for probability, next_state, reward, terminal in mdp.outcomes(state, action):
         event = _event(mdp, state, action, next_state)
         pose = pose_of(state, next_state, action, mdp.width, skidded=event == "skid")
-        row += [probability, next_state, _short(reward), int(terminal)]
-        row += [EVENTS.index(event), poses.setdefault(pose, len(poses))]
+        row += [_short(probability), next_state - state, _short(reward), int(terminal)]
+        row += [EVENTS.index(event), _NUMBERS[pose]]
     return row
 
 
@@ -99,4 +106,4 @@ def _event(mdp: Mdp, state: int, action: int, next_state: int) -> str:
 
 
 def _short(value: float) -> float | int:
-    return int(value) if value.is_integer() else value
+    return int(value) if float(value).is_integer() else value

@@ -9,84 +9,18 @@ from typing import Any
 import numpy as np
 import pytest
 from playwright.sync_api import Browser, Page, expect
+from support.playground import KEYS, Playground, guide
 
 from babyrobot_levels.actions import Action
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.render.page import Guide, to_html
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.solver.optimum import solve
-
-KEYS = [" ", "ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft"]
-"""The keys of the actions."""
+from babyrobot_levels.render.page import to_html
 
 FAST = {"robot": {"speed": 100}}
 
 
 def level(**fields: Any) -> Any:
     return from_mapping({"version": 1, **fields})
-
-
-def guide(world: Any) -> Guide:
-    solution = solve(world)
-    values = solution.values.tolist()
-    actions = [[() if best < 0 else (best,) for best in row] for row in solution.policy.tolist()]
-    policy = solution.policy.ravel().tolist()
-    return Guide(policy, Overlay(values=values, actions=actions), solution.expected_return)
-
-
-class Playground:
-    """A page of a level that is open in the browser."""
-
-    def __init__(self, page: Page, folder: Path) -> None:
-        self.page, self._path = page, folder / "page.html"
-        self.faults: list[str] = []
-        page.on("console", lambda message: self.faults.append(message.text))
-        page.on("pageerror", lambda error: self.faults.append(str(error)))
-        page.on("request", lambda request: self._note(request.url))
-
-    def _note(self, address: str) -> None:
-        if not address.startswith(("file:", "data:")):
-            self.faults.append(f"asks for {address}")
-
-    def open(self, world: Any, **options: Any) -> None:
-        self._path.write_text(to_html(world, **options), encoding="utf-8")
-        self.page.goto(self._path.as_uri())
-
-    def press(self, *keys: str) -> None:
-        for key in keys:
-            self.page.keyboard.press(key)
-
-    @property
-    def state(self) -> int:
-        return int(self.page.locator("#robot").get_attribute("data-state") or -1)
-
-    @property
-    def message(self) -> str:
-        return self.page.locator("#message").inner_text()
-
-    @property
-    def kind(self) -> str | None:
-        return self.page.locator("#message").get_attribute("data-kind")
-
-    def number(self, name: str) -> float:
-        return float(self.page.locator(f"#{name}").inner_text().replace("\N{MINUS SIGN}", "-"))
-
-    @property
-    def corner(self) -> tuple[float, float]:
-        """The place of the robot, in cells."""
-        left, top = self.page.evaluate(
-            "() => { const m = document.querySelector('#robot').transform.baseVal[0].matrix;"
-            " return [m.e, m.f] }"
-        )
-        margin = 3  # That of the theme: half of the border, rounded up.
-        return (left - margin) / 64, (top - margin) / 64
-
-    def wait_until_there(self) -> None:
-        x, y = self.state % 4, self.state // 4
-        left, top = 64 * x + 3, 64 * y + 3
-        place = f"translate({left:.2f} {top:.2f})"
-        expect(self.page.locator("#robot")).to_have_attribute("transform", place)
 
 
 @pytest.fixture
@@ -425,7 +359,7 @@ def test_it_follows_light_and_dark(browser: Browser, tmp_path: Path) -> None:
 
 def test_without_scripts_there_is_the_picture(browser: Browser, tmp_path: Path) -> None:
     context = browser.new_context(java_script_enabled=False)
-    ground = Playground(context.new_page(), tmp_path)
+    ground = Playground(context.new_page(), tmp_path, has_scripts=False)
     ground.open(WORLD)
     expect(ground.page.locator("#stage svg[role=img]")).to_be_visible()
     expect(ground.page.get_by_text("This page needs JavaScript")).to_be_visible()

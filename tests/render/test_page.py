@@ -16,9 +16,10 @@ from babyrobot_levels.actions import Action
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.page import Guide, embedded_json, to_html
-from babyrobot_levels.render.playable import EVENTS, playable
+from babyrobot_levels.render.playable import CHEER, EVENTS, POSES, playable
 from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.pose import Mood, Pose
+from babyrobot_levels.scene.pose import Mood, Pose, pose_of
+from babyrobot_levels.scene.robot import robot_shapes
 
 VOID = {"meta", "link", "input"}
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
@@ -71,8 +72,12 @@ class Reader(HTMLParser):
         ]
 
 
-def data_of(page: str) -> Any:
+def common_of(page: str) -> Any:
     return json.loads(Reader(page).texts["script"][0])
+
+
+def data_of(page: str) -> Any:
+    return json.loads(Reader(page).texts["script"][1])
 
 
 # -- one file ----------------------------------------------------------------------------------
@@ -84,7 +89,7 @@ def test_every_element_is_closed_and_every_id_is_there_once(guide: Guide | None)
     assert page.open == []
     ids = [attributes["id"] for _, attributes in page.elements if "id" in attributes]
     assert len(ids) == len(set(ids))
-    assert {"stage", "robot", "message", "steps", "return", "seed", "data"} <= set(ids)
+    assert {"stage", "message", "notice", "steps", "return", "seed", "common", "data"} <= set(ids)
 
 
 def test_it_loads_nothing() -> None:
@@ -111,11 +116,11 @@ def test_its_policy_allows_its_own_style_and_script_and_nothing_else() -> None:
         return f"'sha256-{base64.b64encode(digest).decode()}'"
 
     assert rules["style-src"] == hashed(page.texts["style"][0])
-    assert rules["script-src"] == hashed(page.texts["script"][1])
+    assert rules["script-src"] == hashed(page.texts["script"][2])
     # Nothing else is a script or a style: neither elements nor attributes.
-    assert len(page.find("script")) == 2
+    assert len(page.find("script")) == 3
     assert page.find("script", type="application/json") == [
-        {"type": "application/json", "id": "data"}
+        {"type": "application/json", "id": name} for name in ("common", "data")
     ]
     for _, attributes in page.elements:
         assert not [name for name in attributes if name == "style" or name.startswith("on")]
@@ -172,6 +177,12 @@ def test_texts_that_no_document_can_hold(text: str) -> None:
 # -- what it holds -----------------------------------------------------------------------------
 
 
+def outcomes(data: Any, state: int, action: int) -> list[tuple[Any, ...]]:
+    """Return the outcomes of an action, six numbers each."""
+    row = data["rows"][data["table"][5 * state + action]]
+    return [tuple(row[at : at + 6]) for at in range(0, len(row), 6)]
+
+
 @pytest.mark.parametrize("name", ["final-maze", "frozen-lake", "windy-gridworld", "glasshouse"])
 def test_its_tables_are_the_compiled_ones(name: str) -> None:
     world = load(name)
@@ -179,28 +190,30 @@ def test_its_tables_are_the_compiled_ones(name: str) -> None:
     assert (data["width"], data["height"]) == world.size
     assert data["starts"] == np.flatnonzero(mdp.start).tolist()
     for state in range(mdp.num_states):
-        rows = data["outcomes"][state]
-        assert (rows is None) == bool(mdp.over[state])
+        assert (data["table"][5 * state] == -1) == bool(mdp.over[state])
         for action in Action:
             assert data["possible"][state] >> action & 1 == mdp.possible[state, action]
-            if rows is not None:
-                row = rows[action]
-                told = [tuple(row[at : at + 4]) for at in range(0, len(row), 6)]
-                assert told == [(p, s, r, int(t)) for p, s, r, t in mdp.outcomes(state, action)]
+            if not mdp.over[state]:
+                told = [
+                    (chance, state + shift, reward, bool(terminal))
+                    for chance, shift, reward, terminal, _, _ in outcomes(data, state, action)
+                ]
+                assert told == mdp.outcomes(state, action)
 
 
 def test_the_data_says_who_walks_and_how() -> None:
     world = level(size=[3, 1], max_steps=7, display={"robot": {"speed": 2}})
     data = data_of(to_html(world, guide=GUIDE, walker="random", seed=2**70))
-    assert (data["format"], data["version"]) == ("babyrobot-page", 1)
     assert (data["walker"], data["policy"], data["seed"]) == ("random", [2, 2, -1], str(2**70))
     assert (data["max_steps"], data["speed"], data["exits"]) == (7, 2, [2])
 
 
 def events(world: Any, state: int, action: Action) -> dict[int, str]:
     """Return what can come of an action: what happened, by the state that it led to."""
-    row = playable(world)[0]["outcomes"][state][action]
-    return {row[at + 1]: EVENTS[row[at + 4]] for at in range(0, len(row), 6)}
+    return {
+        state + shift: EVENTS[event]
+        for _, shift, _, _, event, _ in outcomes(playable(world), state, action)
+    }
 
 
 def test_it_says_what_happened() -> None:
@@ -232,49 +245,51 @@ def test_the_wind_carries() -> None:
     assert events(world, 33, Action.EAST) == {24: "carried"}
 
 
-def test_there_is_a_picture_for_every_pose_of_the_tables() -> None:
-    world = load("final-maze")
-    data, poses = playable(world)
-    numbers = {
-        row[at + 5]
-        for rows in data["outcomes"] if rows for row in rows for at in range(0, len(row), 6)
-    }  # fmt: skip
-    assert numbers <= set(range(len(poses)))
-    assert (poses[0], poses[data["cheer"]]) == (Pose(), Pose(mood=Mood.CHEER))
-    symbols = {str(found["id"]) for found in Reader(to_html(world)).find("symbol")}
-    assert symbols == {
-        f"pose-{number}-{phase}" for number in range(len(poses)) for phase in range(data["phases"])
-    }
+def test_every_outcome_has_the_pose_of_the_pictures() -> None:
+    world = level(size=[3, 3], start=[1, 1], exit=[2, 2], puddles=[{"at": [1, 1]}])
+    data = playable(world)
+    seen = set()
+    for action in Action:
+        for _, shift, _, _, event, number in outcomes(data, 4, action):
+            skidded = EVENTS[event] == "skid"
+            assert POSES[number] == pose_of(4, 4 + shift, action, 3, skidded=skidded)
+            seen.add(POSES[number].mood)
+    assert seen == {Mood.CALM, Mood.SLIP}
+    assert (POSES[0], POSES[CHEER]) == (Pose(), Pose(mood=Mood.CHEER))
+
+
+def test_every_pose_has_its_pictures() -> None:
+    common = common_of(to_html(ROW))
+    assert [len(phases) for phases in common["sprites"]] == [common["phases"]] * len(POSES)
+    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.colors_and_widths, 0, 0))
+    assert common["palette"].count("robot") == common["palette"].count("puddle") == 1
 
 
 # -- what it shows -----------------------------------------------------------------------------
 
 
 def test_values_and_best_moves_are_there_and_shown_when_asked() -> None:
-    def hidden(page: str) -> list[bool]:
-        return [
-            Reader(page).find("g", id=name)[0].get("class") == "hidden"
-            for name in ("values", "policy")
-        ]
+    def shown(page: str) -> tuple[list[str], bool]:
+        return data_of(page)["shown"], "-1" in Reader(page).texts["text"]
 
-    assert hidden(to_html(ROW, guide=GUIDE)) == [True, True]
-    assert hidden(to_html(ROW, guide=GUIDE, values=True)) == [False, True]
-    assert hidden(to_html(ROW, guide=GUIDE, arrows=True)) == [True, False]
-    assert "-1" in Reader(to_html(ROW, guide=GUIDE)).texts["text"]
+    assert shown(to_html(ROW, guide=GUIDE)) == ([], False)
+    assert shown(to_html(ROW, guide=GUIDE, values=True)) == (["values"], True)
+    assert shown(to_html(ROW, guide=GUIDE, arrows=True)) == (["policy"], False)
+    layers = data_of(to_html(ROW, guide=GUIDE))["picture"]["layers"]
+    assert layers["policy"]
+    assert layers["values"]
 
 
-def test_a_level_without_an_answer_has_no_buttons_for_it() -> None:
-    controls = [found.get("data-control") for found in Reader(to_html(ROW)).find("button")]
-    assert not {"watch", "values", "policy"} & set(controls)
-    assert {"north", "east", "south", "west", "stay", "restart"} <= set(controls)
-    watching = Reader(to_html(ROW, walker="random")).find("button", id="watch")
-    assert len(watching) == 1
+def test_a_level_without_an_answer_has_nothing_of_it() -> None:
+    data = data_of(to_html(ROW))
+    assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
+    assert data["picture"]["layers"]["policy"] == data["picture"]["layers"]["values"] == []
+    assert data_of(to_html(ROW, walker="random"))["walker"] == "random"
 
 
 def test_an_infinite_return_is_not_told_as_a_number() -> None:
-    page = to_html(ROW, guide=Guide([2, 2, -1], Overlay(), float("inf")))
-    assert "inf" not in Reader(page).texts["dd"]
-    assert "Best average" not in page
+    assert data_of(to_html(ROW, guide=GUIDE))["best"] == "\N{MINUS SIGN}1"
+    assert data_of(to_html(ROW, guide=Guide([2, 2, -1], Overlay(), float("inf"))))["best"] == ""
 
 
 def test_it_says_what_level_it_is() -> None:

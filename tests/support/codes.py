@@ -1,11 +1,13 @@
-"""Share codes made by hand: with whatever data, and with the right checksum for them."""
+"""Codes and links made by hand: with whatever data, and with the right checksum for them."""
 
 from __future__ import annotations
 
 import base64
+import json
 import zlib
+from typing import Any
 
-from babyrobot_levels.share_dictionary import DICTIONARY_1
+from babyrobot_levels.share_dictionary import DICTIONARY_1, PLAY_DICTIONARY_1
 
 
 def packed(data: bytes) -> bytes:
@@ -24,3 +26,21 @@ def sealed(stream: bytes) -> str:
 def code_of(data: bytes) -> str:
     """Return the code whose packed data are these bytes."""
     return sealed(packed(data))
+
+
+CODE = "brl1.24.R4BZv8Oakkoy8yqVkLIv0EYA"
+"""Some code."""
+
+
+def played(data: Any, code: str = CODE) -> str:
+    """Return the fragment of a link whose page is to play these data."""
+    told = json.dumps(data, ensure_ascii=False, separators=(",", ":")).encode()
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15, 9, zdict=PLAY_DICTIONARY_1)
+    return play_sealed(packer.compress(told) + packer.flush(), code)
+
+
+def play_sealed(stream: bytes, code: str = CODE) -> str:
+    """Return the fragment of a link whose play part has a stream of bytes, whatever they are."""
+    checksum = zlib.crc32(stream, zlib.crc32(code.encode()))
+    body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + stream).decode().rstrip("=")
+    return f"{code}~1.{len(body)}.{body}"

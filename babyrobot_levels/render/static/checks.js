@@ -1,0 +1,112 @@
+// Checks of what a link says of a level: nothing is played or painted that could not be one.
+const MOST_SHAPES = 200000;
+const MOST_PLACES = 6e6; // Numbers in all paths together.
+const MOST_OUTCOMES = 2e7; // Numbers in the rows of all states and actions together.
+const FARTHEST = 1e8; // In tenths of a pixel.
+
+/** What is wrong with a link, in words for people. */
+class LinkFault extends Error {}
+
+const NOT_A_LEVEL = "This link is damaged: what it holds is no level.";
+
+/** Go on only where something holds. */
+function need(holds) {
+  if (!holds) throw new LinkFault(NOT_A_LEVEL);
+}
+
+/** Return a whole number, if it is one, from `least` to `most`. */
+function whole(value, least = -FARTHEST, most = FARTHEST) {
+  need(Number.isInteger(value) && value >= least && value <= most);
+  return value;
+}
+
+function list(value, most = Infinity, least = 0) {
+  need(Array.isArray(value) && value.length >= least && value.length <= most);
+  return value;
+}
+
+function text(value) {
+  need(typeof value === "string");
+  return value;
+}
+
+/** Return a colour: six or eight digits, and nothing else. */
+function color(value) {
+  need(/^#[0-9a-f]{6}(?:[0-9a-f]{2})?$/.test(text(value)));
+  return value;
+}
+
+/** Return the data of a level, if a game can be played with it. */
+function checked(data) {
+  need(data !== null && typeof data === "object");
+  checkTexts(data);
+  const cells = whole(data.width, 1, COMMON.max_cells) * whole(data.height, 1, COMMON.max_cells);
+  need(cells <= COMMON.max_cells);
+  for (const cell of list(data.starts, cells, 1)) whole(cell, 0, cells - 1);
+  for (const cell of list(data.exits, cells)) whole(cell, 0, cells - 1);
+  if (data.max_steps !== null) whole(data.max_steps, 1, Infinity);
+  need(Number.isFinite(data.margin) && data.margin >= 0 && data.margin <= 1000);
+  need(Number.isFinite(data.speed) && data.speed > 0 && data.speed <= 100);
+  checkRows(data.rows, cells);
+  checkTable(data, cells);
+  checkAdvice(data, cells);
+  return data;
+}
+
+function checkTexts({ title, description, best, seed, facts, shown, robot }) {
+  for (const told of [title, description, best, seed]) text(told);
+  need(/^[0-9]{1,40}$/.test(seed));
+  for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
+  for (const name of list(shown, 2)) need(name === "values" || name === "policy");
+  list(robot, COMMON.robot.length, COMMON.robot.length).forEach(color);
+}
+
+/** Rows: what an action can come to, with probabilities that make one. */
+function checkRows(rows, cells) {
+  for (const row of list(rows, 5 * cells, 1)) {
+    list(row, Infinity, OUTCOME_LENGTH);
+    need(row.length % OUTCOME_LENGTH === 0);
+    let sum = 0;
+    for (let at = 0; at < row.length; at += OUTCOME_LENGTH) {
+      const [probability, shift, reward, isOver, event, pose] = row.slice(at, at + OUTCOME_LENGTH);
+      need(Number.isFinite(probability) && probability > 0 && probability <= 1);
+      need(Number.isFinite(reward));
+      whole(shift, -cells, cells);
+      whole(isOver, 0, 1);
+      whole(event, 0, COMMON.events.length - 1);
+      whole(pose, 0, COMMON.sprites.length - 1);
+      sum += probability;
+    }
+    need(Math.abs(sum - 1) < 1e-6);
+  }
+}
+
+/** The table: each state and action has its row, and no way leads out of the level. */
+function checkTable({ rows, table, starts, possible }, cells) {
+  list(table, 5 * cells, 5 * cells);
+  list(possible, cells, cells);
+  for (const row of table) whole(row, -1, rows.length - 1);
+  const isOver = (state) => table[5 * state] === -1;
+  need(!starts.some(isOver));
+  let outcomes = 0;
+  for (let state = 0; state < cells; state++) {
+    whole(possible[state], isOver(state) ? 0 : 1, 31);
+    for (let action = 0; action < 5; action++) {
+      const number = table[5 * state + action];
+      need((number === -1) === isOver(state));
+      const row = number === -1 ? [] : rows[number];
+      outcomes += row.length;
+      need(outcomes <= MOST_OUTCOMES);
+      for (let at = 0; at < row.length; at += OUTCOME_LENGTH) {
+        const next = whole(state + row[at + 1], 0, cells - 1);
+        need(row[at + 3] === 1 || !isOver(next));
+      }
+    }
+  }
+}
+
+function checkAdvice({ policy, walker }, cells) {
+  need(walker === null || walker === "random" || (walker === "best" && policy !== null));
+  if (policy === null) return;
+  for (const action of list(policy, cells, cells)) whole(action, -1, 4);
+}

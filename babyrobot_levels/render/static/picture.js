@@ -1,0 +1,126 @@
+// The picture: the level, where the robot is in it, and how he gets there.
+const SHIFTS = [[0, 0], [0, -1], [1, 0], [0, 1], [-1, 0]];
+const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
+const CELLS = [22, 112]; // The smallest and the largest cells, in pixels.
+
+/** Return the picture of a level as an SVG element. */
+function levelPicture({ title, picture, robot, shown }) {
+  need(picture !== null && typeof picture === "object");
+  const { layers, palette } = picture;
+  need(layers !== null && typeof layers === "object");
+  const [width, height] = [whole(picture.width, 1, 1e7), whole(picture.height, 1, 1e7)];
+  list(palette, 100000).forEach(color);
+  const painter = new Painter(palette);
+  const layer = (name) => painter.layer(layers[name]);
+  const hidden = (name) => ({ id: name, class: shown.includes(name) ? undefined : "hidden" });
+  return element("svg", {
+    viewBox: `0 0 ${width} ${height}`,
+    width,
+    height,
+    role: "img",
+    "font-family": FONT,
+    "stroke-linejoin": "round",
+  },
+  element("title", {}, title),
+  element("defs", {}, ...sprites(robot)),
+  ...layer("base"),
+  ...layer("grid"),
+  element("g", hidden("policy"), ...layer("policy")),
+  element("g", hidden("values"), ...layer("values")),
+  element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })));
+}
+
+/** Return the robot in all poses and on all his ways, in the colours of a level. */
+function sprites(robot) {
+  const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
+  const painter = new Painter(palette);
+  return COMMON.sprites.flatMap((phases, pose) => phases.map((layer, phase) =>
+    element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer(layer))));
+}
+
+/** The picture of a game on its stage. */
+class Picture {
+  constructor(game, svg, stage) {
+    this.game = game;
+    this.stage = stage;
+    this.robot = svg.querySelector("#robot");
+    this.sprite = this.robot.querySelector("use");
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    this.running = null;
+    stage.replaceChildren(svg);
+    this.fit(svg);
+  }
+
+  /** Make the picture as large as there is room, in reason; a larger one is scrolled. */
+  fit(svg) {
+    const { width, height } = svg.viewBox.baseVal;
+    const [least, most] = CELLS.map((pixels) => (pixels * width) / COMMON.cell);
+    const room = `min(100%, max(50vh, 100vh - 17rem) * ${(width / height).toFixed(3)})`;
+    svg.style.width = `clamp(${least.toFixed(0)}px, ${room}, ${most.toFixed(0)}px)`;
+  }
+
+  /** Show the robot at a place, in a pose, so far between two places. */
+  draw([x, y], pose, phase = 0) {
+    const { margin } = this.game.data;
+    const left = margin + x * COMMON.cell;
+    const top = margin + y * COMMON.cell;
+    const number = Math.round(phase * COMMON.phases) % COMMON.phases;
+    this.robot.setAttribute("transform", `translate(${left.toFixed(2)} ${top.toFixed(2)})`);
+    this.sprite.setAttribute("href", `#pose-${pose}-${number}`);
+  }
+
+  stand(state, pose = 0) {
+    this.stop();
+    this.robot.dataset.state = state;
+    this.draw(this.game.place(state), pose);
+    this.follow();
+  }
+
+  stop() {
+    cancelAnimationFrame(this.running);
+    this.running = null;
+  }
+
+  /** Let the robot go where a step led, and call `then` when he is there. */
+  go({ from, action, next, event, pose, after }, then) {
+    const start = this.game.place(from);
+    const end = this.game.place(next);
+    const shift = [end[0] - start[0], end[1] - start[1]];
+    const duration = this.calm.matches ? 0 : GLIDE / this.game.data.speed;
+    const toWall = event === "bump" || (event === "bounce" && from === next);
+    this.stop();
+    this.robot.dataset.state = next;
+    let begin = null;
+    const frame = (now) => {
+      begin ??= now;
+      const phase = duration ? Math.min(1, (now - begin) / duration) : 1;
+      const eased = phase * phase * (3 - 2 * phase);
+      const reach = toWall ? 0.13 * Math.sin(Math.PI * phase) : eased;
+      const [dx, dy] = toWall ? SHIFTS[action] : shift;
+      const isThere = phase === 1;
+      const place = isThere ? end : [start[0] + reach * dx, start[1] + reach * dy];
+      this.draw(place, isThere ? after : pose, isThere || from === next ? 0 : phase);
+      this.running = isThere ? null : requestAnimationFrame(frame);
+      if (isThere) {
+        this.follow();
+        then();
+      }
+    };
+    this.running = requestAnimationFrame(frame);
+  }
+
+  /** Scroll so that the robot is seen: large levels do not fit. */
+  follow() {
+    const frame = this.stage.getBoundingClientRect();
+    const robot = this.robot.getBoundingClientRect();
+    const margin = 1.5 * robot.width;
+    const isSeen = robot.left > frame.left + margin && robot.right < frame.right - margin &&
+      robot.top > frame.top + margin && robot.bottom < frame.bottom - margin;
+    if (isSeen) return;
+    this.stage.scrollTo({
+      left: this.stage.scrollLeft + robot.left - frame.left - (frame.width - robot.width) / 2,
+      top: this.stage.scrollTop + robot.top - frame.top - (frame.height - robot.height) / 2,
+      behavior: this.calm.matches ? "auto" : "smooth",
+    });
+  }
+}
