@@ -7,7 +7,9 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.engine import loops
 from babyrobot_levels.engine.draws import Draws
+from babyrobot_levels.engine.packing import SPANS, arrays_of, packed
 from babyrobot_levels.engine.robots import Record, Results, Robots
+from babyrobot_levels.engine.slots import Span
 from babyrobot_levels.engine.tables import Floats, Ints, Tables
 
 
@@ -24,45 +26,50 @@ class CompiledEngine:
             observations: what each state shows, int64 `[states, numbers]`.
             num_robots: how many there are.
         """
-        self._memory = loops.packed(tables, observations)
+        self._memory = packed(tables, observations)
+        self._sources = arrays_of(tables, observations)
+
+    def reread(self, span: Span) -> None:
+        """Take over what has been written into a slot of the tables and observations."""
+        ends = self._memory[: len(self._sources)].tolist()
+        for number, names in SPANS.items():
+            source = self._sources[number]
+            copy = self._memory[ends[number - 1] if number else len(ends) : ends[number]]
+            if source.dtype != np.bool_:  # Flags are numbers there.
+                copy = copy.view(source.dtype)
+            copy = copy.reshape(source.shape)
+            for name in names:
+                where = getattr(span, name)
+                copy[where] = source[where]
 
     def begin(self, robots: Robots, which: Ints, draws: Draws) -> None:
         """Begin new episodes for the robots of these numbers."""
         draws.position = loops.begin_all(
             which,
-            robots.state,
-            robots.level,
-            robots.deadline,
-            robots.over,
+            robots.state.size,
+            robots.memory,
             robots.clock,
-            draws.block,
+            draws.memory,
             draws.position,
             self._memory,
         )
 
     def step(self, robots: Robots, actions: Ints, draws: Draws, results: Results) -> bool:
         """Have robots act, and those whose episodes are over begin anew in the place of it."""
+        clock = robots.clock + 1
         position = loops.step(
             actions,
-            robots.state,
-            robots.level,
-            robots.deadline,
-            robots.over,
-            robots.clock + 1,
-            draws.block,
+            robots.memory,
+            clock,
+            draws.memory,
             draws.position,
             self._memory,
-            results.observations,
-            results.rewards,
-            results.terminated,
-            results.truncated,
-            results.words,
-            results.acted,
+            results.memory,
         )
         if position < 0:
             return False
         draws.position = position
-        robots.clock += 1
+        robots.clock = clock
         return True
 
     def walk(
@@ -72,11 +79,10 @@ class CompiledEngine:
         draws.position = loops.walk(
             policy,
             chances,
-            robots.state,
-            robots.level,
-            robots.deadline,
+            robots.state.size,
+            robots.memory,
             robots.clock,
-            draws.block,
+            draws.memory,
             draws.position,
             self._memory,
             record.observations,

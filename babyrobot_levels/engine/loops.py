@@ -1,4 +1,7 @@
-"""The loops of the compiled engine: Numba turns them into machine code at first use."""
+"""The loops of the compiled engine: Numba turns them into machine code at first use.
+
+All of them stand in this file, because Numba takes what it kept for a file that has not changed.
+"""
 
 from __future__ import annotations
 
@@ -9,12 +12,19 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.engine.tables import Flags, Floats, Ints, Tables, Words
+from babyrobot_levels.engine.draws import NONE
+from babyrobot_levels.engine.tables import Flags, Floats, Ints, Words
 
 if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("Numba is told not to compile")
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
+
+Drawn = NDArray[Any]
+"""What is drawn from: the `memory` of `SharedDraws`, float64 `[draws]`, or of `OwnDraws`."""
+
+LOWER = 2**32 - 1
+"""The lower half of a word."""
 
 World = tuple[Ints, Floats, Words, Ints, Ints, Floats, Ints, Words]
 """What acting reads: of `Tables`, `next_state` to `standing` in their order."""
@@ -26,35 +36,6 @@ Beginning = tuple[Ints, Ints, NDArray[np.int64], bool, bool]
 def compiled(function: _Function) -> _Function:
     """Have Numba compile a function when it is first called; the machine code is kept on disk."""
     return cast("_Function", numba.njit(cache=True, nogil=True)(function))
-
-
-def packed(tables: Tables, observations: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return all that loops read, in one array, of which `unpacked` makes the arrays again.
-
-    To hand an array over to compiled code takes as long as several robots' steps.
-
-    Args:
-        tables: what the robots walk in.
-        observations: what each state shows, int64 `[states, numbers]`.
-    """
-    arrays = (
-        tables.next_state,
-        tables.reward,
-        tables.arrival,
-        tables.chance,
-        tables.first,
-        tables.threshold,
-        tables.over.astype(np.int64),
-        tables.standing,
-        tables.starts,
-        tables.first_start,
-        tables.limit,
-        observations,
-        tables.offset,
-        np.array([tables.num_actions, tables.draws_levels, tables.draws_starts]),
-    )
-    ends = len(arrays) + np.cumsum([array.size for array in arrays])
-    return np.concatenate([ends, *(array.ravel().view(np.int64) for array in arrays)])
 
 
 @compiled
@@ -92,7 +73,41 @@ def unpacked(
 
 
 @compiled
-def settle(rows: Ints, block: Floats, position: int, world: World) -> int:
+def uniform(drawn: Drawn, position: int, robot: int) -> float:
+    """Return a robot's next draw, from 0 up to but not including 1.
+
+    Shared draws are those of `SharedDraws`, and the caller counts them with `position`; others
+    those of `OwnDraws`. Which of them there are, Numba knows when it compiles.
+    """
+    if drawn.ndim == 1:
+        return float(drawn[position])
+    column = drawn[robot, 0]
+    drawn[robot, 0] = column + 1
+    return float((np.uint64(drawn[robot, column]) >> np.uint64(11)) * 2.0**-53)
+
+
+@compiled
+def below(drawn: Drawn, position: int, robot: int, count: int) -> int:
+    """Return a whole number below a count, as `SharedDraws` and `OwnDraws` draw it."""
+    if drawn.ndim == 1:
+        return int(drawn[position] * count)
+    if count == 1:
+        return 0
+    while True:
+        half = drawn[robot, 1]
+        drawn[robot, 1] = NONE
+        if half == NONE:
+            column = drawn[robot, 0]
+            drawn[robot, 0] = column + 1
+            half = drawn[robot, column] & LOWER
+            drawn[robot, 1] = drawn[robot, column] >> 32 & LOWER
+        product = half * count
+        if product & LOWER >= (LOWER + 1) % count:
+            return int(product >> 32)
+
+
+@compiled
+def settle(rows: Ints, drawn: Drawn, position: int, world: World) -> int:
     """Put the outcomes that are drawn in the place of rows; return the position after the draws."""
     _, _, _, chance, first, threshold, _, _ = world
     # No branch depends on chance: processors guess which way one goes, and would be wrong.
@@ -104,8 +119,9 @@ def settle(rows: Ints, block: Floats, position: int, world: World) -> int:
     for robot in which[:count]:
         number = chance[rows[robot]]
         outcome = first[number]
+        draw = uniform(drawn, position, robot)
         for further in range(threshold.shape[1] - 1):
-            outcome += block[position] >= threshold[number, further]
+            outcome += draw >= threshold[number, further]
         rows[robot] = outcome
         position += 1
     return position
@@ -118,19 +134,19 @@ def begin_one(
     level: Ints,
     deadline: NDArray[np.int64],
     clock: int,
-    block: Floats,
+    drawn: Drawn,
     position: int,
     beginning: Beginning,
 ) -> int:
     """Begin an episode and return the position after its draws."""
     starts, first_start, limit, draws_levels, draws_starts = beginning
     if draws_levels:
-        level[robot] = int(block[position] * limit.size)
+        level[robot] = int(uniform(drawn, position, robot) * limit.size)
         position += 1
     here = level[robot]
     start = first_start[here]
     if draws_starts:
-        start += int(block[position] * (first_start[here + 1] - start))
+        start += below(drawn, position, robot, first_start[here + 1] - start)
         position += 1
     state[robot] = starts[start]
     deadline[robot] = limit[here] + clock
@@ -138,21 +154,33 @@ def begin_one(
 
 
 @compiled
+def places(
+    num_robots: int, robots: NDArray[np.int64]
+) -> tuple[Ints, Ints, Ints, NDArray[np.uint8]]:
+    """Return the arrays of `Robots` in its memory; flags are bytes."""
+    return (
+        robots[:num_robots],
+        robots[num_robots : 2 * num_robots],
+        robots[2 * num_robots : 3 * num_robots],
+        robots[3 * num_robots :].view(np.uint8),
+    )
+
+
+@compiled
 def begin_all(
     which: Ints,
-    state: Ints,
-    level: Ints,
-    deadline: NDArray[np.int64],
-    over: Flags,
+    num_robots: int,
+    robots: NDArray[np.int64],
     clock: int,
-    block: Floats,
+    drawn: Drawn,
     position: int,
     memory: NDArray[np.int64],
 ) -> int:
     """Begin episodes for robots of these numbers and return the position after their draws."""
+    state, level, deadline, over = places(num_robots, robots)
     _, beginning, _, _, _ = unpacked(memory)
     for robot in which:
-        position = begin_one(robot, state, level, deadline, clock, block, position, beginning)
+        position = begin_one(robot, state, level, deadline, clock, drawn, position, beginning)
         over[robot] = False
     return position
 
@@ -160,25 +188,26 @@ def begin_all(
 @compiled
 def step(
     actions: Ints,
-    state: Ints,
-    level: Ints,
-    deadline: NDArray[np.int64],
-    over: Flags,
+    robots: NDArray[np.int64],
     clock: int,
-    block: Floats,
+    drawn: Drawn,
     position: int,
     memory: NDArray[np.int64],
-    observations: NDArray[np.int64],
-    rewards: Floats,
-    terminated: Flags,
-    truncated: Flags,
-    words: Words,
-    acted: Flags,
+    results: NDArray[np.int64],
 ) -> int:
     """Take a step and return the position after its draws, -1 if an action is none."""
     world, beginning, shown, _, num_actions = unpacked(memory)
     next_state, reward, arrival, chance, _, _, ends, standing = world
     rest = chance.size - 1
+    count, numbers = actions.size, shown.shape[1]
+    state, level, deadline, over = places(count, robots)
+    # As `Layout` lays them out.
+    end = numbers * count
+    observations = results[:end].reshape((count, numbers))
+    rewards = results[end : end + count].view(np.float64)
+    words = results[end + count : end + 2 * count].view(np.uint64)
+    flags = results[end + 2 * count :].view(np.uint8)
+    terminated, truncated, acted = flags[:count], flags[count : 2 * count], flags[2 * count :]
     # Loops of their own for what the processor can do for several robots at a time.
     wrong = False
     for action in actions:
@@ -186,31 +215,32 @@ def step(
     if wrong:
         return -1
     anew = 0
-    for robot in range(state.size):
-        acted[robot] = not over[robot]
+    for robot in range(count):
+        acted[robot] = 1 - over[robot]
         anew += over[robot]
-    rows = np.empty(state.size, np.intp)
-    for robot in range(state.size):
+    acted[count : 2 * count] = 1
+    rows = np.empty(count, np.intp)
+    for robot in range(count):
         rows[robot] = rest if over[robot] else state[robot] * num_actions + actions[robot]
-    position = settle(rows, block, position, world)
-    for robot in range(state.size):
+    position = settle(rows, drawn, position, world)
+    for robot in range(count):
         state[robot] = next_state[rows[robot]]
         rewards[robot] = reward[rows[robot]]
         words[robot] = arrival[rows[robot]]
     if anew:
-        for robot in range(state.size):
+        for robot in range(count):
             if over[robot]:
                 position = begin_one(
-                    robot, state, level, deadline, clock, block, position, beginning
+                    robot, state, level, deadline, clock, drawn, position, beginning
                 )
                 words[robot] = standing[state[robot]]
-    for robot in range(state.size):
-        terminated[robot] = ends[state[robot]] != 0
-    for robot in range(state.size):
+    for robot in range(count):
+        terminated[robot] = ends[state[robot]]
+    for robot in range(count):
         truncated[robot] = clock >= deadline[robot]
         over[robot] = terminated[robot] | truncated[robot]
-    for number in range(shown.shape[1]):
-        for robot in range(state.size):
+    for number in range(numbers):
+        for robot in range(count):
             observations[robot, number] = shown[state[robot], number]
     return position
 
@@ -219,11 +249,10 @@ def step(
 def walk(
     policy: Floats,
     chances: Floats,
-    state: Ints,
-    level: Ints,
-    deadline: NDArray[np.int64],
+    num_robots: int,
+    robots: NDArray[np.int64],
     clock: int,
-    block: Floats,
+    drawn: Drawn,
     position: int,
     memory: NDArray[np.int64],
     observations: NDArray[np.int32],
@@ -235,6 +264,7 @@ def walk(
     words: Words,
 ) -> int:
     """Take steps, as many as there are rows, and return the position after their draws."""
+    state, level, deadline, _ = places(num_robots, robots)
     world, beginning, _, offset, num_actions = unpacked(memory)
     next_state, reward, _, _, _, _, ends, standing = world
     rows = np.empty(state.size, np.intp)
@@ -250,7 +280,7 @@ def walk(
             actions[row, robot] = action
         for robot in range(state.size):
             rows[robot] = state[robot] * num_actions + actions[row, robot]
-        position = settle(rows, block, position, world)
+        position = settle(rows, drawn, position, world)
         for robot in range(state.size):
             state[robot] = next_state[rows[robot]]
             rewards[row, robot] = reward[rows[robot]]
@@ -265,6 +295,6 @@ def walk(
             for robot in range(state.size):
                 if terminations[row, robot] | truncations[row, robot]:
                     position = begin_one(
-                        robot, state, level, deadline, clock, block, position, beginning
+                        robot, state, level, deadline, clock, drawn, position, beginning
                     )
     return position

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy import add, greater_equal, multiply, ndarray
 from numpy.typing import NDArray
 
 from babyrobot_levels.engine.draws import Draws
-from babyrobot_levels.engine.robots import Record, Results, Robots
+from babyrobot_levels.engine.robots import Layout, Record, Results, Robots
+from babyrobot_levels.engine.slots import Span
 from babyrobot_levels.engine.tables import NO_LIMIT, Floats, Ints, Tables, signs_of
 
 _UNSIGNED = np.dtype(np.uintp)
+
+FEW = 256
+"""Up to so many robots, one call that checks actions and finds rows is faster than three."""
 
 
 class PlainEngine:
@@ -30,36 +35,36 @@ class PlainEngine:
         # An array is cheaper to calculate with than a number, which would become one each time.
         self._num_actions = np.array(tables.num_actions, np.intp)
         self._too_large = self._num_actions.astype(_UNSIGNED)
+        self._sizes = tables.over.size, tables.num_actions
         self._has_chance = tables.chance >= 0
         self._has_limits = bool((tables.limit < NO_LIMIT).any())
         self._flags = np.empty(num_robots, np.bool_)
 
+    def reread(self, span: Span) -> None:
+        """Take over what has been written into a slot of the tables and observations."""
+        self._has_chance[span.rows] = self._tables.chance[span.rows] >= 0
+
     def begin(self, robots: Robots, which: Ints, draws: Draws) -> None:
         """Begin new episodes for the robots of these numbers."""
-        tables = self._tables
-        drawn = draws.take(which.size * tables.draws_to_begin).reshape(which.size, -1)
-        if tables.draws_levels:
-            robots.level[which] = drawn[:, 0] * tables.limit.size
-        level = robots.level.take(which)
-        start = tables.first_start.take(level)
-        if tables.draws_starts:
-            count = tables.first_start.take(level + 1) - start
-            start += (drawn[:, -1] * count).astype(np.intp)
-        robots.state[which] = tables.starts.take(start)
-        robots.deadline[which] = tables.limit.take(level) + robots.clock
-        robots.over[which] = False
+        begin(self._tables, robots, which, draws)
 
     def step(self, robots: Robots, actions: Ints, draws: Draws, results: Results) -> bool:
         """Have robots act, and those whose episodes are over begin anew in the place of it."""
         tables, rows, state = self._tables, self._rows, robots.state
-        # Negative numbers are large ones without their sign.
-        np.less(actions.view(_UNSIGNED), self._too_large, self._flags)
-        if np.count_nonzero(self._flags) < rows.size:
-            return False
+        if rows.size <= FEW:
+            try:
+                rows = np.ravel_multi_index((state, actions), self._sizes)
+            except ValueError:
+                return False
+        else:
+            # Negative numbers are large ones without their sign.
+            greater_equal(ndarray(rows.size, _UNSIGNED, actions), self._too_large, self._flags)
+            if self._flags.nonzero()[0].size:
+                return False
+            multiply(state, self._num_actions, rows)
+            add(rows, actions, rows)
         robots.clock += 1
-        np.multiply(state, self._num_actions, rows)
-        np.add(rows, actions, rows)
-        results.acted.fill(True)
+        results.said.fill(True)
         anew = robots.over.nonzero()[0]
         if anew.size:
             results.acted[anew] = False
@@ -71,15 +76,16 @@ class PlainEngine:
         tables.reward.take(rows, out=results.rewards, mode="clip")
         tables.arrival.take(rows, out=results.words, mode="clip")
         if anew.size:
-            self.begin(robots, anew, draws)
+            begin(tables, robots, anew, draws)
             results.words[anew] = tables.standing.take(state.take(anew))
-        tables.over.take(state, out=results.terminated, mode="clip")
+        terminated, truncated = results.terminated, results.truncated
+        tables.over.take(state, out=terminated, mode="clip")
         if self._has_limits:
-            np.less_equal(robots.deadline, np.array(robots.clock), results.truncated)
-            np.logical_or(results.terminated, results.truncated, robots.over)
+            np.less_equal(robots.deadline, np.array(robots.clock), truncated)
+            np.logical_or(terminated, truncated, robots.over)
         else:
-            results.truncated.fill(False)
-            robots.over[:] = results.terminated
+            truncated.fill(False)
+            robots.over[:] = terminated
         self._observations.take(state, axis=0, out=results.observations, mode="clip")
         return True
 
@@ -89,7 +95,7 @@ class PlainEngine:
         """Have robots follow a policy, begin anew where episodes end, and note all of it."""
         tables, state, level = self._tables, robots.state, robots.level
         signs = signs_of(tables.num_actions)
-        results = Results(state.size, self._observations.shape[1], signs)
+        results = Results(Layout(state.size, self._observations.shape[1], signs))
         thresholds = np.ascontiguousarray(policy.T)
         for row in range(len(chances)):
             base = tables.offset.take(level)
@@ -106,7 +112,7 @@ class PlainEngine:
             record.next_observations[row] = state - base
             over = robots.over.nonzero()[0]
             if over.size:
-                self.begin(robots, over, draws)
+                begin(tables, robots, over, draws)
 
     def _leave_to_chance(self, rows: Ints, draws: Draws) -> None:
         """Replace rows that leave something to chance by the outcomes that are drawn."""
@@ -116,5 +122,12 @@ class PlainEngine:
             chance = tables.chance.take(rows.take(chancy))
             threshold = tables.threshold.take(chance, axis=0)
             # Repeating is cheaper than to compare arrays of different shapes.
-            drawn = draws.take(chancy.size).repeat(threshold.shape[1]).reshape(threshold.shape)
+            drawn = draws.uniform(chancy).repeat(threshold.shape[1]).reshape(threshold.shape)
             rows[chancy] = tables.first.take(chance) + (drawn >= threshold).argmin(axis=1)
+
+
+def begin(tables: Tables, robots: Robots, which: Ints, draws: Draws) -> None:
+    """Begin new episodes for the robots of these numbers."""
+    robots.state[which] = tables.starts.take(draws.starts(which, robots.level, tables))
+    robots.deadline[which] = tables.limit.take(robots.level.take(which)) + robots.clock
+    robots.over[which] = False

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.engine.arguments import checked_count, limits_of
 from babyrobot_levels.engine.choice import make_engine
-from babyrobot_levels.engine.draws import Draws
+from babyrobot_levels.engine.draws import SharedDraws
 from babyrobot_levels.engine.robots import Record, Robots
 from babyrobot_levels.engine.tables import ALWAYS, Flags, Floats, build_tables, signs_of
 from babyrobot_levels.solver.policies import read_policy
@@ -65,9 +65,10 @@ def rollout(
     anew in the same step draws it; what a policy leaves to chance, from another one.
 
     Args:
-        level: a name, a path, a mapping or a `Level`; or a list of them, of which robot i walks
-            number `i % len(level)`.
-        policy: as `brl.evaluate` takes it; of several levels, a word or a list of one for each.
+        level: a name, a path, a mapping or a `Level`; or a list of them or a suite, of which
+            robot i walks number `i % len(level)`.
+        policy: as `brl.evaluate` takes it; of several levels, a word or a list of one for each
+            that is walked.
         num_envs: how many robots there are.
         num_steps: how many steps each of them takes.
         seed: what all chance is drawn from; None for another one each time.
@@ -83,9 +84,12 @@ def rollout(
         ImportError: the compiled engine is asked for and not installed.
         ValueError: another argument has a value that it cannot have.
     """
-    several = isinstance(level, list | tuple)
-    levels = [load(each) for each in (level if several else [level])]
+    several = isinstance(level, Sequence) and not isinstance(level, str)
     size = checked_count("num_envs", num_envs)
+    if several and not isinstance(level, list | tuple):
+        # Each level of a suite has to be made, and no more are walked than there are robots.
+        level = level[:size]
+    levels = [load(each) for each in (level if several else [level])]
     steps = checked_count("num_steps", num_steps)
     first = check_actions(actions)
     if not levels:
@@ -107,16 +111,15 @@ def rollout(
     rows = min(steps, max(1, CHUNK // size))
     chances = np.zeros((rows, size))
     is_random = bool(((thresholds > 0) & (thresholds < ALWAYS)).any())
-    most = rows * size * tables.most_draws
-    draws = Draws(most)
-    draws.reserve(source, size * tables.draws_to_begin)
+    draws = SharedDraws(source, rows * size * tables.most_draws)
+    draws.reserve()
     walker.begin(robots, np.arange(size), draws)
     for begin in range(0, steps, rows):
         part = record.rows(begin, begin + rows)
         drawn = chances[: len(part.rewards)]
         if is_random:
             choosing.random(out=drawn)
-        draws.reserve(source, most)
+        draws.reserve()
         walker.walk(robots, thresholds, drawn, draws, part)
     return Rollout(
         observations=record.observations,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,18 @@ def signs_of(num_actions: int) -> np.dtype[np.void]:
             "itemsize": 8,
         }
     )
+
+
+def masks_at(standing: Words, states: Ints, num_actions: int) -> NDArray[np.int8]:
+    """Return the possible actions in states, int8 `[states, num_actions]`, as a new array.
+
+    Args:
+        standing: what `Tables` has under this name.
+        states: the states, in the numbering of the tables.
+        num_actions: how many actions there are.
+    """
+    masks: NDArray[np.int8] = standing.take(states).view(signs_of(num_actions))["mask"]
+    return masks
 
 
 ALWAYS = 2.0
@@ -105,6 +117,11 @@ class Tables:
         """How many draws a step takes at most, the beginning of the next episode included."""
         return int(self.first.size > 0) + self.draws_to_begin
 
+    def beginning_at(self, starts: Ints) -> Tables:
+        """Return tables of levels that begin at one state each, numbered as in that level alone."""
+        first_start = np.arange(starts.size + 1)
+        return replace(self, starts=self.offset[:-1] + starts, first_start=first_start)
+
     @property
     def masks(self) -> NDArray[np.int8]:
         """The possible actions, int8 `[states, num_actions]`."""
@@ -125,7 +142,7 @@ def build_tables(
     """
     offset = np.cumsum([0, *(mdp.num_states for mdp in mdps)])
     num_actions = NUM_ACTIONS - first_action
-    parts = [_outcomes(mdp, first_action, base) for mdp, base in zip(mdps, offset, strict=False)]
+    parts = [outcomes_of(mdp, first_action, base) for mdp, base in zip(mdps, offset, strict=False)]
     rest = int(offset[-1]) * num_actions
     nothing = np.zeros(1, np.uint64)
     # First the outcomes that have their rows' numbers, then that of `rest`, then those of chance.
@@ -149,7 +166,7 @@ def build_tables(
         threshold[done : done + len(rows), : rows.shape[1]] = rows
         done += len(rows)
     starts = [np.flatnonzero(mdp.start) + base for mdp, base in zip(mdps, offset, strict=False)]
-    standing = np.concatenate([_words(mdp.possible[:, first_action:]) for mdp in mdps])
+    standing = np.concatenate([words_of(mdp.possible[:, first_action:]) for mdp in mdps])
     return Tables(
         num_actions=num_actions,
         **columns,
@@ -167,7 +184,7 @@ def build_tables(
 
 
 @dataclass(frozen=True, slots=True)
-class _Outcomes:
+class Outcomes:
     """A level's outcomes, `[rows, outcomes]`, of which each row has `count` and then nothing."""
 
     count: Ints
@@ -181,7 +198,7 @@ class _Outcomes:
         return (number < self.count[:, None]) & (self.count > 1)[:, None]
 
 
-def _outcomes(mdp: Mdp, first_action: int, base: int) -> _Outcomes:
+def outcomes_of(mdp: Mdp, first_action: int, base: int) -> Outcomes:
     """Return a level's outcomes, its states numbered from `base` on."""
     rows = (slice(None), slice(first_action, None))
     width = mdp.probability.shape[2]
@@ -205,10 +222,11 @@ def _outcomes(mdp: Mdp, first_action: int, base: int) -> _Outcomes:
         "arrival": signs.view(np.uint64),
     }
     columns = {name: column.reshape(-1, width) for name, column in columns.items()}
-    return _Outcomes(count, threshold, columns)
+    return Outcomes(count, threshold, columns)
 
 
-def _words(masks: NDArray[np.int8]) -> Words:
+def words_of(masks: NDArray[np.int8]) -> Words:
+    """Return the words of standing where these actions are possible, int8 `[states, actions]`."""
     signs = np.zeros(len(masks), signs_of(masks.shape[1]))
     signs["mask"] = masks
     return signs.view(np.uint64)

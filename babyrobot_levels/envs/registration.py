@@ -2,61 +2,61 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator
 
-from babyrobot_levels.catalogue import gallery_folder, yaml_files
-from babyrobot_levels.files import ReadFault, read_source
-from babyrobot_levels.syntax.document import YamlFault
-from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.catalogue import files_in, is_suite_file
+from babyrobot_levels.places import Place, gallery_folder, pack_places
 
 NAMESPACE = "babyrobot"
 LEVEL_ID = f"{NAMESPACE}/Level-v0"
 SUITE_ID = f"{NAMESPACE}/Suite-v0"
-SINGLE = "babyrobot_levels.envs.single"
-VECTOR = "babyrobot_levels.envs.vector.env:LevelVectorEnv"
 
 
 def register_all() -> None:
-    """Register Level-v0, Suite-v0 and one id for each level of the gallery, once.
-
-    The environments check the order of calls themselves (`ResetNeeded`), so that a first
-    `render` needs no `reset`, and Gymnasium's wrapper for it is left out.
-    """
+    """Register Level-v0, Suite-v0 and an id for each level of the gallery and of packs, once."""
     # Here, because importing Gymnasium is what calls this function when ours is imported first.
     from gymnasium.envs.registration import register, registry
 
-    if LEVEL_ID in registry:
-        return
-    register(
-        LEVEL_ID,
-        entry_point=f"{SINGLE}:make_level",
-        vector_entry_point=VECTOR,
-        order_enforce=False,
-    )
-    register(SUITE_ID, entry_point="babyrobot_levels.envs.suite:make_suite", order_enforce=False)
-    for path in yaml_files(gallery_folder()):
-        data = _data(path)
-        if "kind" in data:
-            # A suite is played as `Suite-v0`.
-            continue
-        steps, maze = data.get("max_steps"), data.get("maze")
-        # Levels that grow another maze each time are played one by one.
-        grows = isinstance(maze, dict) and maze.get("seed") == "random"
+    from babyrobot_levels.envs.specs import VECTOR
+
+    if LEVEL_ID not in registry:
         register(
-            f"{NAMESPACE}/{path.stem}-v0",
-            entry_point=f"{SINGLE}:LevelEnv",
-            vector_entry_point=None if grows else VECTOR,
+            LEVEL_ID,
+            entry_point="babyrobot_levels.envs.single:make_level",
+            vector_entry_point=VECTOR,
             order_enforce=False,
-            max_episode_steps=steps if isinstance(steps, int) else None,
-            kwargs={"level": path.stem},
         )
+        register(
+            SUITE_ID,
+            entry_point="babyrobot_levels.envs.suite:make_suite",
+            vector_entry_point="babyrobot_levels.envs.vector.suite:SuiteVectorEnv",
+            order_enforce=False,
+        )
+        register_levels()
 
 
-def _data(path: Path) -> dict[str, Any]:
-    """Return what a gallery level's file says, without validating it."""
-    try:
-        data = read(read_source(path)).data
-    except (ReadFault, YamlFault):
-        return {}
-    return data if isinstance(data, dict) else {}
+def register_levels() -> None:
+    """Register an id for each level of the gallery and of packs that has none yet.
+
+    `babyrobot/NAME-v0` is a level of the gallery, `babyrobot/PACK.NAME-v0` one of a pack. A name
+    that cannot be a part of an id is left out.
+    """
+    from gymnasium.envs.registration import registry
+
+    from babyrobot_levels.envs.specs import is_id, level_spec
+
+    for name in _level_names():
+        env_id = f"{NAMESPACE}/{name.replace('/', '.')}-v0"
+        if env_id not in registry and is_id(env_id):
+            # `register` looks through all ids each time, which takes long for thousands.
+            registry[env_id] = level_spec(env_id, name)
+
+
+def _level_names() -> Iterator[str]:
+    """Yield the names of levels, as their files are called; the files are not read."""
+    for place in (Place(gallery_folder()), *pack_places()):
+        for file in files_in(place):
+            # Suites stand in `suites/`, as a rule; one elsewhere says what it is when it is made.
+            in_suites = "suites" in file.path.relative_to(place.folder).parts[:-1]
+            if not (in_suites and is_suite_file(file.path)):
+                yield file.name

@@ -157,7 +157,7 @@ class LevelEnv(RenderedEnv):
         info: dict[str, Any] = {}
         if self._given.has_random_maze:
             if maze_seed is None:
-                maze_seed = int(rng.integers(MAX_MAZE_SEED))
+                maze_seed = int(rng.random() * MAX_MAZE_SEED)
             self._enter(self._given.with_maze_seed(maze_seed))
             info["maze_seed"] = maze_seed
         else:

@@ -4,19 +4,15 @@ from __future__ import annotations
 
 import operator
 import os
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
-import numpy as np
-from gymnasium import spaces
 from gymnasium.wrappers import TimeLimit
-from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import checked_start
-from babyrobot_levels.envs.observations import Observer, make_observer
+from babyrobot_levels.envs.observations import Observer
+from babyrobot_levels.envs.padding import make_padded_observer
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.level import Level
 from babyrobot_levels.suites import Suite, load_suite
@@ -25,54 +21,6 @@ if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
-
-
-@dataclass(frozen=True, slots=True)
-class PaddedObserver:
-    """Shows the states of one level of a suite in a space that all its levels share."""
-
-    space: spaces.Space[Any]
-    at: Callable[[int], Callable[[], Any]]
-
-
-class PaddedIndexObserver:
-    """The cell's number in a level of the largest size, `y * largest width + x`."""
-
-    def __init__(self, level: Level, largest: tuple[int, int]) -> None:
-        self.columns, self.width = level.size[0], largest[0]
-        self.space = spaces.Discrete(largest[0] * largest[1])
-
-    def at(self, state: int) -> Callable[[], Any]:
-        """Return a function that gives the number."""
-        return partial(int, state // self.columns * self.width + state % self.columns)
-
-
-class PaddedImageObserver:
-    """The picture of the level, cells of all levels in one size, black where there are none."""
-
-    def __init__(
-        self,
-        level: Level,
-        largest: tuple[int, int],
-        image_size: tuple[int, int] | None,
-        grayscale: bool,
-    ) -> None:
-        from babyrobot_levels.render.frames import FramePainter, default_image_size
-
-        height, width = image_size or default_image_size(*largest)
-        self.right = max(1, round(width * level.size[0] / largest[0]))
-        self.bottom = max(1, round(height * level.size[1] / largest[1]))
-        self.painter = FramePainter(level, (self.right, self.bottom), grayscale)
-        self.space = spaces.Box(0, 255, (height, width, 1 if grayscale else 3), np.uint8)
-
-    def at(self, state: int) -> Callable[[], Any]:
-        """Return a function that paints a new picture."""
-        return partial(self._picture, state)
-
-    def _picture(self, state: int) -> NDArray[np.uint8]:
-        picture = np.zeros(self.space.shape, np.uint8)
-        picture[: self.bottom, : self.right] = self.painter.frame(state)
-        return picture
 
 
 class SuiteEnv(LevelEnv):
@@ -102,22 +50,11 @@ class SuiteEnv(LevelEnv):
             ValueError: there is no such split, no level at all, or another argument has a value
                 that it cannot have.
         """
-        loaded = load_suite(suite)
-        self._given_suite = loaded
-        self.suite = loaded if split is None else loaded.split(split)
-        if not len(self.suite):
-            raise ValueError("the suite has no levels: the slice is empty")
+        self._given_suite, self.suite = suite_and_split(suite, split)
         super().__init__(self.suite[0], **kwargs)
 
     def _new_observer(self, level: Level) -> Observer:
-        width, height = self.suite.largest
-        if self._observation == "image":
-            return PaddedImageObserver(level, (width, height), *self._image)
-        if self._observation == "index":
-            return PaddedIndexObserver(level, (width, height))
-        own = make_observer(level, self._observation, *self._image)
-        sides = [2] * 4 if self._observation == "walls" else []
-        return PaddedObserver(spaces.MultiDiscrete([width, height, *sides]), own.at)
+        return make_padded_observer(level, self.suite.largest, self._observation, *self._image)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -141,7 +78,7 @@ class SuiteEnv(LevelEnv):
         index = _checked_index(options.get("index"), len(self.suite))
         gymnasium.Env.reset(self, seed=seed)
         if index is None:
-            index = int(self.np_random.integers(len(self.suite)))
+            index = int(self.np_random.random() * len(self.suite))
         level = self.suite[index]
         checked_start(options.get("start"), level)
         self._enter(level)
@@ -156,10 +93,8 @@ class SuiteEnv(LevelEnv):
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
-        whole = len(self._given_suite) == self._given_suite.fields.count
-        if spec is not None and whole and not isinstance(spec.kwargs.get("suite"), str):
-            # A suite or a path is not JSON; what the suite says is.
-            spec.kwargs["suite"] = self._given_suite.to_dict()
+        if spec is not None:
+            spell_out_suite(spec.kwargs, self._given_suite)
         self._spec = spec
 
 
@@ -174,6 +109,34 @@ def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
 
 
 make_suite.metadata = SuiteEnv.metadata  # type: ignore[attr-defined]
+
+
+def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
+    """Return a suite, and what is played of it.
+
+    Raises:
+        SuiteNotFoundError: there is no such suite.
+        LevelError: the suite is not valid.
+        ValueError: there is no such split, or no level at all.
+    """
+    loaded = load_suite(suite)
+    played = loaded if split is None else loaded.split(split)
+    if not len(played):
+        raise ValueError("the suite has no levels: the slice is empty")
+    return loaded, played
+
+
+def spell_out_suite(given: dict[str, Any], suite: Suite) -> None:
+    """Put what a suite says, which is JSON, into the place of a suite or a path, which is not.
+
+    A part of a suite has no such form.
+
+    Args:
+        given: the arguments of an environment; changed in place.
+        suite: the suite that was loaded from them.
+    """
+    if len(suite) == suite.fields.count and not isinstance(given.get("suite"), str):
+        given["suite"] = suite.to_dict()
 
 
 def _checked_index(index: Any, count: int) -> int | None:

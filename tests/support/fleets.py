@@ -18,6 +18,9 @@ from support.worlds import level_of, worlds
 ENGINES = ("numpy", "compiled")
 MODES = tuple(AutoresetMode)
 
+DIGEST = ("level_digest", "_level_digest")
+"""Infos of single environments that begin anew; of a vector one, only `reset` has them."""
+
 
 @st.composite
 def levels(draw: DrawFn, largest: int = 5) -> Level:
@@ -112,6 +115,24 @@ def same(one: Any, other: Any) -> bool:
     return type(one) is type(other) and one == other
 
 
+def assert_same_info(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
+    """Compare infos; what nobody said, Gymnasium leaves out, and ours says of nobody.
+
+    Of several levels, ours says which one is played; single environments know only one.
+    """
+    assert set(theirs) <= set(ours)
+    for key, value in ours.items():
+        if key in ("level_index", "_level_index"):
+            continue
+        if key not in theirs:
+            said = value if key.startswith("_") else ours[f"_{key}"]
+            assert not said.any(), key
+        elif isinstance(value, dict):
+            assert_same_info(value, theirs[key])
+        else:
+            assert same(value, theirs[key]), (key, value, theirs[key])
+
+
 def copied(told: Any) -> Any:
     """Return a deep copy of what an environment told."""
     if isinstance(told, dict):
@@ -121,10 +142,10 @@ def copied(told: Any) -> Any:
     return told.copy() if isinstance(told, np.ndarray) else told
 
 
-def walked(envs: LevelVectorEnv, steps: int, seed: int = 0) -> list[Any]:
+def walked(envs: LevelVectorEnv, steps: int, seed: Any = 0) -> list[Any]:
     """Take sampled actions and return all that is told, beginning anew where that is asked for."""
     told: list[Any] = [copied(envs.reset(seed=seed))]
-    envs.action_space.seed(seed)
+    envs.action_space.seed(seed if isinstance(seed, int) else None)
     over = np.zeros(envs.num_envs, np.bool_)
     for _ in range(steps):
         if envs.metadata["autoreset_mode"] is AutoresetMode.DISABLED and over.any():

@@ -3,7 +3,8 @@
 A session file holds commands (`$ babyrobot …`), comments (`## …`) and, below each command, what it
 printed: standard output as it is, standard error behind `2> `, and the exit status if it is not 0.
 Escape characters are shown as `\\e`. Besides `babyrobot`, a session knows `cat`, `ls`, `mkdir` and
-`touch`; a command may begin with `NAME=value` and end with `< FILE`.
+`touch`; a command may begin with `NAME=value` and end with `< FILE`. `FOLDER/user` is
+the folder of a user who has packs.
 
 To write all files anew after a change that is meant, and then to read the difference:
 
@@ -26,10 +27,11 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from babyrobot_levels.catalogue import gallery_folder
+from babyrobot_levels.places import gallery_folder
 
 FOLDER = Path(__file__).parents[1] / "cli" / "expected"
 FILES = Path(__file__).parents[1] / "cli" / "files"
+USER = Path(__file__).parents[1] / "cli" / "user"
 HOME = Path(gallery_folder().parent)
 MODULE = "python -m babyrobot_levels"
 
@@ -112,6 +114,7 @@ def prepared_folder() -> Iterator[Path]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name).resolve() / "work"
         shutil.copytree(FILES, folder)
+        shutil.copytree(USER, folder.with_name("user"))
         os.chdir(folder)
         try:
             yield folder
@@ -138,7 +141,7 @@ def _run(line: str, folder: Path, runner: Runner) -> Result:
     variables = {}
     while "=" in words[0]:
         name, _, value = words.pop(0).partition("=")
-        variables[name] = value
+        variables[name] = value.replace("FOLDER", str(folder.parent))
     given = b""
     if "<" in words:
         given = Path(words[words.index("<") + 1]).read_bytes()

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gymnasium import error
 from gymnasium.vector import AutoresetMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,7 +17,7 @@ from support.playing import level_named
 
 import babyrobot_levels as brl
 from babyrobot_levels.engine.choice import make_engine
-from babyrobot_levels.engine.draws import Draws
+from babyrobot_levels.engine.draws import SharedDraws
 from babyrobot_levels.engine.tables import ALWAYS, build_tables
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
@@ -54,6 +55,33 @@ def test_both_engines_walk_the_same_way(
         return walked(envs, 30, seed % 1000)
 
     assert same(walk("numpy", copy), walk("compiled", True))
+
+
+@pytest.mark.parametrize("seed", [3, list(range(400))])
+@pytest.mark.parametrize("mode", MODES)
+def test_both_engines_walk_many_the_same_way(mode: AutoresetMode, seed: Any) -> None:
+    def walk(engine: str) -> list[Any]:
+        envs = LevelVectorEnv(
+            levels=["ice-rink", "four-corners", "frozen-lake"],
+            num_envs=400,
+            engine=engine,
+            autoreset_mode=mode,
+            max_episode_steps=20,
+        )
+        envs.reset(seed=seed)
+        sampled = np.random.default_rng(1).integers(5, size=(60, 400))
+        told: list[Any] = []
+        for actions in sampled:
+            told.append(envs.step(actions))
+            over = told[-1][2] | told[-1][3]
+            if mode is AutoresetMode.DISABLED and over.any():
+                told.append(envs.reset(options={"reset_mask": over}))
+        for wrong in (5, -1, 2**40):
+            with pytest.raises(error.InvalidAction, match=f"{wrong}, told to environment 399"):
+                envs.step([*[0] * 399, wrong])
+        return told
+
+    assert same(walk("numpy"), walk("compiled"))
 
 
 @settings(max_examples=60, deadline=None)
@@ -125,7 +153,7 @@ def test_only_those_draw_whose_action_has_several_outcomes(engine: str) -> None:
     # They stay where they are, and there is no puddle.
     for _ in range(100):
         envs.step(np.zeros(1000, int))
-    assert counting.count <= envs._draws.block.size
+    assert counting.count <= envs._draws.memory.size
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -172,9 +200,9 @@ def test_a_draw_that_is_a_threshold_falls_on_the_same_side_as_in_a_single_enviro
 
 
 def test_draws_are_those_of_the_generator_in_their_order() -> None:
-    draws, source, taken = Draws(700), np.random.default_rng(3), []
+    draws, taken = SharedDraws(np.random.default_rng(3), 700), list[float]()
     for count in (1, 700, 0, 650, 699, 13, 700) * 3:
-        draws.reserve(source, count)
+        draws.reserve()
         taken += draws.take(count).tolist()
     assert taken == np.random.default_rng(3).random(len(taken)).tolist()
 

@@ -9,33 +9,12 @@ import pytest
 from gymnasium.vector import AutoresetMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.fleets import ENGINES, MODES, Reference, levels, same
+from support.fleets import DIGEST, ENGINES, MODES, Reference, assert_same_info, levels, same
 from support.playing import CORNERS, level_named
 
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.level import Level
-
-DIGEST = ("level_digest", "_level_digest")
-"""Infos of single environments that begin anew; of a vector one, only `reset` has them."""
-
-
-def assert_same_info(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
-    """Compare infos; what nobody said, Gymnasium leaves out, and ours says of nobody.
-
-    Of several levels, ours says which one is played; single environments know only one.
-    """
-    assert set(theirs) <= set(ours)
-    for key, value in ours.items():
-        if key in ("level_index", "_level_index"):
-            continue
-        if key not in theirs:
-            said = value if key.startswith("_") else ours[f"_{key}"]
-            assert not said.any(), key
-        elif isinstance(value, dict):
-            assert_same_info(value, theirs[key])
-        else:
-            assert same(value, theirs[key]), (key, value, theirs[key])
 
 
 def assert_same_walk(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,33 +13,90 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.engine.arguments import whole_number
-from babyrobot_levels.envs.arguments import checked_start
+from babyrobot_levels.envs.vector.families import Family, GrownMazes, SuiteLevels
+from babyrobot_levels.envs.vector.observations import largest_of
 from babyrobot_levels.level import Level
+from babyrobot_levels.suites import Suite
+
+_INT = np.dtype(np.intp)
 
 
-def checked_levels(level: Any, levels: Any) -> list[Level]:
-    """Return the levels that are played, of which one argument or the other tells.
+@dataclass(frozen=True, slots=True)
+class Played:
+    """What is played.
+
+    Attributes:
+        levels: the levels, as they were given.
+        largest: the largest width and height of one of them, in cells.
+        family: what makes levels when episodes begin; None if these are all that there are.
+    """
+
+    levels: Sequence[Level]
+    largest: tuple[int, int]
+    family: Family | None = None
+
+
+def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | None) -> Played:
+    """Return what is played, of which one argument or the other tells.
+
+    Args:
+        level: a level, or None.
+        levels: several of them, a suite, or None.
+        draw_levels: whether each episode draws its level.
+        num_envs: how many environments there are, if that was told.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid.
-        ValueError: both or none are given, or a level grows another maze each time.
+        ValueError: both or none are given, or a level grows another maze each time, and is not the
+            only one.
     """
     if (level is None) == (levels is None):
         raise ValueError("give a level, or a list of levels, and not both")
     if levels is not None and (isinstance(levels, str) or not isinstance(levels, Sequence)):
-        raise ValueError(f"levels must be a list of levels, not {levels!r}")
-    loaded = [load(each) for each in ([level] if levels is None else levels)]
-    if not loaded:
+        raise ValueError(f"levels must be a list of levels or a suite, not {levels!r}")
+    if levels is not None and not len(levels):
         raise ValueError("levels must have at least one level in it")
-    for each in loaded:
-        if each.has_random_maze:
-            raise ValueError(
-                "a vector environment needs levels whose mazes have a seed. In the place of "
-                "`maze: {seed: random}`, let it draw among some of its mazes: "
-                "levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
-            )
-    return loaded
+    if isinstance(levels, Suite):
+        if draw_levels:
+            return Played(levels, levels.largest, SuiteLevels(levels))
+        # No more of them are played, and a suite may have a billion.
+        return Played(tuple(levels[:num_envs]), levels.largest)
+    loaded = tuple(load(each) for each in ([level] if levels is None else levels))
+    largest = largest_of(loaded)
+    if not any(each.has_random_maze for each in loaded):
+        return Played(loaded, largest)
+    if len(loaded) > 1:
+        raise ValueError(
+            "a level that grows another maze each time is played alone, or some of its mazes are "
+            "drawn: levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
+        )
+    return Played(loaded, largest, GrownMazes(loaded[0]))
+
+
+def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs: int) -> Any:
+    """Return the numbers of the levels that a reset asks for, int64 `[num_envs]`, or None.
+
+    Raises:
+        ValueError: they are no numbers of levels, or mazes have no other seeds.
+    """
+    grows = isinstance(family, GrownMazes)
+    if options.get("maze_seed") is not None and not grows:
+        raise ValueError("options['maze_seed'] is for levels that say `maze: {seed: random}`")
+    asked = None if family is None else options.get(family.option)
+    if family is None or asked is None:
+        return None
+    array = np.asarray(asked)
+    if array.dtype.kind not in "iu" or array.shape not in ((), (num_envs,)):
+        raise ValueError(
+            f"options[{family.option!r}] must be a whole number, or {num_envs} of them, "
+            f"not {asked!r}"
+        )
+    if not grows and not ((array >= 0) & (array < family.count)).all():
+        raise ValueError(
+            f"options[{family.option!r}] must be below {family.count:,}, not {asked!r}"
+        )
+    return np.broadcast_to(array.astype(np.int64), num_envs)
 
 
 def checked_autoreset_mode(mode: Any) -> AutoresetMode:
@@ -61,13 +119,14 @@ def checked_actions(actions: Any, num_envs: int) -> NDArray[np.intp]:
         InvalidAction: they are no such array of whole numbers.
     """
     array = np.asarray(actions)
+    # Most actions come so, and the checks below would take longer.
+    if array.dtype is _INT and array.shape == (num_envs,) and array.flags.carray:
+        return array
     if array.dtype.kind not in "iu" or array.shape != (num_envs,):
         raise error.InvalidAction(
             f"actions must be {num_envs} whole numbers, not an array of {array.dtype} "
             f"with shape {list(array.shape)}"
         )
-    if array.dtype == np.intp and array.flags.carray:
-        return array
     return array.astype(np.intp)
 
 
@@ -89,26 +148,21 @@ def checked_reset_mask(mask: Any, num_envs: int) -> NDArray[np.intp]:
     return mask.nonzero()[0]
 
 
-def checked_starts(start: Any, levels: Sequence[Level]) -> NDArray[np.intp] | None:
-    """Return the state of a cell in each level, `[levels]`, None for None.
-
-    Raises:
-        ValueError: an episode cannot begin there, in one of the levels.
-    """
-    if start is None:
-        return None
-    return np.array([checked_start(start, level) for level in levels], np.intp)
-
-
-def checked_seeds(seed: Any, num_envs: int) -> Any:
-    """Return the seeds, one for each environment.
+def checked_seeds(seed: Any, num_envs: int) -> list[int | None]:
+    """Return the seeds, one for each environment, None for those that are not seeded.
 
     Raises:
         ValueError: there are more or fewer of them, or one is no whole number from 0 on.
     """
-    seeds = [whole_number(each) for each in seed] if np.iterable(seed) else []
-    if len(seeds) != num_envs or any(each is None or each < 0 for each in seeds):
+    given = list(seed) if np.iterable(seed) else []
+    seeds = [None if each is None else whole_number(each) for each in given]
+    wrong = [
+        each is not None and (number is None or number < 0)
+        for each, number in zip(given, seeds, strict=True)
+    ]
+    if len(seeds) != num_envs or any(wrong):
         raise ValueError(
-            f"seed must be a whole number from 0 on, or a list of {num_envs} such numbers"
+            f"seed must be a whole number from 0 on, or a list of {num_envs} such numbers, "
+            "of which None leaves an environment's generator as it is"
         )
     return seeds

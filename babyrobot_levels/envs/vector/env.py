@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,12 +11,11 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from babyrobot_levels.engine.arguments import checked_count, limits_of
-from babyrobot_levels.engine.choice import make_engine
-from babyrobot_levels.engine.draws import Draws
-from babyrobot_levels.engine.robots import Results, Robots
-from babyrobot_levels.engine.tables import build_tables, signs_of
-from babyrobot_levels.envs.arguments import check_choice, checked_image_size
+from babyrobot_levels.engine.arguments import checked_count
+from babyrobot_levels.engine.plain import begin
+from babyrobot_levels.engine.robots import Layout, Results, Robots
+from babyrobot_levels.engine.tables import masks_at, signs_of
+from babyrobot_levels.envs.arguments import check_choice, checked_image_size, checked_start
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.pictures import RENDER_FPS
 from babyrobot_levels.envs.spaces import ACTION_SETS, make_action_space
@@ -25,30 +23,34 @@ from babyrobot_levels.envs.vector.arguments import (
     checked_actions,
     checked_autoreset_mode,
     checked_levels,
+    checked_numbers,
     checked_reset_mask,
-    checked_seeds,
-    checked_starts,
 )
+from babyrobot_levels.envs.vector.changing import ChangingVectorEnv
 from babyrobot_levels.envs.vector.observations import make_batch_observer
-from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
 from babyrobot_levels.envs.vector.spaces import BatchActions
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.tables import Ints
+    from babyrobot_levels.engine.tables import Ints, Tables
     from babyrobot_levels.envs.single import LevelLike
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
+# To look them up in their class, each step, would take longer.
+_SAME_STEP, _DISABLED = AutoresetMode.SAME_STEP, AutoresetMode.DISABLED
 
-class LevelVectorEnv(RenderedVectorEnv):
+
+class LevelVectorEnv(ChangingVectorEnv):
     """Many robots walk levels to their exits, all in one call.
 
     Each environment is what `LevelEnv` is, under the time limit of its level: the same
     observations, actions, rewards and infos, in arrays with one row for each environment. All
-    chance comes from one generator, `np_random`.
+    chance comes from one generator, `np_random`; after `reset` with a list of seeds, from one for
+    each environment.
 
     Attributes:
-        levels: the levels that are played.
+        levels: the levels that are played, as they were given. What each environment plays now,
+            `call("level")` tells.
     """
 
     def __init__(
@@ -71,9 +73,12 @@ class LevelVectorEnv(RenderedVectorEnv):
         """Make the environment.
 
         Args:
-            level: a name, a path, a mapping or a `Level`; or
-            levels: several of them: environment i plays level `i % len(levels)`.
-            num_envs: how many environments there are; by default, as many as levels.
+            level: a name, a path, a mapping or a `Level`. One that says `maze: {seed: random}`
+                grows another maze for each episode. Or
+            levels: several levels, in a list or a suite: environment i plays level
+                `i % len(levels)`.
+            num_envs: how many environments there are; by default, as many as levels, or 1 if
+                levels are made when episodes begin.
             observation: `"position"`, `"index"`, `"walls"` or `"image"`.
             actions: `"valid"`, `"all"` or `"moves"`.
             render_mode: None or `"rgb_array"`.
@@ -84,14 +89,17 @@ class LevelVectorEnv(RenderedVectorEnv):
             autoreset_mode: when an environment whose episode is over begins anew: at the next
                 step in the place of acting, in the same step (`final_obs` and `final_info` then
                 tell how it ended), or when it is reset.
-            draw_levels: whether each episode is played in a level that is drawn.
-            copy: whether what is returned belongs to the user. If not, it is always the same
-                arrays, which the next step writes over.
+            draw_levels: whether each episode is played in a level that is drawn. Those of a suite
+                are made when they are drawn, and the last ones are kept.
+            copy: whether what is returned belongs to the user: the parts of one new piece of memory
+                for each step. If not, it is always the same arrays, which the next step writes
+                over.
             engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: a level is not valid.
+            StarvedError: no level meets the conditions of a suite.
             ImportError: the compiled engine is asked for and not installed.
             ValueError: another argument has a value that it cannot have.
         """
@@ -101,9 +109,10 @@ class LevelVectorEnv(RenderedVectorEnv):
             check_choice("render_mode", render_mode, ("rgb_array",))
         if observation != "image" and (image_size is not None or grayscale):
             raise ValueError("image_size and grayscale go with observation='image'")
-        self.levels = tuple(checked_levels(level, levels))
-        default = len(self.levels) if num_envs is None else num_envs
-        self.num_envs = checked_count("num_envs", default)
+        size = None if num_envs is None else checked_count("num_envs", num_envs)
+        played = checked_levels(level, levels, bool(draw_levels), size)
+        self.levels = played.levels
+        self.num_envs = size or (1 if played.family else len(self.levels))
         self.render_mode = render_mode
         self._mode = checked_autoreset_mode(autoreset_mode)
         self.metadata = {
@@ -112,33 +121,36 @@ class LevelVectorEnv(RenderedVectorEnv):
             "autoreset_mode": self._mode,
         }
         self.single_action_space, first_action = make_action_space(actions)
-        mdps = [each.compile() for each in self.levels]
-        limits = limits_of(self.levels, max_episode_steps)
-        self._tables = build_tables(mdps, limits, first_action, bool(draw_levels))
-        self._robots = Robots(self.num_envs, len(self.levels))
+        num_actions = int(self.single_action_space.n)
+        self._robots = Robots(self.num_envs, 1 if played.family else len(self.levels))
+        self.action_space = BatchActions(num_actions, self._robots)
+        self._samples_possible = actions == "valid"
+        self._engine_name = engine
         self._observer = make_batch_observer(
-            self.levels, observation, checked_image_size(image_size), bool(grayscale)
+            played.largest,
+            observation,
+            checked_image_size(image_size),
+            bool(grayscale),
+            self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
-        self._engine = make_engine(engine, self._tables, self._observer.table, self.num_envs)
-        self._most_draws = self.num_envs * self._tables.most_draws
-        self._draws = Draws(self._most_draws)
+        self._take(played, first_action, max_episode_steps, bool(draw_levels))
+        self._most_draws = self.num_envs * (self._tables.most_draws + int(self._slots is not None))
+        self._tells_levels = self._slots is not None or len(self.levels) > 1
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
-        known = (self._tables.masks, self._robots) if actions == "valid" else ()
-        self.action_space = BatchActions(self._tables.num_actions, self.num_envs, *known)
         self._copy = bool(copy)
-        self._signs = signs_of(self._tables.num_actions)
-        self._numbers = self._observer.table.shape[1]
-        self._all = np.ones(self.num_envs, np.bool_)
-        self._results = self._new_results()
+        self._signs = signs_of(num_actions)
+        self._layout = Layout(self.num_envs, self._observer.table.shape[1], self._signs)
+        self._kept = None if self._copy else Results(self._layout)
         self._has_begun = False
 
-    @cached_property
-    def _digests(self) -> NDArray[np.object_]:
-        return np.array([level.digest for level in self.levels], object)
+    def __getstate__(self) -> dict[str, Any]:
+        # Copies of the arrays would no longer be views of one memory.
+        return {**super().__getstate__(), "_kept": None}
 
-    def _new_results(self) -> Results:
-        return Results(self.num_envs, self._numbers, self._signs)
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._kept = None if self._copy else Results(self._layout)
 
     # -- playing ---------------------------------------------------------------------------
 
@@ -151,42 +163,52 @@ class LevelVectorEnv(RenderedVectorEnv):
         """Begin episodes.
 
         Args:
-            seed: for the generator that all environments share; a list of `num_envs` numbers
-                seeds it with all of them together.
+            seed: a number, for one generator that all environments share; or a list of
+                `num_envs` numbers, for a generator of each environment's own, with which it walks
+                as a single one does. None in the list leaves a generator as it is.
             options: `{"start": [x, y]}` begins at that cell; `{"reset_mask": mask}`, bool
-                `[num_envs]`, leaves the environments without a True as they are.
+                `[num_envs]`, leaves the environments without a True as they are. Where levels are
+                made when episodes begin, `{"index": i}` asks for a level of the suite, and
+                `{"maze_seed": n}` for the maze of that seed: a number, or one for each
+                environment.
 
         Returns:
             The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
             `level_digest` and, of several levels, `level_index` (int64 `[num_envs]`): which one
-            each environment plays.
+            each environment plays. Of a level that grows its mazes, `maze_seed` (int64
+            `[num_envs]`) takes the place of both.
 
         Raises:
-            ValueError: the robots cannot start at that cell, or the seed or the mask is none.
+            ValueError: the robots cannot start at that cell, there is no level of that number, or
+                the seed or the mask is none.
+            StarvedError: no level meets the conditions of a suite.
         """
         options = options or {}
         which = checked_reset_mask(options.get("reset_mask"), self.num_envs)
-        starts = checked_starts(options.get("start"), self.levels)
+        start = options.get("start")
+        family = None if self._slots is None else self._slots.family
+        numbers = checked_numbers(options, family, self.num_envs)
+        if family is None:
+            for each in self.levels:
+                checked_start(start, each)
         if which.size < self.num_envs and not self._has_begun:
             raise error.ResetNeeded("the first `reset()` must be of all environments")
-        if seed is None or np.ndim(seed) == 0:
-            super().reset(seed=seed)  # type: ignore[arg-type]
+        self._seed(seed, which)
+        robots, draws, results = self._robots, self._draws, self._kept or Results(self._layout)
+        if self._most_draws:
+            draws.reserve()
+        if family is not None:
+            self._change_levels(which, numbers, start)
+        if start is None:
+            self._engine.begin(robots, which, draws)
         else:
-            self.np_random = np.random.default_rng(checked_seeds(seed, self.num_envs))
-        robots, results = self._robots, self._new_results() if self._copy else self._results
-        self._draws.reserve(self.np_random, self._most_draws)
-        self._engine.begin(robots, which, self._draws)
-        if starts is not None:
-            level = robots.level[which]
-            robots.state[which] = self._tables.offset[level] + starts[level]
+            begin(self._beginning_at(start, which), robots, which, draws)
         self._has_begun = True
         self._look(results, np.arange(self.num_envs))
         begun = np.zeros(self.num_envs, np.bool_)
         begun[which] = True
         results.words[~begun] = 0
-        digests = np.full(self.num_envs, None, object)
-        digests[which] = self._digests[robots.level[which]]
-        info = self._told({"action_mask": results.signs["mask"], "level_digest": digests}, begun)
+        info = self._told({"action_mask": results.signs["mask"], **self._digests(which)}, begun)
         return self._observer.batch(results, robots.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
@@ -198,50 +220,72 @@ class LevelVectorEnv(RenderedVectorEnv):
         Returns:
             Observations, rewards (float64 `[num_envs]`), terminated and truncated (bool
             `[num_envs]`), and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `target_reached`, `skidded` (bool `[num_envs]`), and beside each, under its name with
-            `_` before it, in which environments it was said.
+            `target_reached`, `skidded` (bool `[num_envs]`), `level_index` or `maze_seed` if
+            `reset` has it, and beside each, under its name with `_` before it, in which
+            environments it was said.
 
         Raises:
             ResetNeeded: no episode has begun, or one is over and nothing begins the next.
             InvalidAction: the action space does not contain the actions.
         """
-        robots, engine, draws = self._robots, self._engine, self._draws
         if not self._has_begun:
             raise error.ResetNeeded("call `reset()` before the first `step()`")
+        robots, draws = self._robots, self._draws
         taken = checked_actions(actions, self.num_envs)
-        if self._mode is AutoresetMode.DISABLED and robots.over.any():
+        if self._mode is _DISABLED and np.count_nonzero(robots.over):
             number = int(robots.over.argmax())
             raise error.ResetNeeded(
                 f"the episode of environment {number} is over: call "
                 "`reset(options={'reset_mask': terminated | truncated})`"
             )
-        results = self._new_results() if self._copy else self._results
-        draws.reserve(self.np_random, self._most_draws)
-        if not engine.step(robots, taken, draws, results):
+        results = self._kept or Results(self._layout)
+        if self._most_draws:
+            draws.reserve()
+        if self._slots is not None and np.count_nonzero(robots.over):
+            if ((taken < 0) | (taken >= self._tables.num_actions)).any():
+                self._refuse(taken)
+            self._change_levels(robots.over.nonzero()[0])
+        if not self._engine.step(robots, taken, draws, results):
             self._refuse(taken)
-        info = {}
-        if self._mode is AutoresetMode.SAME_STEP:
-            over = robots.over.nonzero()[0]
-            if over.size:
-                info = self._end(results, over)
-        signs, acted = results.signs, results.acted
-        info["action_mask"] = signs["mask"]
-        info["_action_mask"] = self._all.copy() if self._copy else self._all
-        info["target_reached"] = signs["reached"]
-        info["_target_reached"] = acted
-        info["skidded"] = signs["skidded"]
-        info["_skidded"] = acted
-        if len(self.levels) > 1:
-            info["level_index"] = robots.level.copy()
-            info["_level_index"] = info["_action_mask"]
-        observations = self._observer.batch(results, robots.state, self._copy)
-        return observations, results.rewards, results.terminated, results.truncated, info
+        ends = self._end(results) if self._mode is _SAME_STEP else {}
+        signs, acted, everyone = results.signs, results.acted, results.everyone
+        info = {
+            **ends,
+            "action_mask": signs["mask"],
+            "_action_mask": everyone,
+            "target_reached": signs["reached"],
+            "_target_reached": acted,
+            "skidded": signs["skidded"],
+            "_skidded": acted,
+        }
+        if self._tells_levels:
+            for word, numbers in self._level_numbers().items():
+                info[word] = numbers
+                info[f"_{word}"] = everyone
+        return (
+            self._observer.batch(results, robots.state, self._copy),
+            results.rewards,
+            results.terminated,
+            results.truncated,
+            info,
+        )
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return which actions are possible now, int8 `[num_envs, actions]`."""
         if not self._has_begun:
             raise error.ResetNeeded("call `reset()` before asking for the action masks")
-        return self._tables.masks.take(self._robots.state, axis=0)
+        return masks_at(self._tables.standing, self._robots.state, self._tables.num_actions)
+
+    def _beginning_at(self, start: Any, which: Ints) -> Tables:
+        """Return the tables of levels in which these robots begin at a cell that was asked for."""
+        starts = np.zeros(self._tables.limit.size, np.intp)
+        # Of levels that come and go, others may have no such cell.
+        slots = np.arange(starts.size) if self._slots is None else self._robots.level[which]
+        for slot in np.unique(slots).tolist():
+            state = checked_start(start, self._playing[slot])
+            assert state is not None
+            starts[slot] = state
+        return self._tables.beginning_at(starts)
 
     def _look(self, results: Results, which: Ints) -> None:
         """Write what robots that have just begun are shown."""
@@ -251,13 +295,17 @@ class LevelVectorEnv(RenderedVectorEnv):
 
     def _told(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
         """Return values as an info, which says of each in which environments it holds."""
-        if len(self.levels) > 1:
-            values["level_index"] = np.where(where, self._robots.level, 0)
+        for word, numbers in self._level_numbers().items():
+            values[word] = np.where(where, numbers, 0)
         return {**values, **{f"_{name}": where for name in values}}
 
-    def _end(self, results: Results, over: Ints) -> dict[str, Any]:
+    def _end(self, results: Results) -> dict[str, Any]:
         """Begin anew where episodes are over, and return an info of how they ended."""
-        robots, words = self._robots, np.zeros_like(results.words)
+        robots = self._robots
+        over = robots.over.nonzero()[0]
+        if not over.size:
+            return {}
+        words = np.zeros_like(results.words)
         words[over] = results.words[over]
         where = np.zeros(self.num_envs, np.bool_)
         where[over] = True
@@ -277,6 +325,8 @@ class LevelVectorEnv(RenderedVectorEnv):
             "final_info": self._told(ends, where),
             "_final_info": where,
         }
+        if self._slots is not None:
+            self._change_levels(over)
         self._engine.begin(robots, over, self._draws)
         self._look(results, over)
         results.acted[over] = False

@@ -2,39 +2,85 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterable
+from functools import partial
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.suite import PaddedImageObserver
+from babyrobot_levels.envs.padding import PaddedImageObserver, padded_space
 from babyrobot_levels.level import Level
 
 if TYPE_CHECKING:
     from babyrobot_levels.engine.robots import Results
     from babyrobot_levels.engine.tables import Ints
 
+_Thing = TypeVar("_Thing")
 
-class TableObserver:
-    """Shows numbers: `"position"`, `"index"` or `"walls"`.
+
+class BatchObserver(Protocol):
+    """Shows the states of several levels, numbered one level after the other.
 
     Attributes:
         space: the space of one robot's observations, large enough for the largest level.
-        table: what each state of each level shows, int64 `[states, numbers]`.
+        table: what each state shows, int64 `[states, numbers]`, as an engine needs it.
     """
 
-    def __init__(self, levels: Sequence[Level], observation: str) -> None:
-        width, height = largest_of(levels)
-        self.space: spaces.Space[Any]
-        if observation == "index":
-            self.space = spaces.Discrete(width * height)
-        else:
-            sides = [2] * 4 if observation == "walls" else []
-            self.space = spaces.MultiDiscrete([width, height, *sides])
-        self.table = np.concatenate([_numbers(level, observation, width) for level in levels])
+    space: spaces.Space[Any]
+    table: NDArray[np.int64]
+
+    def grow(self, offset: Ints) -> None:
+        """Make room for more levels.
+
+        Args:
+            offset: intp `[levels + 1]`: where each level's states begin. Those that are there
+                already stay where they are.
+        """
+
+    def write(self, number: int, level: Level) -> None:
+        """Show a level in the place of the one that had its number, if there was one."""
+
+    def show(self, offset: Ints, levels: Iterable[Level]) -> None:
+        """Show all of these levels, whose states begin there."""
+        self.grow(offset)
+        for number, level in enumerate(levels):
+            self.write(number, level)
+
+    def at(self, states: Ints) -> NDArray[Any]:
+        """Return what states show, `[states, …]`, a new array."""
+
+    def batch(self, results: Results, states: Ints, copy: bool) -> NDArray[Any]:
+        """Return what robots in these states are shown.
+
+        Args:
+            results: what an engine wrote, the numbers of `table` included.
+            states: where the robots are.
+            copy: whether it belongs to the user; if not, it is always the same array.
+        """
+
+
+class TableObserver(BatchObserver):
+    """Shows numbers: `"position"`, `"index"` or `"walls"`."""
+
+    def __init__(self, largest: tuple[int, int], observation: str) -> None:
+        self.space: spaces.Space[Any] = padded_space(observation, largest)
+        self._observation, self._largest_width = observation, largest[0]
         self._is_flat = observation == "index"
+        self._offset: Ints = np.zeros(1, np.intp)
+        self.table = np.zeros((0, *(self.space.shape or (1,))), np.int64)
+
+    def grow(self, offset: Ints) -> None:
+        """Make room for more levels, whose states begin there."""
+        self._offset = offset
+        self.table = np.pad(self.table, ((0, offset[-1] - len(self.table)), (0, 0)))
+
+    def write(self, number: int, level: Level) -> None:
+        """Show a level in the place of the one that had its number."""
+        shown = _numbers(level, self._observation, self._largest_width)
+        base = self._offset[number]
+        self.table[base : base + len(shown)] = shown
 
     def at(self, states: Ints) -> NDArray[Any]:
         """Return what states show, `[states, …]`, a new array."""
@@ -46,25 +92,37 @@ class TableObserver:
         return results.observations[:, 0] if self._is_flat else results.observations
 
 
-class BatchImageObserver:
+class BatchImageObserver(BatchObserver):
     """Shows pictures, all of one size, on which smaller levels are black where they have no cells.
 
-    Attributes:
-        space: the space of one robot's pictures.
-        table: an engine needs one: int64 `[states, 0]`.
+    The table has no numbers in it.
     """
 
     def __init__(
-        self, levels: Sequence[Level], image_size: tuple[int, int] | None, grayscale: bool
+        self,
+        largest: tuple[int, int],
+        image_size: tuple[int, int] | None,
+        grayscale: bool,
+        most: int,
     ) -> None:
-        largest = largest_of(levels)
-        self._observers = [
-            PaddedImageObserver(level, largest, image_size, grayscale) for level in levels
-        ]
-        self._offset = np.cumsum([0, *(level.size[0] * level.size[1] for level in levels)])
-        self.space: spaces.Space[Any] = self._observers[0].space
-        self.table = np.empty((int(self._offset[-1]), 0), np.int64)
+        self.space: spaces.Space[Any] = padded_space("image", largest, image_size, grayscale)
+        self.table = np.empty((0, 0), np.int64)
+        self._offset: Ints = np.zeros(1, np.intp)
+        self._levels: dict[int, Level] = {}
+        make = partial(
+            PaddedImageObserver, largest=largest, image_size=image_size, grayscale=grayscale
+        )
+        self._observers = LastOnes(make, most)
         self._buffer: NDArray[np.uint8] | None = None
+
+    def grow(self, offset: Ints) -> None:
+        """Make room for more levels, whose states begin there."""
+        self._offset = offset
+        self.table = np.empty((offset[-1], 0), np.int64)
+
+    def write(self, number: int, level: Level) -> None:
+        """Show a level in the place of the one that had its number."""
+        self._levels[number] = level
 
     def at(self, states: Ints) -> NDArray[Any]:
         """Return the pictures of states, uint8 `[states, height, width, channels]`, a new array."""
@@ -83,25 +141,54 @@ class BatchImageObserver:
         # Many robots stand in few states: each picture is painted once.
         seen, which = np.unique(states, return_inverse=True)
         levels = np.searchsorted(self._offset, seen, side="right") - 1
-        for number, (state, level) in enumerate(zip(seen.tolist(), levels.tolist(), strict=True)):
-            observe = self._observers[level].at(state - int(self._offset[level]))
-            pictures[which == number] = observe()
+        states = seen - self._offset.take(levels)
+        for number, (level, state) in enumerate(zip(levels.tolist(), states.tolist(), strict=True)):
+            observer = self._observers.of(level, self._levels[level])
+            pictures[which == number] = observer.at(state)()
         return pictures
 
 
+class LastOnes(Generic[_Thing]):
+    """Things that are made of levels, of which the last ones are kept."""
+
+    def __init__(self, make: Callable[[Level], _Thing], most: int) -> None:
+        """Keep as many as `most`."""
+        self._make, self._most = make, most
+        self._things: dict[int, tuple[Level, _Thing]] = {}
+
+    def of(self, number: int, level: Level) -> _Thing:
+        """Return the thing of the level that has a number now."""
+        of, thing = self._things.pop(number, (None, None))
+        if of is not level or thing is None:
+            thing = self._make(level)
+        self._things[number] = level, thing
+        if len(self._things) > self._most:
+            del self._things[next(iter(self._things))]
+        return thing
+
+
 def make_batch_observer(
-    levels: Sequence[Level],
+    largest: tuple[int, int],
     observation: str,
     image_size: tuple[int, int] | None,
     grayscale: bool,
-) -> TableObserver | BatchImageObserver:
-    """Return the observer of a kind in `OBSERVATIONS`."""
+    num_robots: int,
+) -> BatchObserver:
+    """Return the observer of a kind in `OBSERVATIONS`, which knows no level yet.
+
+    Args:
+        largest: the largest width and height of a level, in cells.
+        observation: the kind.
+        image_size: `(height, width)` in pixels of images.
+        grayscale: whether images are grey.
+        num_robots: how many robots there are.
+    """
     if observation == "image":
-        return BatchImageObserver(levels, image_size, grayscale)
-    return TableObserver(levels, observation)
+        return BatchImageObserver(largest, image_size, grayscale, num_robots)
+    return TableObserver(largest, observation)
 
 
-def largest_of(levels: Sequence[Level]) -> tuple[int, int]:
+def largest_of(levels: Iterable[Level]) -> tuple[int, int]:
     """Return the width of the widest of levels, and the height of the highest."""
     widths, heights = zip(*(level.size for level in levels), strict=True)
     return max(widths), max(heights)

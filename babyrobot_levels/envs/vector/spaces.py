@@ -8,8 +8,12 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from babyrobot_levels.actions import NUM_ACTIONS
+from babyrobot_levels.engine.tables import masks_at
+
 if TYPE_CHECKING:
     from babyrobot_levels.engine.robots import Robots
+    from babyrobot_levels.engine.tables import Words
 
 
 class BatchActions(spaces.MultiDiscrete[Any]):
@@ -18,25 +22,18 @@ class BatchActions(spaces.MultiDiscrete[Any]):
     It equals the plain `MultiDiscrete` of its size, and contains all that it contains.
     """
 
-    def __init__(
-        self,
-        num_actions: int,
-        num_robots: int,
-        masks: NDArray[np.int8] | None = None,
-        robots: Robots | None = None,
-    ) -> None:
+    standing: Words | None = None
+    """The words of `Tables` of which masks are taken for `sample()`; None for any action."""
+
+    def __init__(self, num_actions: int, robots: Robots) -> None:
         """Make the space.
 
         Args:
             num_actions: how many actions a robot has.
-            num_robots: how many robots there are.
-            masks: the possible actions of each state, int8 `[states, actions]`; if they are
-                given, `sample()` gives only possible ones.
-            robots: the robots whose states these are.
+            robots: the robots.
         """
-        super().__init__(np.full(num_robots, num_actions, np.int64))
-        self._masks, self._robots = masks, robots
-        self._ways: tuple[NDArray[np.int64], NDArray[np.int8]] | None = None
+        super().__init__(np.full(robots.state.size, num_actions, np.int64))
+        self._robots = robots
 
     def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:
         """Return an action for each robot, each of its possible ones with equal probability.
@@ -52,24 +49,24 @@ class BatchActions(spaces.MultiDiscrete[Any]):
                     f"the mask must have shape [{self.nvec.size}, {self.nvec[0]}], "
                     f"not {list(mask.shape)}"
                 )
-            return self._chosen(*_ways_of(mask))
-        if mask is not None or probability is not None or self._masks is None:
+            return self._chosen((mask != 0).view(np.int8))
+        if mask is not None or probability is not None or self.standing is None:
             return super().sample(mask, probability)
-        assert self._robots is not None
         state = self._robots.state
         if state[0] < 0:
             return super().sample()
-        if self._ways is None:
-            self._ways = _ways_of(self._masks)
-        count, ways = self._ways
-        return self._chosen(count.take(state), ways.take(state, axis=0))
+        return self._chosen(masks_at(self.standing, state, int(self.nvec[0])))
 
-    def _chosen(self, count: NDArray[np.int64], ways: NDArray[np.int8]) -> NDArray[Any]:
-        which = (self.np_random.random(count.size) * count).astype(np.intp)
-        return ways[np.arange(count.size), which].astype(self.dtype)
+    def _chosen(self, masks: NDArray[np.int8]) -> NDArray[Any]:
+        sets = (masks @ _WEIGHTS[: masks.shape[1]]).astype(np.intp)
+        which = (self.np_random.random(sets.size) * _COUNTS.take(sets)).astype(np.intp)
+        actions: NDArray[Any] = _WAYS.take(sets * NUM_ACTIONS + which)
+        return actions
 
 
-def _ways_of(masks: NDArray[np.int8]) -> tuple[NDArray[np.int64], NDArray[np.int8]]:
-    """Return how many actions are possible, `[…]`, and actions, the possible ones first."""
-    ways = np.argsort(masks == 0, axis=1, kind="stable")
-    return (masks != 0).sum(axis=1), ways.astype(np.int8)
+_WEIGHTS = 1 << np.arange(NUM_ACTIONS, dtype=np.int8)
+_SETS = np.arange(2**NUM_ACTIONS)[:, None] & _WEIGHTS > 0
+"""The sets of actions, bool `[sets, actions]`; a set's number is the sum of its weights."""
+_COUNTS = _SETS.sum(axis=1)
+_WAYS = np.argsort(~_SETS, axis=1, kind="stable").ravel().astype(np.int64)
+"""The actions of each set, the possible ones first."""

@@ -1,0 +1,75 @@
+"""Specs of levels: what a level's file says is read when somebody asks for it."""
+
+from __future__ import annotations
+
+from gymnasium import error
+from gymnasium.envs.registration import EnvSpec, parse_env_id
+
+from babyrobot_levels.catalogue import find
+from babyrobot_levels.errors import LevelNotFoundError
+from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.syntax.document import YamlFault
+from babyrobot_levels.syntax.reader import read
+
+SINGLE = "babyrobot_levels.envs.single:LevelEnv"
+VECTOR = "babyrobot_levels.envs.vector.env:LevelVectorEnv"
+
+
+class LevelSpec(EnvSpec):
+    """The spec of a level that the catalogue knows.
+
+    There may be thousands: none is read only because Gymnasium is imported.
+
+    Attributes:
+        level: the level's name. `kwargs` has it too, but Gymnasium's `make_vec` empties that.
+    """
+
+    level: str | None = None
+
+    @property
+    def max_episode_steps(self) -> int | None:
+        """After how many steps an episode is cut off: what was set, or the level's `max_steps`."""
+        if self._steps is None and self.level is not None:
+            return _max_steps(self.level)
+        return self._steps
+
+    @max_episode_steps.setter
+    def max_episode_steps(self, steps: int | None) -> None:
+        self._steps = steps
+
+
+def is_id(text: str) -> bool:
+    """Tell whether Gymnasium takes a text as an id."""
+    try:
+        parse_env_id(text)
+    except error.Error:
+        return False
+    # What stands before a colon would be the module to import.
+    return ":" not in text
+
+
+def level_spec(env_id: str, level: str) -> LevelSpec:
+    """Return the spec under which a level is registered.
+
+    The environments check the order of calls themselves (`ResetNeeded`), so that a first `render`
+    needs no `reset`, and Gymnasium's wrapper for it is left out.
+    """
+    spec = LevelSpec(
+        env_id,
+        entry_point=SINGLE,
+        vector_entry_point=VECTOR,
+        order_enforce=False,
+        kwargs={"level": level},
+    )
+    spec.level = level
+    return spec
+
+
+def _max_steps(level: str) -> int | None:
+    """Return the `max_steps` of a level's file, which need not be valid, or even be there."""
+    try:
+        data = read(read_source(find(level))).data
+    except (LevelNotFoundError, ReadFault, YamlFault):
+        return None
+    steps = data.get("max_steps") if isinstance(data, dict) else None
+    return steps if isinstance(steps, int) else None
