@@ -4,35 +4,22 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
 from babyrobot_levels.level import Level, slug
+from babyrobot_levels.places import Place, places, yaml_files
 from babyrobot_levels.reading import from_mapping, load_file
 from babyrobot_levels.share import is_code, load_code
 from babyrobot_levels.suggest import nearest
 
-PACK_GROUP = "babyrobot_levels.packs"
-"""The entry-point group of packs: an entry's name is the pack's, its value an import path."""
-
-PATH_VARIABLE = "BABYROBOT_LEVELS"
-MAX_DEPTH = 6
+MAX_NEAREST = 3
 _NAME_LINE = re.compile(r"^name:[ \t]*[\"']?([a-z0-9-]+)", re.MULTILINE)
 _SUITE_LINE = re.compile(r"^kind:[ \t]*[\"']?suite\b", re.MULTILINE)
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A folder of levels, and the pack that it is, if it is one."""
-
-    folder: Path
-    label: str
-    pack: str | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,16 +95,18 @@ def find(name: str) -> Path:
         LevelNotFoundError: nothing has that name.
     """
     files = []
-    for file in level_files():
+    for file in _files_of_pack(_pack_in(name)):
         if file.name == name:
             return file.path
         files.append(file)
     # Nobody's file is called so; perhaps a file's own `name` field is.
     for file in files:
         own = _own_name(file)
-        if own is not None and name == (f"{file.place.pack}/{own}" if file.place.pack else own):
+        if own is not None and file.place.named(own) == name:
             return file.path
-    raise LevelNotFoundError(name, nearest(name, [file.name for file in files]))
+    known = {file.name: file.path for file in level_files()}
+    near = _nearest_names(name, [*known])
+    raise LevelNotFoundError(name, [other for other in near if not is_suite_file(known[other])])
 
 
 def levels() -> list[LevelInfo]:
@@ -133,11 +122,11 @@ def catalogue() -> tuple[list[LevelInfo], list[Path]]:
         try:
             level = load_file(file.path)
         except LevelError:
-            if not _is_suite(file):
+            if not is_suite_file(file.path):
                 broken.append(file.path)
             continue
         # The first place in which a name stands wins, as in `find`.
-        name = f"{file.place.pack}/{level.name}" if file.place.pack else str(level.name)
+        name = file.place.named(str(level.name))
         found.setdefault(
             name,
             LevelInfo(name, level.title, level.size, level.tags, level.source, file.path),
@@ -148,17 +137,22 @@ def catalogue() -> tuple[list[LevelInfo], list[Path]]:
 def level_files() -> Iterator[LevelFile]:
     """Yield all level files, place by place, and by path within each."""
     for place in places():
-        for path in yaml_files(place.folder):
-            stem = slug(path.stem)
-            if stem is not None:
-                yield LevelFile(f"{place.pack}/{stem}" if place.pack else stem, path, place)
+        yield from files_in(place)
+
+
+def files_in(place: Place) -> Iterator[LevelFile]:
+    """Yield the level files of one place, by path; suites are among them."""
+    for path in yaml_files(place.folder):
+        stem = slug(path.stem)
+        if stem is not None:
+            yield LevelFile(place.named(stem), path, place)
 
 
 def suite_files() -> dict[str, Path]:
     """Return the files of all suites by their names, the first place that has a name winning."""
     found: dict[str, Path] = {}
     for file in level_files():
-        if _is_suite(file):
+        if is_suite_file(file.path):
             found.setdefault(file.name, file.path)
     return found
 
@@ -174,65 +168,30 @@ def find_suite(suite: str | os.PathLike[str]) -> Path:
         if not path.is_file():
             raise SuiteNotFoundError(str(path), _nearest_files(path), is_file=True)
         return path
-    for file in level_files():
-        if file.name == suite and _is_suite(file):
+    for file in _files_of_pack(_pack_in(suite)):
+        if file.name == suite and is_suite_file(file.path):
             return file.path
-    raise SuiteNotFoundError(suite, nearest(suite, suite_files()))
+    raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
 
 
-def yaml_files(folder: Path) -> Iterator[Path]:
-    """Yield the YAML files below a folder, sorted; not those of themes, nor hidden ones."""
-    for here, folders, names in os.walk(folder):
-        depth = len(Path(here).relative_to(folder).parts)
-        folders[:] = sorted(
-            name
-            for name in folders
-            if name != "themes" and not name.startswith(".") and depth < MAX_DEPTH
-        )
-        for name in sorted(names):
-            path = Path(here, name)
-            if path.suffix in SUFFIXES and not name.startswith(".") and name != "pack.yaml":
-                yield path
+def is_suite_file(path: Path) -> bool:
+    """Tell, from a look at its text, whether a file is a suite."""
+    try:
+        return _SUITE_LINE.search(read_source(path).text) is not None
+    except ReadFault:
+        return False
 
 
-def places() -> list[Place]:
-    """Return where levels are looked for, the first that has a name winning.
-
-    In this order: the gallery, the user's own folder, `levels/` of the current folder, the
-    folders of `BABYROBOT_LEVELS`, the user's packs, the packs of installed packages.
-    """
-    found = [Place(gallery_folder(), "gallery"), Place(user_folder() / "levels", "user")]
-    found.append(Place(Path("levels"), "levels/"))
-    listed = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
-    found += [Place(Path(name), PATH_VARIABLE) for name in listed if name]
-    packs = user_folder() / "packs"
-    if packs.is_dir():
-        found += [Place(path, "pack", path.name) for path in sorted(packs.iterdir())]
-    from importlib.metadata import entry_points
-
-    for entry in entry_points(group=PACK_GROUP):
-        carried = _package_folder(entry.value.partition(":")[0].strip())
-        if carried is not None:
-            found.append(Place(carried, "pack", entry.name))
-    real: dict[Path, Place] = {}
-    for place in found:
-        if place.folder.is_dir():
-            real.setdefault(place.folder.resolve(), place)
-    return list(real.values())
+def _pack_in(name: str) -> str | None:
+    """Return the pack that a name names, None where it names none."""
+    return name.rpartition("/")[0] or None
 
 
-def gallery_folder() -> Path:
-    """Return the gallery's folder: inside the installed package, or beside it in a checkout."""
-    package = Path(__file__).parent
-    inside = package / "data" / "levels"
-    return inside if inside.is_dir() else package.parent / "levels"
-
-
-def user_folder() -> Path:
-    """Return the user's own folder for levels and packs, which need not be there."""
-    from platformdirs import user_data_path
-
-    return user_data_path("babyrobot-levels", appauthor=False)
+def _files_of_pack(pack: str | None) -> Iterator[LevelFile]:
+    """Yield the level files of a pack; for None, of all places that are no packs."""
+    for place in places():
+        if place.pack == pack:
+            yield from files_in(place)
 
 
 def _looks_like_path(text: str) -> bool:
@@ -254,6 +213,13 @@ def _load_path(path: Path) -> Level:
     return load_file(path)
 
 
+def _nearest_names(name: str, known: Sequence[str]) -> list[str]:
+    """Return the likeliest of the known names: the same one in a pack, or like it."""
+    own = name.rpartition("/")[2]
+    same = [other for other in known if other.rpartition("/")[2] == own]
+    return list(dict.fromkeys([*same, *nearest(name, known)]))[:MAX_NEAREST]
+
+
 def _nearest_files(path: Path) -> list[str]:
     """Return the level files beside a missing one whose names are like its name."""
     try:
@@ -271,23 +237,3 @@ def _own_name(file: LevelFile) -> str | None:
     except ReadFault:
         return None
     return match[1] if match else None
-
-
-def _is_suite(file: LevelFile) -> bool:
-    """Tell, from a look at its text, whether a file is a suite."""
-    try:
-        return _SUITE_LINE.search(read_source(file.path).text) is not None
-    except ReadFault:
-        return False
-
-
-def _package_folder(module: str) -> Path | None:
-    """Return a package's folder without running the package, or None if there is none."""
-    name, *rest = module.split(".")
-    try:
-        # Only the outermost package: looking for an inner one would run its parents.
-        spec = find_spec(name)
-    except (ImportError, ValueError):
-        return None
-    locations = list(spec.submodule_search_locations or ()) if spec else []
-    return Path(locations[0], *rest) if locations else None

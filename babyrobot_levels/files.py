@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import codecs
+import errno
 import os
 import signal
 import stat
@@ -17,6 +18,10 @@ from babyrobot_levels.source import START, Position, SourceFile
 from babyrobot_levels.syntax.reader import MAX_BYTES
 
 SUFFIXES = (".yaml", ".yml")
+PACK_FILE = "pack.yaml"
+"""The file that makes a folder a pack."""
+MAX_DEPTH = 6
+"""So many folders deep are levels looked for."""
 
 
 class ReadFault(Exception):
@@ -36,6 +41,10 @@ class ReadFault(Exception):
         super().__init__(message)
 
 
+class NotRegularError(OSError):
+    """A device, a pipe or a socket where a file is needed."""
+
+
 def read_source(path: Path, name: str | None = None) -> SourceFile:
     """Read a level's text. `name` is what messages call it, the path as given if left out.
 
@@ -44,17 +53,11 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     """
     shown = name or str(path)
     try:
-        # Not blocking, so that a pipe without a writer cannot hold us up.
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-        with open(descriptor, "rb") as file:  # noqa: PTH123  (a descriptor, not a path)
-            status = os.fstat(file.fileno())
-            if stat.S_ISDIR(status.st_mode):
-                raise ReadFault("BR101", shown, "this is a folder, not a level file")
-            if not stat.S_ISREG(status.st_mode):
-                raise ReadFault("BR101", shown, "this is not a regular file")
-            data = file.read(MAX_BYTES + 1)
+        data = read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
         raise ReadFault("BR101", shown, "this is a folder, not a level file") from None
+    except NotRegularError:
+        raise ReadFault("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
         raise ReadFault("BR101", shown, "there is no such file") from None
     except PermissionError:
@@ -63,6 +66,27 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
         reason = getattr(error, "strerror", None) or str(error)
         raise ReadFault("BR101", shown, f"the file cannot be read ({reason})") from None
     return decode(data, shown)
+
+
+def read_bytes(path: Path, limit: int) -> bytes:
+    """Return what is in a file; if that is more than `limit` bytes, one more than that.
+
+    Raises:
+        OSError: it cannot be read; a `NotRegularError` where it is a device, a pipe or a socket.
+    """
+    # Not blocking, so that a pipe without a writer cannot hold us up.
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(path, flags)
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if not stat.S_ISREG(mode):
+            raise NotRegularError(errno.EINVAL, "this is not a regular file", str(path))
+        with open(descriptor, "rb", closefd=False) as file:
+            return file.read(limit + 1)
+    finally:
+        os.close(descriptor)
 
 
 def decode(data: bytes, name: str) -> SourceFile:

@@ -53,7 +53,7 @@ def parse_document(
     found = [from_yaml(problem, source) for problem in document.problems[:MAX_PROBLEMS]]
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not hold a mapping of fields"
-        help_text = "a level begins with `version: 1`"
+        help_text = _beginning(model)
         if isinstance(document.data, str) and re.match(r"[a-z_]+:\S", document.data):
             help_text = "put a blank behind the `:`"
         problem = Problem("BR110", (), f"the file {what}", help_text)
@@ -98,7 +98,8 @@ def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
             problems += whole
             continue
         route = _route(detail["loc"])
-        code, message, help_text = complaint(detail, _fields_around(detail["loc"], model))
+        fields = _fields_around(detail["loc"], model)
+        code, message, help_text = complaint(detail, fields, _beginning(model))
         kind = detail["type"]
         if kind == "missing":
             route = route[:-1]
@@ -113,6 +114,10 @@ def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
             )
         )
     return problems
+
+
+def _beginning(model: type[BaseModel]) -> str | None:
+    return getattr(model, "BEGINNING", None)
 
 
 def _is_fault(detail: Any) -> bool:

@@ -7,6 +7,7 @@ from typing import Any
 from babyrobot_levels.spec.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
 from babyrobot_levels.spec.color import NAMES, PATTERN
 from babyrobot_levels.spec.looks import THEME_NAME
+from babyrobot_levels.spec.pack import VERSION
 from babyrobot_levels.suggest import did_you_mean
 from babyrobot_levels.syntax.words import shortened
 
@@ -45,10 +46,13 @@ FORMS = {
 """What fields can hold that can be written in several ways."""
 
 
-def complaint(error: Any, fields: list[str]) -> Complaint:
+def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Complaint:
     """Return code, message and help for one of pydantic's error details.
 
-    `fields` are the names that the mapping around the fault knows.
+    Args:
+        error: the detail.
+        fields: the names that the mapping around the fault knows.
+        beginning: what a file of its kind needs at least.
     """
     kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
     names = [s for s in error["loc"] if isinstance(s, str) and not s.startswith(FORM_PREFIX)]
@@ -58,7 +62,8 @@ def complaint(error: Any, fields: list[str]) -> Complaint:
         guess = did_you_mean(field, fields)
         return "BR201", f"there is no field `{shortened(field)}` here{guess}", _list(fields)
     if kind == "missing":
-        return "BR202", f"the field `{field}` is missing", _missing_help(field)
+        help_text = beginning if field == "version" else None
+        return "BR202", f"the field `{field}` is missing", help_text
     if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
         message = f"must be {FORMS[field]}, not {show(value)}"
         if kind == "literal_error":
@@ -111,15 +116,13 @@ def _list(names: list[str]) -> str | None:
     return ("known here: " + ", ".join(names)) if len(names) <= 8 else None
 
 
-def _missing_help(field: str) -> str | None:
-    return "a level begins with `version: 1`" if field == "version" else None
-
-
 def _type_help(field: str, kind: str, value: Any) -> str | None:
     if value is None:
         if field == "exit":
             return "for a level without an exit, write `exit: none`"
         return "give it a value, or leave the field out"
+    if field == "version":
+        return "write three numbers, as in `version: 1.0.0`"
     is_word = isinstance(value, str) and value.strip().lower() in ("yes", "no", "on", "off")
     if kind == "bool_type" and is_word:
         return "write `true` or `false`"
@@ -179,6 +182,12 @@ def _pattern(pattern: str, value: Any) -> Complaint:
             "BR207",
             f"must be small letters and digits, joined by `-`, not {show(value)}",
             "for example `first-maze`; a `title` may hold anything",
+        )
+    if pattern == VERSION:
+        return (
+            "BR207",
+            f"must be three numbers such as `1.0.0`, not {show(value)}",
+            "raise the first for other games, the second for more levels, the last for repairs",
         )
     if pattern == THEME_NAME:
         return (

@@ -20,6 +20,7 @@ from babyrobot_levels.spec.color import FORM_PATTERN, NAMES, PATTERN
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import Theme
 from babyrobot_levels.spec.map import DRAWN_FIELDS
+from babyrobot_levels.spec.pack import PackFields
 from babyrobot_levels.spec.suite import SuiteFields
 
 # Draft 7 is what the editors know best.
@@ -57,13 +58,25 @@ def suite_schema() -> dict[str, Any]:
     return _schema(SuiteFields, "A suite of levels, version 1")
 
 
-SCHEMAS = {"level": level_schema, "suite": suite_schema, "theme": theme_schema}
+def pack_schema() -> dict[str, Any]:
+    """Return the JSON schema of the `pack.yaml` of a pack."""
+    return _schema(PackFields, "A pack of levels")
+
+
+SCHEMAS = {
+    "level": level_schema,
+    "pack": pack_schema,
+    "suite": suite_schema,
+    "theme": theme_schema,
+}
 """The schemas by the name under which the command line knows them."""
 
 
 def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
     schema = _tidy(model.model_json_schema(by_alias=True))
-    definitions = {**schema.pop("$defs", {}), "Color": _color()}
+    definitions = schema.pop("$defs", {})
+    if "#/$defs/Color" in str([schema, definitions]):
+        definitions["Color"] = _color()
     for name, described in {model.__name__: schema, **definitions}.items():
         for field, text in _descriptions().get(name, {}).items():
             properties = described["properties"]
@@ -72,7 +85,7 @@ def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
         "$schema": DIALECT,
         "title": title,
         **{key: value for key, value in schema.items() if key != "title"},
-        "$defs": dict(sorted(definitions.items())),
+        **({"$defs": dict(sorted(definitions.items()))} if definitions else {}),
     }
 
 

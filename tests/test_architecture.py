@@ -25,14 +25,14 @@ LAYERS = [
     ["_gymnasium_hook"],
     ["__init__"],
     # Values and words.
-    ["actions", "errors", "source", "suggest"],
+    ["actions", "errors", "folders", "source", "suggest"],
     ["diagnostics"],
     # Texts.
     ["drawing", "syntax"],
     ["files"],
     # What a level may say.
     ["spec"],
-    ["messages"],
+    ["messages", "plain"],
     ["loader"],
     # What it comes to.
     ["maze"],
@@ -41,8 +41,11 @@ LAYERS = [
     ["digest"],
     # The level as users hold it, and where it comes from.
     ["level"],
+    ["themes"],
     ["reading", "share_dictionary"],
     ["resolve", "share"],
+    ["packs"],
+    ["places"],
     ["catalogue"],
     # How it looks.
     ["scene"],
@@ -61,13 +64,14 @@ LAYERS = [
     # Levels to order, and families of levels.
     ["generate"],
     ["suites"],
+    ["packing"],
     # What is done with it.
     ["games"],
     ["difference"],
     ["notebook"],
     ["certificate", "envs", "report", "schema", "starter"],
-    # Worlds of other programs.
-    ["convert"],
+    # Worlds of other programs, and their learners.
+    ["convert", "sb3"],
     ["cli"],
     ["__main__"],
 ]
@@ -82,12 +86,13 @@ OWNERS = {
     "gymnasium": {"envs", "games", "level", "convert.registration"},
     "PIL": {"render"},
     "rich": {"cli"},
-    "platformdirs": {"catalogue"},
+    "platformdirs": {"folders"},
     "ipycanvas": {"render.canvas", "render.stage"},
     "IPython": {"notebook"},
     "matplotlib": set(),
     "numba": {"engine.loops", "maze.compiled", "maze.kernel"},
     "scipy": {"solver"},
+    "stable_baselines3": {"sb3"},
 }
 """Who may import what is not ours: a module, or all of a package's."""
 

@@ -18,7 +18,9 @@ from support.playing import GALLERY
 from support.subprocesses import run
 
 import babyrobot_levels as brl
-from babyrobot_levels.catalogue import catalogue, find, level_files, places, user_folder, yaml_files
+from babyrobot_levels.catalogue import catalogue, find, level_files
+from babyrobot_levels.folders import user_folder
+from babyrobot_levels.places import places, yaml_files
 
 LEVEL = "version: 1\nsize: [4, 3]\n"
 

@@ -5,13 +5,15 @@ from __future__ import annotations
 import copy
 import pickle
 import random
+from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
 from gymnasium import error, spaces
-from gymnasium.envs.registration import EnvSpec
+from gymnasium.envs.registration import EnvSpec, registry
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import FlattenObservation, RecordEpisodeStatistics, TimeLimit
 from support.playing import (
@@ -27,23 +29,30 @@ from support.playing import (
 
 from babyrobot_levels.actions import Action
 from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.registration import register_levels
 from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.folders import user_folder
 
 LEVEL_ID = "babyrobot/Level-v0"
 MAX_WAY = 20_000
 
 
+every_level = pytest.mark.parametrize("name", [*GALLERY, *CORNERS])
+
+
 @pytest.mark.parametrize("actions", ACTION_SETS)
-@pytest.mark.parametrize("name", [*GALLERY, *CORNERS])
 class EnvContract:
-    """The checks. Heirs say which observation they are about, and with what arguments."""
+    """The checks. Heirs say of which levels, which observation, and with what arguments."""
 
     arguments: dict[str, Any]
 
+    def named(self, name: str) -> dict[str, Any]:
+        """Return what tells Gymnasium to make the environment of a level."""
+        return {"id": LEVEL_ID, "level": level_named(name)}
+
     def make(self, name: str, actions: str, **more: Any) -> Env:
         """Return the environment as users make it, with Gymnasium's own checks around it."""
-        given = {**self.arguments, **more}
-        return gymnasium.make(LEVEL_ID, level=level_named(name), actions=actions, **given)
+        return gymnasium.make(**self.named(name), actions=actions, **{**self.arguments, **more})
 
     @pytest.fixture
     def env(self, name: str, actions: str) -> Env:
@@ -200,8 +209,8 @@ class EnvContract:
         assert episodes(again, 13) == episodes(env, 13)
 
     def test_several_at_once(self, name: str, actions: str) -> None:
-        given = dict(self.arguments, actions=actions, level=level_named(name))
-        envs: Any = gymnasium.make_vec(LEVEL_ID, num_envs=4, vectorization_mode="sync", **given)
+        given = dict(self.arguments, actions=actions, **self.named(name))
+        envs: Any = gymnasium.make_vec(num_envs=4, vectorization_mode="sync", **given)
         single = self.make(name, actions)
         count = 4 if actions == "moves" else 5
         observations, infos = envs.reset(seed=[14, 15, 16, 14])
@@ -247,20 +256,45 @@ def mask_of(env: Env) -> list[int]:
     return masks
 
 
+@every_level
 class TestPositions(EnvContract):
     arguments = {"observation": "position"}  # noqa: RUF012
 
 
+@every_level
 class TestIndices(EnvContract):
     arguments = {"observation": "index"}  # noqa: RUF012
 
 
+@every_level
 class TestWalls(EnvContract):
     arguments = {"observation": "walls"}  # noqa: RUF012
 
 
+@every_level
 class TestImages(EnvContract):
     arguments = {"observation": "image", "image_size": (12, 15)}  # noqa: RUF012
+
+
+@pytest.mark.parametrize("name", ["lion", "ape"])
+class TestPacks(EnvContract):
+    arguments = {"observation": "position"}  # noqa: RUF012
+
+    @pytest.fixture(autouse=True)
+    def pack(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+        """Let the user have a pack `zoo`, whose levels are known by their ids."""
+        monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+        before = dict(registry)
+        folder = user_folder() / "packs" / "zoo"
+        level_named("all at once").save(folder / "lion.yaml")
+        level_named("final-maze").save(folder / "apes" / "ape.yaml")
+        register_levels()
+        yield
+        registry.clear()
+        registry.update(before)
+
+    def named(self, name: str) -> dict[str, Any]:
+        return {"id": f"babyrobot/zoo.{name}-v0"}
 
 
 def test_all_observations_are_under_contract() -> None:

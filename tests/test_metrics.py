@@ -14,9 +14,9 @@ from hypothesis import given, settings
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.catalogue import gallery_folder, yaml_files
 from babyrobot_levels.level import Level
 from babyrobot_levels.measures.metrics import SHAPE, WAYS, WORTH
+from babyrobot_levels.places import gallery_folder, yaml_files
 
 NAMES = (*SHAPE, *WAYS, *WORTH)
 GALLERY = sorted(path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites")

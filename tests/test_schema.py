@@ -18,10 +18,10 @@ from pydantic import BaseModel
 from support.sessions import environment, run_here
 from support.worlds import decorated_worlds
 
-from babyrobot_levels.catalogue import gallery_folder, yaml_files
 from babyrobot_levels.cli.print_schema import schema_text
 from babyrobot_levels.files import read_source
 from babyrobot_levels.loader import validate
+from babyrobot_levels.places import gallery_folder, yaml_files
 from babyrobot_levels.schema import level_schema, theme_schema
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
@@ -33,7 +33,7 @@ THEME = jsonschema.Draft7Validator(theme_schema())
 GALLERY = sorted(path for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
 
 
-@pytest.mark.parametrize("name", ["level", "suite", "theme"])
+@pytest.mark.parametrize("name", ["level", "pack", "suite", "theme"])
 def test_the_files_are_up_to_date(name: str) -> None:
     path = SCHEMAS / f"{name}.schema.json"
     assert path.read_text(encoding="utf-8") == schema_text(name), f"babyrobot schema {name}"

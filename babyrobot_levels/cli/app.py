@@ -19,9 +19,11 @@ from babyrobot_levels.cli import (
     format_levels,
     generate,
     import_level,
+    install,
     lint,
     list_levels,
     new_level,
+    pack,
     play,
     preview,
     print_schema,
@@ -62,6 +64,9 @@ app.command("resolve", short_help="Write a maze out as walls.")(resolve.resolve)
 app.command("share", short_help="Print a level as a share code.")(share.share)
 app.command("import", short_help="Read worlds of other programs.")(import_level.import_level)
 app.command("export", short_help="Write for other programs.")(export_level.export_level)
+app.command("pack", short_help="Write a folder of levels as one file.")(pack.pack)
+app.command("install", short_help="Install a pack of levels.")(install.install)
+app.command("uninstall", short_help="Take an installed pack away.")(install.uninstall)
 app.command("schema", short_help="Print the JSON schema.")(print_schema.print_schema)
 
 

@@ -229,7 +229,7 @@ def _order(suite: str | None, words: Words, names: str | None, excluded: frozens
 
 def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the count if one is given, and what its levels are called."""
-    from babyrobot_levels.level import plain
+    from babyrobot_levels.plain import plain
     from babyrobot_levels.reading import suite_from_mapping
     from babyrobot_levels.suites import load_suite, name_pattern
 
@@ -244,7 +244,7 @@ def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
 
 def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
     """Return the digests of all levels in some folders."""
-    from babyrobot_levels.catalogue import yaml_files
+    from babyrobot_levels.places import yaml_files
 
     for folder in folders:
         if not folder.is_dir():

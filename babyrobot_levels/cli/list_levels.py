@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -10,13 +11,13 @@ import typer
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
+    fail,
     note,
-    wants_color,
     write,
     write_json,
 )
+from babyrobot_levels.cli.table import table
 from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.source import columns
 
 if TYPE_CHECKING:
     from babyrobot_levels.catalogue import LevelInfo
@@ -27,36 +28,59 @@ def list_levels(
         list[str] | None,
         typer.Option(metavar="TAG", help="Only levels with this tag; may be repeated."),
     ] = None,
+    packs: Annotated[
+        bool, typer.Option("--packs", help="List packs, and where they are from.")
+    ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """List the levels that can be loaded by name.
+    """List the levels that can be loaded by name, or the packs.
 
-    They are looked for in the gallery, in the user's own folder, in levels/ of the current folder,
-    in the folders of the variable BABYROBOT_LEVELS, and in installed packs.
+    Levels are looked for in the gallery, in the user's own folder, in levels/ of the current
+    folder, in the folders of the variable BABYROBOT_LEVELS, in installed packs and in packs that
+    Python packages carry.
 
     Examples:
 
       babyrobot list --tag maze
+
+      babyrobot list --packs
     """
     from babyrobot_levels.catalogue import catalogue, suite_files
+    from babyrobot_levels.packs.known import unusable_packs
 
+    if packs:
+        from babyrobot_levels.cli.list_packs import list_packs
+
+        if tag:
+            fail("--tag is for levels; packs have no tags")
+        list_packs(report_format)
+        _tell_of(unusable_packs())
+        return
     infos, broken = catalogue()
     wanted = set(tag or ())
     infos = [info for info in infos if wanted <= set(info.tags)]
     if report_format is ReportFormat.JSON:
         write_json([info.to_dict() for info in infos])
     elif infos:
-        write(_table(infos, bold=wants_color(sys.stdout)))
+        write(_table(infos))
     else:
         note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
     if report_format is ReportFormat.TEXT and not tag and sys.stdout.isatty():
         # For people: in a pipe it would stand among what went wrong.
         note("suites: " + ", ".join(sorted(suite_files())))
-    for path in map(one_line, map(str, broken)):
-        note(f"{path} has errors and is left out (`babyrobot validate {path}` shows them)")
+    _tell_of(
+        f"{path} has errors and is left out (`babyrobot validate {path}` shows them)"
+        for path in broken
+    )
+    _tell_of(unusable_packs())
 
 
-def _table(infos: list[LevelInfo], *, bold: bool) -> str:
+def _tell_of(faults: Iterable[str]) -> None:
+    for fault in faults:
+        note(one_line(fault))
+
+
+def _table(infos: list[LevelInfo]) -> str:
     rows = [("NAME", "SIZE", "TITLE", "TAGS")]
     rows += [
         (
@@ -67,13 +91,4 @@ def _table(infos: list[LevelInfo], *, bold: bool) -> str:
         )
         for info in infos
     ]
-    widths = [max(columns(row[number]) for row in rows) for number in range(3)]
-    lines = []
-    for *cells, tags in rows:
-        padded = [
-            text + " " * (width - columns(text)) for text, width in zip(cells, widths, strict=True)
-        ]
-        lines.append("  ".join([*padded, tags]).rstrip())
-    if bold:
-        lines[0] = f"\x1b[1m{lines[0]}\x1b[0m"
-    return "\n".join(lines) + "\n"
+    return table(rows)

@@ -87,8 +87,8 @@ def new_level(
 
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
-    from babyrobot_levels.catalogue import gallery_folder, yaml_files
     from babyrobot_levels.level import slug
+    from babyrobot_levels.places import gallery_folder, yaml_files
     from babyrobot_levels.starter import Order, starter
 
     if slug(name) != name:

@@ -16,13 +16,14 @@ class SchemaName(StrEnum):
     """What there is a schema of."""
 
     LEVEL = "level"
+    PACK = "pack"
     SUITE = "suite"
     THEME = "theme"
 
 
 def print_schema(
     name: Annotated[
-        SchemaName, typer.Argument(metavar="NAME", help="`level`, `suite` or `theme`.")
+        SchemaName, typer.Argument(metavar="NAME", help="`level`, `pack`, `suite` or `theme`.")
     ] = SchemaName.LEVEL,
     output: Annotated[
         Path | None,
@@ -30,7 +31,7 @@ def print_schema(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
 ) -> None:
-    """Print the JSON schema of level, suite or theme files.
+    """Print the JSON schema of level, suite or theme files, or of the `pack.yaml` of packs.
 
     Examples:
 

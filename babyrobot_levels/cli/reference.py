@@ -91,7 +91,8 @@ def _command(name: str, command: Callable[..., Any]) -> str:
     text, _, examples = (inspect.getdoc(command) or "").partition("Examples:")
     lines = [f"## {name}", "", "```", " ".join(["babyrobot", name, "[OPTIONS]", *arguments]), "```"]
     for paragraph in text.strip().split("\n\n"):
-        lines += ["", " ".join(paragraph.split())]
+        # What is indented, a piece of a file, stays so.
+        lines += ["", "    " * paragraph.startswith("  ") + " ".join(paragraph.split())]
     lines += ["", "| | |", "|---|---|"]
     lines += [f"| `{_cell(p.label)}` | {_cell(p.help)} |" for p in parameters]
     shown = [line.strip() for line in examples.splitlines() if line.strip()]

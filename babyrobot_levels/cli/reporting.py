@@ -90,7 +90,7 @@ def _titles() -> dict[str, str]:
 
 def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     """Return the files that are meant: those named, and all below the folders named."""
-    from babyrobot_levels.catalogue import yaml_files
+    from babyrobot_levels.places import yaml_files
 
     files: dict[Path, None] = {}
     for path in paths or [DEFAULT_FOLDER]:

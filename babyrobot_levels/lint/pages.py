@@ -33,6 +33,8 @@ def as_markdown(rule: Rule) -> str:
         Severity.WARNING: "A rule of play.",
         Severity.INFO: "A rule of style.",
     }[rule.severity]
+    if rule.code.startswith("BR7"):
+        kind = "An error: there is no pack."
     return f"# {rule.code}: {rule.name}\n\n{rule.page.rstrip()}\n\n---\n\n{kind}\n"
 
 

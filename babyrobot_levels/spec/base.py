@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import (
     BaseModel,
@@ -31,6 +31,9 @@ FORM_PREFIX = "form:"
 
 class Model(BaseModel):
     """A frozen model that refuses fields that it does not know."""
+
+    # What a file of this model needs at least: help for whoever left it out.
+    BEGINNING: ClassVar[str] = "a level begins with `version: 1`"
 
     model_config = ConfigDict(
         frozen=True,

@@ -1,0 +1,136 @@
+"""`babyrobot pack`: a folder of levels as one file that can be passed on."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    FormatOption,
+    ReportFormat,
+    fail,
+    note,
+    save,
+    write,
+    write_json,
+)
+from babyrobot_levels.diagnostics import one_line
+
+if TYPE_CHECKING:
+    from babyrobot_levels.packing import Packed
+
+MAX_SHOWN = 10
+"""So many of the files that are left out are named."""
+
+
+def pack(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The pack's folder.")] = Path(),
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="The file to write.  [default: NAME-VERSION.brlpack, in the current folder]",
+            show_default=False,
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    report_format: FormatOption = ReportFormat.TEXT,
+) -> None:
+    """Check a folder of levels, and write it as a pack, which `babyrobot install` takes.
+
+    The folder has a file pack.yaml, which says what the pack is:
+
+      name: zoo
+
+      version: 1.0.0
+
+      description: Mazes with animals in them.
+
+    All YAML files below it belong to the pack: levels, suites, and themes in folders called
+    themes. They have to be as `babyrobot lint` wants them. Files called README.md and LICENSE go
+    with them, others stay out. The same files give the same pack, byte for byte.
+
+    Ends with status 1 if something is to be mended first.
+
+    Examples:
+
+      babyrobot pack
+
+      babyrobot pack zoo -o zoo.brlpack
+    """
+    from babyrobot_levels import packing
+    from babyrobot_levels.packs.archive import SUFFIX
+    from babyrobot_levels.packs.errors import PackError
+
+    if not folder.is_dir():
+        fail(f"{folder} is not a folder" if folder.exists() else f"there is no folder {folder}")
+    if not (folder / "pack.yaml").exists():
+        fail(
+            f"there is no pack.yaml in {folder.resolve()}",
+            "it says what the pack is; `babyrobot pack --help` shows one",
+        )
+    try:
+        packed = packing.pack(folder)
+    except PackError as error:
+        note(f"error: {one_line(f'{folder} cannot be a pack: {error}')}")
+        raise typer.Exit(FINDINGS) from None
+    fields, data = packed.contents.fields, packed.data
+    if fields is None or data is None:
+        _report(packed, folder, report_format)
+        raise typer.Exit(FINDINGS)
+    path = output or Path(f"{fields.name}-{fields.version}{SUFFIX}")
+    save(path, data, force=force)
+    told = {
+        "name": fields.name,
+        "version": fields.version,
+        "file": str(path),
+        "size": len(data),
+        "sha256": hashlib.sha256(data).hexdigest(),
+        **_inside(packed),
+    }
+    if report_format is ReportFormat.JSON:
+        write_json(told)
+    else:
+        _tell(told, packed.contents.summary())
+
+
+def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
+    from babyrobot_levels.cli.reporting import FindingsFormat, write_report
+
+    files = [folder / path for path in packed.paths]
+    write_report(FindingsFormat(report_format), packed.diagnostics, files, praise="clean")
+
+
+def _inside(packed: Packed) -> dict[str, Any]:
+    return {
+        "levels": [
+            {"name": name, "file": entry.file, "digest": entry.digest}
+            for name, entry in sorted(packed.contents.levels.items())
+        ],
+        "suites": [
+            {"name": name, "file": file} for name, file in sorted(packed.contents.suites.items())
+        ],
+        "themes": packed.contents.themes,
+        "left_out": packed.left_out,
+    }
+
+
+def _tell(told: dict[str, Any], summary: str) -> None:
+    write(f"{told['name']} {told['version']}: {summary}\n")
+    width = max((len(each["name"]) for each in (*told["levels"], *told["suites"])), default=0)
+    for level in told["levels"]:
+        what = level["digest"] or "another maze at each reset"
+        write(f"  {level['name'].ljust(width)}  {what}\n")
+    for suite in told["suites"]:
+        write(f"  {suite['name'].ljust(width)}  a suite\n")
+    if told["left_out"]:
+        names = [one_line(name) for name in told["left_out"][:MAX_SHOWN]]
+        more = len(told["left_out"]) - len(names)
+        write(f"left out: {', '.join(names)}{f' and {more:,} more' if more else ''}\n")
+    write(f"wrote {one_line(told['file'])}: {told['size']:,} bytes, sha256:{told['sha256']}\n")

@@ -1,0 +1,55 @@
+"""All packs that there are: the user's own, and those that Python packages carry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from babyrobot_levels.packs.carried import carried_packs
+from babyrobot_levels.packs.installed import installed, packs, packs_folder
+
+
+@dataclass(frozen=True, slots=True)
+class KnownPack:
+    """A pack by the name under which its levels are found.
+
+    Attributes:
+        name: the pack's name.
+        folder: where its levels are.
+        origin: how it came here: `"installed"`, `"folder"` for one that was put among the installed
+            ones by hand, or `"package NAME VERSION"`.
+    """
+
+    name: str
+    folder: Path
+    origin: str
+
+
+def known_packs() -> Iterator[KnownPack]:
+    """Yield all packs; of those of one name, the first hides the others.
+
+    The user's come first, by name, then those of packages, as Python finds them.
+    """
+    for mine in packs():
+        yield KnownPack(mine.name, mine.folder, "installed" if mine.version else "folder")
+    for carried in carried_packs():
+        if carried.folder is not None:
+            yield KnownPack(carried.name, carried.folder, f"package {carried.package}")
+
+
+def unusable_packs() -> Iterator[str]:
+    """Yield what is to be said of each pack that is announced but cannot be found."""
+    try:
+        folders = sorted(path for path in packs_folder().iterdir() if path.is_dir())
+    except OSError:
+        folders = []
+    for folder in folders:
+        if not folder.name.startswith(".") and installed(folder.name) is None:
+            why = "its file `current` names no version; install the pack again"
+            yield f"{folder} is left out: {why}"
+    for carried in carried_packs():
+        if carried.folder is None:
+            where = f"{carried.value!r} leads to no folder"
+            why = where if carried.has_valid_name else "a pack's name has a-z, 0-9 and `-` only"
+            yield f"the pack {carried.name!r} of package {carried.package} is left out: {why}"
