@@ -5,12 +5,13 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
-from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
+from babyrobot_levels.files import SUFFIXES, ReadFault, is_file, read_source
 from babyrobot_levels.level import Level, slug
 from babyrobot_levels.places import Place, places, yaml_files
 from babyrobot_levels.reading import from_mapping, load_file
@@ -165,7 +166,7 @@ def find_suite(suite: str | os.PathLike[str]) -> Path:
     """
     if not isinstance(suite, str) or _looks_like_path(suite):
         path = Path(suite)
-        if not path.is_file():
+        if not is_file(path):
             raise SuiteNotFoundError(str(path), _nearest_files(path), is_file=True)
         return path
     for file in _files_of_pack(_pack_in(suite)):
@@ -199,18 +200,27 @@ def _looks_like_path(text: str) -> bool:
     if path.suffix in SUFFIXES or text.startswith((".", "~")) or path.is_absolute():
         return True
     # `pack/name` looks like a path too; a file of that very name is meant where there is one.
-    return len(path.parts) > 1 and path.is_file()
+    return len(path.parts) > 1 and is_file(path)
 
 
 def _load_path(path: Path) -> Level:
-    try:
+    # Where nobody has a home, `~` is a name like others.
+    with suppress(RuntimeError):
         path = path.expanduser()
-        is_there = path.exists()
-    except (OSError, RuntimeError, ValueError):
-        is_there = False
-    if not is_there:
+    if not _is_there(path):
         raise LevelNotFoundError(str(path), _nearest_files(path), is_file=True)
     return load_file(path)
+
+
+def _is_there(path: Path) -> bool:
+    """Tell whether there is something; where that may not be asked, reading it says so."""
+    try:
+        path.stat()
+    except PermissionError:
+        return True
+    except (OSError, ValueError):
+        return False
+    return True
 
 
 def _nearest_names(name: str, known: Sequence[str]) -> list[str]:

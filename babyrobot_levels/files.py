@@ -7,6 +7,7 @@ import errno
 import os
 import signal
 import stat
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -22,6 +23,9 @@ PACK_FILE = "pack.yaml"
 """The file that makes a folder a pack."""
 MAX_DEPTH = 6
 """So many folders deep are levels looked for."""
+
+_MAX_PREFIX = 40
+"""So many characters of a file's name does its temporary name begin with."""
 
 
 class ReadFault(Exception):
@@ -76,7 +80,13 @@ def read_bytes(path: Path, limit: int) -> bytes:
     """
     # Not blocking, so that a pipe without a writer cannot hold us up.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
-    descriptor = os.open(path, flags)
+    try:
+        descriptor = os.open(path, flags)
+    except PermissionError:
+        # What Windows says of folders.
+        if is_folder(path):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path)) from None
+        raise
     try:
         mode = os.fstat(descriptor).st_mode
         if stat.S_ISDIR(mode):
@@ -87,6 +97,17 @@ def read_bytes(path: Path, limit: int) -> bytes:
             return file.read(limit + 1)
     finally:
         os.close(descriptor)
+
+
+def is_file(path: Path) -> bool:
+    """Tell whether a path is a file; one that cannot be asked is none."""
+    # `Path.is_file` raises where a folder on the way may not be entered, and for long names.
+    return os.path.isfile(path)  # noqa: PTH113
+
+
+def is_folder(path: Path) -> bool:
+    """Tell whether a path is a folder; one that cannot be asked is none."""
+    return os.path.isdir(path)  # noqa: PTH112
 
 
 def decode(data: bytes, name: str) -> SourceFile:
@@ -133,7 +154,9 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
     except FileNotFoundError:
         mode = 0o666 & ~_umask()
     with _uninterrupted():
-        descriptor, name = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        # A name may be as long as names can be; the temporary one is longer.
+        prefix = f".{path.name[:_MAX_PREFIX]}."
+        descriptor, name = tempfile.mkstemp(prefix=prefix, dir=path.parent)
         temporary = Path(name)
         try:
             with open(descriptor, "wb") as file:  # noqa: PTH123  (a descriptor, not a path)
@@ -141,7 +164,9 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
                 file.flush()
                 if sync:
                     os.fsync(file.fileno())
-            temporary.chmod(mode)
+            if sys.platform != "win32":
+                # There, the only permission is to write, and a file without it stays as it is.
+                temporary.chmod(mode)
             temporary.replace(path)
         except BaseException:
             temporary.unlink(missing_ok=True)

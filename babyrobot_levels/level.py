@@ -5,7 +5,6 @@ from __future__ import annotations
 import operator
 import os
 import re
-from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +13,7 @@ from pydantic import PrivateAttr
 
 from babyrobot_levels.errors import LevelError
 from babyrobot_levels.grid import Grid, build_grid
+from babyrobot_levels.plain import plain
 from babyrobot_levels.spec.level import LevelFields
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.spec.walls import Maze
@@ -295,16 +295,3 @@ class Level(LevelFields):
 def slug(text: str) -> str | None:
     """Return a file's stem as a level's name, or None where nothing of it is left."""
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None
-
-
-def plain(value: Any) -> Any:
-    """Return data as a file holds it: lists, no models, no NumPy, no paths."""
-    if hasattr(value, "model_dump"):
-        value = value.model_dump(by_alias=True, exclude_unset=True)
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, Mapping):
-        return {str(key): plain(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [plain(inner) for inner in value]
-    return value

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.errors import LevelError
-from babyrobot_levels.files import SUFFIXES, ReadFault, read_source
-from babyrobot_levels.level import Level, plain, slug
-from babyrobot_levels.loader import diagnostic, from_yaml, parse, parse_document, validate
+from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.level import Level, slug
+from babyrobot_levels.loader import ModelT, diagnostic, from_yaml, parse, parse_document, validate
+from babyrobot_levels.plain import MAX_VALUES, plain
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.spec.problem import Problem
@@ -18,7 +19,14 @@ from babyrobot_levels.spec.suite import SuiteFields, impossible
 from babyrobot_levels.suggest import did_you_mean
 from babyrobot_levels.syntax.document import Document, YamlFault
 from babyrobot_levels.syntax.emitter import emit
-from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.syntax.reader import MAX_BYTES, MAX_NODES, read
+from babyrobot_levels.themes import read_theme, theme_folders, theme_names
+
+_MOST = 5
+"""Of more problems than this without a place, only so many are told."""
+
+_LONGEST_KEY = 100
+"""No field's name is longer; what YAML takes for a name ends at some length as well."""
 
 _SUITE_HELP = "`brl.load_suite` makes its levels, `babyrobot generate` writes them"
 
@@ -134,15 +142,13 @@ def from_mapping(
         LevelError: the mapping is not a valid level. The diagnostics point into the mapping
             as it would be written in a file.
     """
-    fields = plain(data)
+    fields = plain(data, most=MAX_VALUES)
     theme = _ThemeCheck(folder)
     level, problems = validate(fields, Level)
-    if level is None or [*theme(level), *theme.diagnostics]:
-        shown = parse(SourceFile("<mapping>", emit(fields) or "{}"), Level, [_ThemeCheck(folder)])[
-            1
-        ]
-        told = "; ".join(problem.message for problem in problems)
-        raise LevelError([*shown, *theme.diagnostics], None if shown else told or None)
+    problems += theme(level) if level is not None else []
+    if level is None or problems or theme.diagnostics:
+        shown = _in_text(fields, Level, _ThemeCheck(folder)) + theme.diagnostics
+        raise LevelError(shown, None if shown else _told(problems))
     if level.name is None and name is not None:
         level.__dict__["name"] = name
     level.remember_origin(None, folder, theme.found)
@@ -155,20 +161,54 @@ def suite_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
     Raises:
         LevelError: the mapping is not a valid suite; see `from_mapping`.
     """
-    fields = plain(data)
+    fields = plain(data, most=MAX_VALUES)
     suite, problems = validate(fields, SuiteFields)
-    if suite is None or [*_ThemeCheck(None)(suite), *impossible(suite)]:
-        text = SourceFile("<mapping>", emit(fields) or "{}")
-        shown = parse(text, SuiteFields, [_ThemeCheck(None), impossible])[1]
-        raise LevelError(shown, "; ".join(problem.message for problem in problems) or None)
+    checks = (_ThemeCheck(None), impossible)
+    problems += [each for check in checks for each in check(suite)] if suite is not None else []
+    if suite is None or problems:
+        shown = _in_text(fields, SuiteFields, *checks)
+        raise LevelError(shown, None if shown else _told(problems))
     return suite
 
 
+def _in_text(
+    fields: dict[str, Any],
+    model: type[ModelT],
+    *checks: Callable[[ModelT], Iterable[Problem]],
+) -> list[Diagnostic]:
+    """Return what is wrong with a mapping, in the text that it would be; nothing if too long."""
+    if not _fits(fields):
+        return []
+    return parse(SourceFile("<mapping>", emit(fields) or "{}"), model, checks)[1]
+
+
+def _fits(data: Any) -> bool:
+    """Tell whether plain data has no more values, and no longer texts, than a file may have."""
+    left, waiting = MAX_NODES, [data]
+    while waiting:
+        value = waiting.pop()
+        size = len(value) if isinstance(value, dict | list | str) else 0
+        left -= 1
+        if size > (MAX_BYTES if isinstance(value, str) else left):
+            return False
+        if isinstance(value, dict):
+            if any(len(key) > _LONGEST_KEY for key in value):
+                return False
+            waiting += [*value, *value.values()]
+        elif isinstance(value, list):
+            waiting += value
+    return True
+
+
+def _told(problems: Sequence[Problem]) -> str:
+    return "; ".join(problem.message for problem in problems[:_MOST])
+
+
 class _ThemeCheck:
-    """Looks for the theme that a level names: among ours, or in `themes/` of its folder."""
+    """Looks for the theme that a level names: among ours, or where its folder's themes are."""
 
     def __init__(self, folder: Path | None):
-        self.folder = folder / "themes" if folder is not None else None
+        self.folder = folder
         self.found: Theme | None = None
         self.diagnostics: list[Diagnostic] = []
 
@@ -176,11 +216,11 @@ class _ThemeCheck:
         name = level.theme
         if isinstance(name, Theme) or name in BUILTIN_THEMES:
             return []
-        if self.folder is not None:
-            self.found, self.diagnostics = _read_theme(self.folder, name)
+        folders = theme_folders(self.folder) if self.folder is not None else []
+        self.found, self.diagnostics = read_theme(name, folders)
         if self.found is not None or self.diagnostics:
             return []
-        known = [*BUILTIN_THEMES, *_theme_names(self.folder)]
+        known = [*BUILTIN_THEMES, *theme_names(folders)]
         message = f"there is no theme `{name}`{did_you_mean(name, known)}"
         return [Problem("BR401", ("theme",), message, "known here: " + ", ".join(known))]
 
@@ -190,21 +230,3 @@ def _whole(result: tuple[Level | None, list[Diagnostic]]) -> Level:
     if level is None:
         raise LevelError(diagnostics)
     return level
-
-
-def _read_theme(folder: Path, name: str) -> tuple[Theme | None, list[Diagnostic]]:
-    """Return the theme of that name in a folder, None where there is no such file."""
-    for suffix in SUFFIXES:
-        path = folder / f"{name}{suffix}"
-        if path.is_file():
-            try:
-                return parse(read_source(path), Theme)
-            except ReadFault as fault:
-                return None, [fault.diagnostic]
-    return None, []
-
-
-def _theme_names(folder: Path | None) -> list[str]:
-    if folder is None or not folder.is_dir():
-        return []
-    return sorted(path.stem for path in folder.iterdir() if path.suffix in SUFFIXES)

@@ -12,8 +12,9 @@ from babyrobot_levels.errors import LevelError
 from babyrobot_levels.files import ReadFault, read_source
 from babyrobot_levels.generate.candidates import Maker
 from babyrobot_levels.generate.search import find_level
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
 from babyrobot_levels.loader import from_yaml
+from babyrobot_levels.plain import plain
 from babyrobot_levels.reading import read_suite, suite_from_mapping
 from babyrobot_levels.spec.suite import SuiteFields
 from babyrobot_levels.suggest import did_you_mean

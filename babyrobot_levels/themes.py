@@ -7,7 +7,14 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.files import MAX_DEPTH, PACK_FILE, SUFFIXES, ReadFault, read_source
+from babyrobot_levels.files import (
+    MAX_DEPTH,
+    PACK_FILE,
+    SUFFIXES,
+    ReadFault,
+    is_file,
+    read_source,
+)
 from babyrobot_levels.loader import parse
 from babyrobot_levels.spec.looks import Theme
 
@@ -35,7 +42,7 @@ def read_theme(name: str, folders: Sequence[Path]) -> tuple[Theme | None, list[D
     for folder in folders:
         for suffix in SUFFIXES:
             path = folder / f"{name}{suffix}"
-            if path.is_file():
+            if is_file(path):
                 try:
                     return parse(read_source(path), Theme)
                 except ReadFault as fault:
@@ -49,8 +56,15 @@ def theme_names(folders: Sequence[Path]) -> list[str]:
         {
             path.stem
             for folder in folders
-            if folder.is_dir()
-            for path in folder.iterdir()
+            for path in _inside(folder)
             if path.suffix in SUFFIXES
         }
     )
+
+
+def _inside(folder: Path) -> list[Path]:
+    """Return what is in a folder: nothing where it is not there, or not for us to see."""
+    try:
+        return [*folder.iterdir()]
+    except OSError:
+        return []

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 import typer
+from support.packs import write_files, zoo
 from support.sessions import environment, run_here
 
 from babyrobot_levels.cli.app import app
@@ -32,6 +33,15 @@ WORLDS = {
     "maze.txt": "#####\n#S E#\n#####\n",
 }
 """What the examples of `import` read."""
+
+
+def prepare_zoo(arguments: list[str], variables: dict[str, str]) -> None:
+    """Make what the examples of packs speak of: a pack, which is there as a file and installed."""
+    folder = Path("zoo") if arguments != ["pack"] else Path()
+    write_files(folder, zoo())
+    calls = [["pack", "zoo"], ["install", "zoo-1.0.0.brlpack"]]
+    for call in calls[: {"pack": 0, "install": 1}.get(arguments[0], 2)]:
+        assert run_here(call, variables).status == 0
 
 
 def examples() -> list[str]:
@@ -90,6 +100,8 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         assert run_here(["new-level", "first"], variables).status == 0
     if arguments[0] == "import":
         Path(arguments[1]).write_text(WORLDS[arguments[1]], encoding="utf-8")
+    if arguments[0] in ("pack", "install", "uninstall") or {"zoo/lion", "--packs"} & {*arguments}:
+        prepare_zoo(arguments, variables)
     result = run_here(arguments, variables)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.

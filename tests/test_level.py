@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 from support.reports import GOOD
@@ -74,6 +74,40 @@ def test_awkward_texts_survive(text: str) -> None:
 @given(texts, st.dictionaries(texts.filter(lambda key: key != "<<"), texts, max_size=3))
 def test_what_is_emitted_reads_back(text: str, mapping: dict[str, str]) -> None:
     data = {"text": text, "list": [text, 1, 0.5, None, True], "mapping": mapping}
+    document = read(SourceFile("x.yaml", emit(data)))
+    assert document.data == data
+    assert not document.problems
+
+
+trees = st.recursive(
+    st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats(allow_nan=False) | texts,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(texts, inner, max_size=4),
+    max_leaves=20,
+)
+wrappings = st.sampled_from(["in a list", "before one", "behind one", "in a mapping", "below one"])
+
+
+def wrapped(value: Any, ways: list[str]) -> Any:
+    """Return a value with others around it, of which one is empty at times."""
+    for way in ways:
+        value = {
+            "in a list": [value],
+            "before one": [value, {}],
+            "behind one": [1, value],
+            "in a mapping": {"key": value},
+            "below one": {"key": [], "other": value},
+        }[way]
+    return value
+
+
+@settings(deadline=None, max_examples=300)
+@given(trees, st.integers(0, 50).flatmap(lambda n: st.lists(wrappings, min_size=n, max_size=n)))
+@example([], ["in a list"] * 45)
+@example({}, ["in a list"] * 45)
+@example([], ["in a mapping"] * 45)
+@example(float("inf"), [])
+def test_what_is_emitted_reads_back_however_deep_it_is(tree: Any, ways: list[str]) -> None:
+    data = {"walls": wrapped(tree, ways)}
     document = read(SourceFile("x.yaml", emit(data)))
     assert document.data == data
     assert not document.problems

@@ -37,7 +37,6 @@ def test_the_levels_of_the_readme_are_valid(text: str) -> None:
 )
 def test_the_python_examples_run(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    monkeypatch.setattr("builtins.print", lambda *args: None)
     exec(compile(code, "example", "exec"), {})
 
 

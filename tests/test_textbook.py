@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from babyrobot_levels.catalogue import gallery_folder, load, yaml_files
+from babyrobot_levels.catalogue import load
 from babyrobot_levels.mdp import Mdp
+from babyrobot_levels.places import gallery_folder, yaml_files
 
 Cell = tuple[int, int]
 Outcome = tuple[float, int, float, bool]

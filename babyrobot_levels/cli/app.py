@@ -113,13 +113,20 @@ def main() -> None:
 
 
 def _prepare_streams() -> None:
-    """Make sure that there are streams, and that they take every character."""
+    """Make sure that there are streams, and that they take every character.
+
+    What goes to a file or a pipe is the same on every system: UTF-8, as level files and pictures
+    are, with LF at the end of lines. `PYTHONIOENCODING` may say otherwise.
+    """
     for name in ("stdout", "stderr"):
         if getattr(sys, name) is None:
             setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
         stream = getattr(sys, name)
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+            if not stream.isatty():
+                told = os.environ.get("PYTHONIOENCODING", "").partition(":")[0]
+                stream.reconfigure(encoding=told or "utf-8", newline="\n")
 
 
 if __name__ == "__main__":

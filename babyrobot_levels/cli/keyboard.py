@@ -19,24 +19,14 @@ _INTERRUPT = "\x03"
 
 
 if sys.platform == "win32":
-    import ctypes
     import msvcrt
 
     _ARROWS = {"H": UP, "P": DOWN, "M": RIGHT, "K": LEFT}
-    _OUTPUT, _PROCESSED_AND_VIRTUAL = -11, 5
 
     @contextmanager
     def keyboard() -> Iterator[NextKey]:
-        """Give what waits for keys, and have the console understand escape sequences meanwhile."""
-        kernel = ctypes.windll.kernel32
-        console = kernel.GetStdHandle(_OUTPUT)
-        before = ctypes.c_ulong()
-        kernel.GetConsoleMode(console, ctypes.byref(before))
-        kernel.SetConsoleMode(console, before.value | _PROCESSED_AND_VIRTUAL)
-        try:
-            yield _next_key
-        finally:
-            kernel.SetConsoleMode(console, before.value)
+        """Give what waits for keys. The function raises KeyboardInterrupt for Ctrl-C."""
+        yield _next_key
 
     def _next_key(seconds: float) -> str | None:
         end = time.monotonic() + seconds

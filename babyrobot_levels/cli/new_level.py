@@ -151,9 +151,11 @@ def _size(text: str) -> tuple[int, int]:
 
 def schema_for(path: Path) -> str:
     """Return where editors find the schema: in the project around the file, or as installed."""
+    from babyrobot_levels.files import is_file
+
     folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
     for parent in (folder, *folder.parents):
-        if (parent / SCHEMA_PATH).is_file():
+        if is_file(parent / SCHEMA_PATH):
             return Path(os.path.relpath(parent / SCHEMA_PATH, folder)).as_posix()
     package = Path(__file__).parents[1]
     inside = package / "data" / SCHEMA_PATH

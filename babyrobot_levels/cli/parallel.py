@@ -17,6 +17,9 @@ Result = TypeVar("Result")
 WORTH_IT = 200
 """For fewer items, starting processes takes longer than it saves."""
 
+MAX_JOBS = 61
+"""Windows can wait for so many processes."""
+
 JobsOption = Annotated[
     int | None,
     typer.Option(
@@ -43,7 +46,7 @@ def map_all(
     """
     if jobs is None:
         jobs = (os.cpu_count() or 1) if len(items) >= WORTH_IT else 1
-    jobs = min(jobs, len(items))
+    jobs = min(jobs, len(items), MAX_JOBS)
     if jobs <= 1:
         return list(track(map(function, items), len(items), label))
     return list(track(_spread(function, items, jobs), len(items), label))

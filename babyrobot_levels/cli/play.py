@@ -72,7 +72,7 @@ def play(
     loaded = load_level(level)
     if maze_seed is not None and not loaded.has_random_maze:
         fail("the level's maze is not random", "--maze-seed is for `maze: {seed: random}`")
-    if not (sys.stdin.isatty() and moves_cursor(sys.stdout)):
+    if sys.stdin is None or not (sys.stdin.isatty() and moves_cursor(sys.stdout)):
         fail(
             "a game needs a terminal, for its keys and its picture",
             "`babyrobot preview` shows a level everywhere",

@@ -90,6 +90,7 @@ def _titles() -> dict[str, str]:
 
 def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     """Return the files that are meant: those named, and all below the folders named."""
+    from babyrobot_levels.files import is_folder
     from babyrobot_levels.places import yaml_files
 
     files: dict[Path, None] = {}
@@ -106,14 +107,6 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     if not files:
         fail("there is nothing to check")
     return list(files)
-
-
-def is_folder(path: Path) -> bool:
-    """Tell whether a path is a folder; one that cannot be asked is none."""
-    try:
-        return path.is_dir()
-    except (OSError, ValueError):
-        return False
 
 
 def shown_name(path: Path) -> str:

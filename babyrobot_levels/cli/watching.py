@@ -7,6 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from babyrobot_levels.render.terminal import moves_cursor
+
 PAUSE = 0.2
 """Seconds between two looks at the files."""
 
@@ -31,7 +33,7 @@ def each_change(files: Callable[[], list[Path]]) -> Iterator[list[Path]]:
             if state != seen:
                 break
         seen = state
-        if sys.stdout.isatty():
+        if moves_cursor(sys.stdout):
             sys.stdout.write("\x1b[2J\x1b[H")
 
 

@@ -11,7 +11,8 @@ from babyrobot_levels.convert.checked import sequence
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World, shown
 from babyrobot_levels.convert.data import read_data
 from babyrobot_levels.convert.marks import block_map
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
+from babyrobot_levels.plain import plain
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.spec.moves import Rewards
 

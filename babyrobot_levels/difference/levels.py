@@ -10,8 +10,9 @@ from babyrobot_levels.catalogue import load
 from babyrobot_levels.difference.changes import Change, Changes
 from babyrobot_levels.difference.common import cell_changes, transition_changes, wall_changes
 from babyrobot_levels.games import LevelLike
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
 from babyrobot_levels.measures.metrics import metrics
+from babyrobot_levels.plain import plain
 
 LIMIT = 10
 """How many changes of each kind are told, if nothing else is asked for."""

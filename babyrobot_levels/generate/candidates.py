@@ -9,10 +9,11 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
 from babyrobot_levels.maze.draws import below
 from babyrobot_levels.measures.metrics import Metrics
 from babyrobot_levels.measures.walks import Ahead, distances, neighbours
+from babyrobot_levels.plain import plain
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.spec.cells import Puddle
 from babyrobot_levels.spec.ranges import bounds

@@ -9,7 +9,8 @@ from functools import cached_property
 from hashlib import sha256
 
 from babyrobot_levels.generate.candidates import Maker
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
+from babyrobot_levels.plain import plain
 from babyrobot_levels.spec.base import SLUG
 from babyrobot_levels.spec.suite import SuiteFields
 

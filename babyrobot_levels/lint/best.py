@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from babyrobot_levels.lint.reach import adjacency, distances
+from babyrobot_levels.lint.reach import Ways
 from babyrobot_levels.solver.errors import NoTotalError, TooLongError
 from babyrobot_levels.solver.optimum import solve
 
@@ -59,10 +59,10 @@ def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     happens = mdp.probability[states, policy[states]] > 0
     origins = np.repeat(states, happens.sum(axis=1))
     targets = mdp.next_state[states, policy[states]][happens]
-    ahead = adjacency(origins, targets, mdp.num_states)
-    back = adjacency(targets, origins, mdp.num_states)
-    visited = distances(mdp.start.nonzero()[0].tolist(), ahead)
-    ending = distances(mdp.over.nonzero()[0].tolist(), back)
+    ways = Ways(origins, targets, mdp.num_states)
+    back = ways.back()
+    visited = ways.distances(mdp.start.nonzero()[0].tolist())
+    ending = back.distances(mdp.over.nonzero()[0].tolist())
     stuck = [
         state
         for state in range(mdp.num_states)
@@ -70,8 +70,8 @@ def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     ]
     # From a loop that the robot may leave for another one, on to that one.
     while stuck:
-        loop = [s for s, steps in enumerate(distances(stuck[:1], ahead)) if steps >= 0]
-        returns = distances(stuck[:1], back)
+        loop = [s for s, steps in enumerate(ways.distances(stuck[:1])) if steps >= 0]
+        returns = back.distances(stuck[:1])
         stuck = [state for state in loop if returns[state] < 0]
         if not stuck:
             return loop

@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.level import Level
 from babyrobot_levels.mdp import Mdp
+
+MANY = 50_000
+"""From so many states on, ways are counted with SciPy: fewer take no longer than its import."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,14 +28,19 @@ class Reach:
         on: 1 where he can stand and has to go on: reached, and the episode is not over.
         to_exit: the fewest steps in which an exit can be reached from there, -1 where none can.
         to_end: the same for exits and cells that end the episode.
-        ahead: the other states to which one step can lead, with any probability.
+        ways: the other states to which one step can lead, with any probability.
     """
 
     steps: list[int]
     on: bytes
     to_exit: list[int]
     to_end: list[int]
-    ahead: list[list[int]]
+    ways: Ways
+
+    @property
+    def ahead(self) -> Sequence[Sequence[int]]:
+        """The other states to which one step can lead."""
+        return self.ways.ahead
 
     def reached(self, state: int) -> bool:
         """Tell whether the robot can come to a state."""
@@ -38,7 +48,69 @@ class Reach:
 
     def from_some(self, states: Iterable[int]) -> list[int]:
         """Return for each state the fewest steps in which it can be reached from some others."""
-        return distances(states, self.ahead)
+        return self.ways.distances(states)
+
+
+class Ways:
+    """Which states lead to which others.
+
+    Args:
+        origins: where each step begins.
+        targets: where it ends.
+        count: the number of states.
+    """
+
+    def __init__(self, origins: NDArray[np.integer], targets: NDArray[np.integer], count: int):
+        self.origins, self.targets, self.count = origins, targets, count
+
+    @cached_property
+    def ahead(self) -> Sequence[Sequence[int]]:
+        """The targets of each origin, as lists; of many, those that are asked for."""
+        order = np.argsort(self.origins, kind="stable")
+        bounds = np.searchsorted(self.origins[order], np.arange(self.count + 1)).tolist()
+        if self.count >= MANY:
+            return _Rows(self.targets[order], bounds)
+        ahead = self.targets[order].tolist()
+        return [ahead[first:last] for first, last in pairwise(bounds)]
+
+    def back(self) -> Ways:
+        """Return the same steps from their ends to their beginnings."""
+        return Ways(self.targets, self.origins, self.count)
+
+    def distances(self, sources: Iterable[int]) -> list[int]:
+        """Return for each state the fewest steps from a source, -1 where none leads there."""
+        if self.count >= MANY:
+            from babyrobot_levels.solver import graphs
+
+            roots = np.unique(np.fromiter(sources, np.intp))
+            found = graphs.distances(self.count, self.origins, self.targets, roots)
+            found[found > self.count] = -1
+            counted: list[int] = found.tolist()
+            return counted
+        steps = [-1] * self.count
+        ahead, waiting = self.ahead, deque(sources)
+        for state in waiting:
+            steps[state] = 0
+        while waiting:
+            state = waiting.popleft()
+            for other in ahead[state]:
+                if steps[other] < 0:
+                    steps[other] = steps[state] + 1
+                    waiting.append(other)
+        return steps
+
+
+class _Rows(Sequence[Sequence[int]]):
+    """A list of lists that is kept as two: of all their values, and of where each begins."""
+
+    def __init__(self, values: NDArray[np.integer], bounds: list[int]):
+        self.values, self.bounds = values, bounds
+
+    def __len__(self) -> int:
+        return len(self.bounds) - 1
+
+    def __getitem__(self, row: Any) -> Any:
+        return self.values[self.bounds[row] : self.bounds[row + 1]].tolist()
 
 
 def reach_of(level: Level, mdp: Mdp) -> Reach:
@@ -49,20 +121,19 @@ def reach_of(level: Level, mdp: Mdp) -> Reach:
         mdp: its tables, or those of a variant with the same grid and exits.
     """
     width = mdp.width
-    origins, targets = _moves(mdp)
-    ahead = adjacency(origins, targets, mdp.num_states)
-    back = adjacency(targets, origins, mdp.num_states)
-    steps = distances(mdp.start.nonzero()[0].tolist(), ahead)
+    ways = Ways(*_moves(mdp), mdp.num_states)
+    back = ways.back()
+    steps = ways.distances(mdp.start.nonzero()[0].tolist())
     over, blocked = mdp.over.tolist(), level.grid().blocked_cells
     exits = sorted(y * width + x for x, y in level.exits)
     ends = [state for state, ended in enumerate(over) if ended and not blocked[state]]
-    to_exit = distances(exits, back)
+    to_exit = back.distances(exits)
     return Reach(
         steps,
         bytes(count >= 0 and not ended for count, ended in zip(steps, over, strict=True)),
         to_exit,
-        to_exit if ends == exits else distances(ends, back),
-        ahead,
+        to_exit if ends == exits else back.distances(ends),
+        ways,
     )
 
 
@@ -75,28 +146,3 @@ def _moves(mdp: Mdp) -> tuple[NDArray[np.intp], NDArray[np.int32]]:
     moves = targets != states
     moves[:, 1:] &= targets[:, 1:] != targets[:, :-1]
     return moves.nonzero()[0], targets[moves]
-
-
-def adjacency(
-    origins: NDArray[np.integer], targets: NDArray[np.integer], count: int
-) -> list[list[int]]:
-    """Return the targets of each origin, as lists: they are several times faster to walk."""
-    order = np.argsort(origins, kind="stable")
-    bounds = np.searchsorted(origins[order], np.arange(count + 1)).tolist()
-    ahead = targets[order].tolist()
-    return [ahead[first:last] for first, last in pairwise(bounds)]
-
-
-def distances(sources: Iterable[int], ahead: Sequence[Sequence[int]]) -> list[int]:
-    """Return for each state the fewest steps from a source, -1 where none leads there."""
-    steps = [-1] * len(ahead)
-    waiting = deque(sources)
-    for state in waiting:
-        steps[state] = 0
-    while waiting:
-        state = waiting.popleft()
-        for other in ahead[state]:
-            if steps[other] < 0:
-                steps[other] = steps[state] + 1
-                waiting.append(other)
-    return steps

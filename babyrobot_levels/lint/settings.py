@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.errors import BabyRobotError
+from babyrobot_levels.files import is_file
 from babyrobot_levels.lint.registry import UnknownRuleError, select
 from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.suggest import did_you_mean
@@ -76,7 +77,7 @@ def settings_for(path: Path) -> Settings:
 def _in_folder(folder: Path) -> Settings:
     for name, tables in (("babyrobot.toml", ("lint",)), ("pyproject.toml", ("tool", "babyrobot"))):
         path = folder / name
-        data: Any = _read(path) if path.is_file() else None
+        data: Any = _read(path) if is_file(path) else None
         for table in tables:
             data = data.get(table) if isinstance(data, Mapping) else None
         if data is not None:
@@ -86,7 +87,7 @@ def _in_folder(folder: Path) -> Settings:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text("utf-8"))
+        return tomllib.loads(path.read_text("utf-8-sig"))
     except (OSError, ValueError) as error:
         raise SettingsError(f"{path} cannot be read: {error}") from None
 

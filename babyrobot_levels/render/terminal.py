@@ -16,6 +16,31 @@ from typing import IO
 _RESET = "\x1b[0m"
 _TOKEN = re.compile(r"\x1b\[[0-9;]*m|.")
 _ROOM = os.terminal_size((80, 24))
+_PROCESSED_AND_VIRTUAL = 0x1 | 0x4
+"""The modes in which a console of Windows understands control characters and escapes."""
+
+
+if sys.platform == "win32":
+
+    def _knows_escapes(stream: IO[str]) -> bool:
+        """Have the console of a stream understand escape sequences; tell whether it does."""
+        import ctypes
+        import msvcrt
+
+        kernel, mode = ctypes.windll.kernel32, ctypes.c_ulong()
+        try:
+            console = msvcrt.get_osfhandle(stream.fileno())
+        except (OSError, ValueError):
+            return False
+        # Not all that is called a terminal there is a console: NUL is called one, too.
+        if not kernel.GetConsoleMode(console, ctypes.byref(mode)):
+            return False
+        return bool(kernel.SetConsoleMode(console, mode.value | _PROCESSED_AND_VIRTUAL))
+
+else:
+
+    def _knows_escapes(stream: IO[str]) -> bool:
+        return True
 
 
 def wants_color(stream: IO[str]) -> bool:
@@ -24,7 +49,7 @@ def wants_color(stream: IO[str]) -> bool:
         return False
     if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
         return True
-    return stream.isatty() and os.environ.get("TERM") != "dumb"
+    return moves_cursor(stream)
 
 
 def speaks_unicode(stream: IO[str]) -> bool:
@@ -35,7 +60,7 @@ def speaks_unicode(stream: IO[str]) -> bool:
 
 def moves_cursor(stream: IO[str]) -> bool:
     """Tell whether the stream is a terminal on which a drawing can take the place of another."""
-    return stream.isatty() and os.environ.get("TERM") != "dumb"
+    return stream.isatty() and os.environ.get("TERM") != "dumb" and _knows_escapes(stream)
 
 
 def room_of(stream: IO[str]) -> os.terminal_size:

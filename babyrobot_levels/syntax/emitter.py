@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import isfinite, isnan
 from typing import Any
 
 from babyrobot_levels.syntax.layout import Container, Entry, Scalar, Value, lines_of, on_one_line
@@ -35,6 +36,8 @@ def scalar(value: Any, *, in_flow: bool = False) -> str:
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, float):
+        if not isfinite(value):
+            return ".nan" if isnan(value) else ".inf" if value > 0 else "-.inf"
         if value.is_integer() and abs(value) < 1e15:
             return str(int(value))
         return repr(value).replace("e-0", "e-").replace("e+", "e")

@@ -111,7 +111,8 @@ def _put_entry(entry: Entry, indent: str, lines: list[str]) -> None:
         lines[first if value.text[0] in "|>" else -1] += behind
         return
     short = None if _wants_lines(value, entry) else on_one_line(value)
-    if short is not None and len(lead) + 1 + len(short) <= WIDTH:
+    fits = short is not None and len(lead) + 1 + len(short) <= WIDTH
+    if short is not None and (fits or not value.entries):
         lines.append(f"{lead} {short}{behind}")
         return
     hangs = entry.key is None and not value.properties

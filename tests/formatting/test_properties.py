@@ -14,9 +14,9 @@ from hypothesis import strategies as st
 from support.handwriting import Scribe
 from support.worlds import decorated_worlds, level_of_text, worlds
 
-from babyrobot_levels.catalogue import gallery_folder, yaml_files
 from babyrobot_levels.formatting.formatter import format_source, format_text
 from babyrobot_levels.formatting.tree import tidy
+from babyrobot_levels.places import gallery_folder, yaml_files
 from babyrobot_levels.reading import from_mapping, load_file
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.starter import TEMPLATES, Order, starter

@@ -66,7 +66,7 @@ def test_no_field_of_a_suite_is_missing() -> None:
 
 
 def test_the_shipped_suites_are_told_of() -> None:
-    from babyrobot_levels.catalogue import gallery_folder
+    from babyrobot_levels.places import gallery_folder
 
     for path in (gallery_folder() / "suites").iterdir():
         assert f"`{path.stem}`" in PAGE

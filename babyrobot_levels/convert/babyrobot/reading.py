@@ -24,7 +24,8 @@ from babyrobot_levels.convert.conversion import (
     World,
     shown,
 )
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
+from babyrobot_levels.plain import plain
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.spec.base import MAX_SIZE
 from babyrobot_levels.suggest import did_you_mean

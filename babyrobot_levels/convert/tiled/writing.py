@@ -10,7 +10,8 @@ from babyrobot_levels.convert.conversion import Conversion, Lost
 from babyrobot_levels.convert.edges import Edge, free_edges, in_rows, wall_at, wall_looks
 from babyrobot_levels.convert.tiled.reading import SPATIAL, TEXTS
 from babyrobot_levels.convert.tiled.tilesets import CLASSES
-from babyrobot_levels.level import Level, plain
+from babyrobot_levels.level import Level
+from babyrobot_levels.plain import plain
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.raster import to_png
