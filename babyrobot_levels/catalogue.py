@@ -17,10 +17,15 @@ from babyrobot_levels.places import Place, places, yaml_files
 from babyrobot_levels.reading import from_mapping, load_file
 from babyrobot_levels.share import is_code, load_code
 from babyrobot_levels.suggest import nearest
+from babyrobot_levels.syntax.document import YamlFault
+from babyrobot_levels.syntax.reader import read
 
 MAX_NEAREST = 3
-_NAME_LINE = re.compile(r"^name:[ \t]*[\"']?([a-z0-9-]+)", re.MULTILINE)
-_SUITE_LINE = re.compile(r"^kind:[ \t]*[\"']?suite\b", re.MULTILINE)
+_LINES = {
+    key: re.compile(rf"^{key}:[ \t]*([\"']?)([a-z0-9-]+)\1(?:[ \t]+#.*)?[ \t]*$", re.MULTILINE)
+    for key in ("name", "kind")
+}
+"""How a file says what it is called, or that it is a suite, as a rule."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,16 +100,8 @@ def find(name: str) -> Path:
     Raises:
         LevelNotFoundError: nothing has that name.
     """
-    files = []
-    for file in _files_of_pack(_pack_in(name)):
-        if file.name == name:
-            return file.path
-        files.append(file)
-    # Nobody's file is called so; perhaps a file's own `name` field is.
-    for file in files:
-        own = _own_name(file)
-        if own is not None and file.place.named(own) == name:
-            return file.path
+    for path in _named(name):
+        return path
     known = {file.name: file.path for file in level_files()}
     near = _nearest_names(name, [*known])
     raise LevelNotFoundError(name, [other for other in near if not is_suite_file(known[other])])
@@ -154,7 +151,9 @@ def suite_files() -> dict[str, Path]:
     found: dict[str, Path] = {}
     for file in level_files():
         if is_suite_file(file.path):
-            found.setdefault(file.name, file.path)
+            own = _stated(file.path, "name")
+            name = file.name if own is None else file.place.named(own)
+            found.setdefault(name, file.path)
     return found
 
 
@@ -169,18 +168,28 @@ def find_suite(suite: str | os.PathLike[str]) -> Path:
         if not is_file(path):
             raise SuiteNotFoundError(str(path), _nearest_files(path), is_file=True)
         return path
-    for file in _files_of_pack(_pack_in(suite)):
-        if file.name == suite and is_suite_file(file.path):
-            return file.path
+    for path in _named(suite):
+        if is_suite_file(path):
+            return path
     raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
 
 
 def is_suite_file(path: Path) -> bool:
     """Tell, from a look at its text, whether a file is a suite."""
-    try:
-        return _SUITE_LINE.search(read_source(path).text) is not None
-    except ReadFault:
-        return False
+    return _stated(path, "kind") == "suite"
+
+
+def _named(name: str) -> Iterator[Path]:
+    """Yield the files that a name means: those that are called so, then those that say so."""
+    files = []
+    for file in _files_of_pack(_pack_in(name)):
+        if file.name == name:
+            yield file.path
+        files.append(file)
+    for file in files:
+        own = _stated(file.path, "name")
+        if own is not None and file.place.named(own) == name:
+            yield file.path
 
 
 def _pack_in(name: str) -> str | None:
@@ -240,10 +249,16 @@ def _nearest_files(path: Path) -> list[str]:
     return [str(stems[stem]) for stem in nearest(path.stem, stems)]
 
 
-def _own_name(file: LevelFile) -> str | None:
-    """Return the name that a file gives itself, from a look at its text."""
+def _stated(path: Path, key: str) -> str | None:
+    """Return what a file says of itself under a key, which need not be right."""
     try:
-        match = _NAME_LINE.search(read_source(file.path).text)
-    except ReadFault:
+        source = read_source(path)
+        match = _LINES[key].search(source.text)
+        if match is not None:
+            return match[2]
+        # YAML has other ways to write it, and these are rare.
+        data = read(source).data if key in source.text else None
+    except (ReadFault, YamlFault):
         return None
-    return match[1] if match else None
+    told = data.get(key) if isinstance(data, dict) else None
+    return told if isinstance(told, str) else None

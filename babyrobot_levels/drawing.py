@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from operator import add
 
 BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
 RESERVED = frozenset("#SEoO+-|: ")
@@ -86,11 +87,12 @@ def compose(drawing: Drawing) -> str:
     border = "+" + "---+" * drawing.width
     lines = [border]
     for y, cells in enumerate(drawing.cells):
-        shown = ["###" if cell == BLOCKED else f" {cell} " for cell in cells]
+        shown = {cell: "###" if cell == BLOCKED else f" {cell} " for cell in set(cells)}
         marks = drawing.east[y] + SOLID
-        lines.append(SOLID + "".join(cell + mark for cell, mark in zip(shown, marks, strict=True)))
+        lines.append(SOLID + "".join(map(add, map(shown.__getitem__, cells), marks)))
         if y < drawing.height - 1:
-            lines.append("+" + "".join(_HORIZONTAL_TEXT[mark] + "+" for mark in drawing.south[y]))
+            below = map(_HORIZONTAL_TEXT.__getitem__, drawing.south[y])
+            lines.append("+" + "+".join(below) + "+")
     return "\n".join([*lines, border, ""])
 
 

@@ -3,30 +3,26 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from babyrobot_levels.diagnostics import Diagnostic, Severity
-from babyrobot_levels.files import NotRegularError, read_bytes
+from babyrobot_levels.files import MAX_DEPTH, PACK_FILE, NotRegularError, read_bytes
 from babyrobot_levels.lint.across import likeness, same_games
 from babyrobot_levels.lint.runner import lint_file
 from babyrobot_levels.lint.settings import settings_for
 from babyrobot_levels.packs.archive import MAX_FILES, check_sizes, write_archive
 from babyrobot_levels.packs.contents import Contents, survey
 from babyrobot_levels.packs.errors import PackError
-from babyrobot_levels.packs.installed import PACK_FILE
 from babyrobot_levels.packs.manifest import Manifest, file_entry
-from babyrobot_levels.packs.paths import (
-    MAX_DEPTH,
-    TEXTS,
-    belongs,
-    clashes,
-    is_theme,
-    path_fault,
-)
+from babyrobot_levels.packs.paths import TEXTS, belongs, clashes, is_theme, path_fault
 from babyrobot_levels.source import START, SourceFile
 from babyrobot_levels.syntax.reader import MAX_BYTES
+
+_LOCAL_SCHEMA = re.compile(rb"^#.*\$schema=(?:file:|/|~|[A-Za-z]:[/\\])", re.MULTILINE)
+"""A schema line that leads to a file of this machine."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +35,7 @@ class Packed:
         left_out: the files that do not.
         diagnostics: everything that is to be mended before there is an archive, by file and place.
         data: the archive, None while there are diagnostics.
+        local: the files that say where something lies on this machine, in their schema line.
     """
 
     contents: Contents
@@ -46,6 +43,7 @@ class Packed:
     left_out: list[str]
     diagnostics: list[Diagnostic]
     data: bytes | None = None
+    local: Sequence[str] = ()
 
 
 def pack(folder: Path) -> Packed:
@@ -78,7 +76,8 @@ def pack(folder: Path) -> Packed:
     manifest = Manifest(
         name=fields.name, version=fields.version, files=entries, levels=contents.levels
     )
-    return Packed(contents, paths, left_out, [], write_archive(manifest, files))
+    local = [path for path, data in files.items() if _LOCAL_SCHEMA.search(data)]
+    return Packed(contents, paths, left_out, [], write_archive(manifest, files), local)
 
 
 def _paths(folder: Path) -> tuple[list[str], list[str]]:

@@ -126,14 +126,15 @@ class LevelVecEnv(VecEnv):
         return self.env_method(attr_name, indices=indices)
 
     def set_attr(self, attr_name: str, value: Any, indices: _Indices = None) -> None:
-        """Set an attribute of all robots, which share them.
+        """Set an attribute of all robots, which share them, as `LevelVectorEnv.set_attr` does.
 
         Raises:
-            ValueError: only some of the robots are named.
+            AttributeError: it is none that can be set.
+            ValueError: only some of the robots are named, or the attribute cannot have this value.
         """
         if set(self._get_indices(indices)) != set(range(self.num_envs)):
             raise ValueError("robots share their attributes: set them for all, without indices")
-        setattr(self.envs, attr_name, value)
+        self.envs.set_attr(attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: _Indices = None, **method_kwargs: Any

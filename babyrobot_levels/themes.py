@@ -53,12 +53,7 @@ def read_theme(name: str, folders: Sequence[Path]) -> tuple[Theme | None, list[D
 def theme_names(folders: Sequence[Path]) -> list[str]:
     """Return the names of the themes in some folders, sorted."""
     return sorted(
-        {
-            path.stem
-            for folder in folders
-            for path in _inside(folder)
-            if path.suffix in SUFFIXES
-        }
+        {path.stem for folder in folders for path in _inside(folder) if path.suffix in SUFFIXES}
     )
 
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
 import babyrobot_levels as brl
+
+LEAST = 1e-9
+"""What is not above this is a difference by rounding."""
 
 
 def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str = "all") -> None:
@@ -13,7 +17,8 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
 
     The share of the optimum is (policy - random) / (optimum - random): 0 % for a policy that is
     worth what random moves are, 100 % for one that cannot be beaten. Returns may be negative, so
-    that a plain quotient would say nothing.
+    that a plain quotient would say nothing. Where random moves are as good as any, or may never
+    end, there is no share.
 
     Args:
         level: the level.
@@ -21,15 +26,22 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
         actions: `"all"` or `"moves"`, as in the environment.
     """
     policies = {"random moves": "random", **learned, "optimum": brl.solve(level, actions=actions)}
-    worth = {
-        name: brl.evaluate(level, policy, actions=actions).expected_return
-        for name, policy in policies.items()
-    }
+    worth = {name: worth_of(policy, level, actions) for name, policy in policies.items()}
     worst, best = worth["random moves"], worth["optimum"]
     title = f"{level.name}: expected return"
     wide = max(len(title), *map(len, worth))
     print(f"\n{title:{wide}}  {'exactly':>12}  share of the optimum")
     for name, value in worth.items():
-        # Where the robot may walk for ever, its return is -inf.
-        share = (value - worst) / (best - worst) if value > float("-inf") else value
-        print(f"{name:{wide}}  {value:12.4f}  {share:20.2%}")
+        share = "-"
+        if LEAST < best - worst < math.inf and not math.isnan(value):
+            # Where the robot may walk for ever, its return is -inf.
+            share = f"{(value - worst) / (best - worst):.2%}"
+        print(f"{name:{wide}}  {value:12.4f}  {share:>20}")
+
+
+def worth_of(policy: Any, level: brl.Level, actions: str) -> float:
+    """Return what a policy is worth, nan if that has no value or floating point cannot tell it."""
+    try:
+        return brl.evaluate(level, policy, actions=actions).expected_return
+    except ArithmeticError:
+        return math.nan

@@ -6,12 +6,12 @@ pip install "babyrobot-levels[sb3]"
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import Any
 
 import numpy as np
 import torch
+from arguments import parsed, parser_of
 from comparison import print_comparison
 from numpy.typing import NDArray
 from sb3_contrib import MaskablePPO
@@ -26,15 +26,11 @@ NUM_EPISODES = 100
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
-    parser.add_argument("--steps", type=int, default=200_000, help="steps of all robots together")
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
+    args = parsed(parser_of(__doc__, steps=200_000))
+    level = args.level
     # Networks as small as this one learn fastest on one thread.
     torch.set_num_threads(1)
 
-    level = brl.load(args.level)
     limit = level.max_steps or 500
     envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_ENVS, max_episode_steps=limit))
     # Returns of -1,000 are too large for a network; it learns from scaled ones.

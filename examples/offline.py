@@ -6,9 +6,8 @@ and what that cost, is solved by value iteration.
 
 from __future__ import annotations
 
-import argparse
-
 import numpy as np
+from arguments import at_least, parsed, parser_of
 from comparison import print_comparison
 from numpy.typing import NDArray
 
@@ -16,17 +15,14 @@ import babyrobot_levels as brl
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
-    parser.add_argument("--steps", type=int, default=2_000_000, help="steps of all robots together")
-    parser.add_argument("--robots", type=int, default=1024)
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
+    parser = parser_of(__doc__, steps=2_000_000)
+    parser.add_argument("--robots", type=at_least(1), default=1024)
+    args = parsed(parser)
+    level = args.level
+    # Each robot takes a step at least.
+    steps = max(1, args.steps // args.robots)
 
-    level = brl.load(args.level)
-    data = brl.rollout(
-        level, "uniform", args.robots, args.steps // args.robots, args.seed, actions="moves"
-    )
+    data = brl.rollout(level, "uniform", args.robots, steps, args.seed, actions="moves")
     width, height = level.size
     values = learn(data, width * height, level.discount)
     greedy = values.argmax(axis=1).reshape(height, width)

@@ -1,10 +1,12 @@
 """Plays one episode of a level with random moves: python examples/play.py [LEVEL]"""
 
-import sys
+import argparse
 
-import babyrobot_levels as brl
+from arguments import level_of
 
-level = brl.load(sys.argv[1] if len(sys.argv) > 1 else "final-maze")
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("level", type=level_of, nargs="?", default="final-maze")
+level = parser.parse_args().level
 env = level.make(render_mode="ansi", max_episode_steps=10_000)
 env.action_space.seed(1)
 observation, info = env.reset(seed=1)

@@ -6,19 +6,17 @@ comes with the extra `sb3`: pip install "babyrobot-levels[sb3]"
 
 from __future__ import annotations
 
-import argparse
 import time
 from typing import Any
 
 import gymnasium
 import numpy as np
 import torch
+from arguments import parsed, parser_of
 from comparison import print_comparison
 from gymnasium.wrappers.vector import NormalizeReward, RecordEpisodeStatistics
 from torch import Tensor, nn
 from torch.distributions import Categorical
-
-import babyrobot_levels as brl
 
 NUM_ENVS, NUM_STEPS = 64, 64  # robots, and the steps that each takes between two updates
 EPOCHS, BATCH_SIZE, LEARNING_RATE = 8, 512, 3e-3
@@ -62,7 +60,7 @@ def learn(envs: Any, discount: float, steps: int, seed: int) -> Learner:
 
     observations, info = envs.reset(seed=seed)
     states[-1], masks[-1] = torch.tensor(observations), torch.tensor(info["action_mask"])
-    for _ in range(max(1, steps // (NUM_STEPS * NUM_ENVS))):
+    for _ in range(num_updates(steps)):
         states[0], masks[0], over[0] = states[-1], masks[-1], over[-1]
         for step in range(NUM_STEPS):
             with torch.no_grad():
@@ -79,6 +77,11 @@ def learn(envs: Any, discount: float, steps: int, seed: int) -> Learner:
         rows = (states[:-1], masks[:-1], actions, advantages, returns)
         update(learner, optimizer, *(each[acted] for each in rows))
     return learner
+
+
+def num_updates(steps: int) -> int:
+    """Return after how many updates so many steps have been taken, or a few more."""
+    return -(-steps // (NUM_STEPS * NUM_ENVS))
 
 
 def estimate(
@@ -118,19 +121,15 @@ def update(learner: Learner, optimizer: torch.optim.Optimizer, *batch: Tensor) -
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
-    parser.add_argument("--steps", type=int, default=200_000, help="steps of all robots together")
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
+    args = parsed(parser_of(__doc__, steps=200_000))
+    level = args.level
     torch.set_num_threads(1)  # networks as small as these learn fastest on one
     torch.manual_seed(args.seed)
 
-    level = brl.load(args.level)
     envs: Any = gymnasium.make_vec(
         "babyrobot/Level-v0",
         num_envs=NUM_ENVS,
-        level=args.level,
+        level=level,
         observation="index",
         max_episode_steps=level.max_steps or 500,
     )
@@ -139,8 +138,10 @@ def main() -> None:
     scaled = NormalizeReward(envs, gamma=level.discount)
     began = time.perf_counter()
     learner = learn(scaled, level.discount, args.steps, args.seed)
-    print(f"{args.steps:,} steps in {time.perf_counter() - began:.1f} s")
-    print(f"mean return of the last 100 episodes: {np.mean(envs.return_queue):.2f}")
+    steps = num_updates(args.steps) * NUM_STEPS * NUM_ENVS
+    print(f"{steps:,} steps in {time.perf_counter() - began:.1f} s")
+    if envs.return_queue:
+        print(f"mean return of the last 100 episodes: {np.mean(envs.return_queue):.2f}")
 
     mdp = level.compile()
     with torch.no_grad():

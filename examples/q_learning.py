@@ -6,10 +6,10 @@ an action moves towards the mean of what the robots that took it have found.
 
 from __future__ import annotations
 
-import argparse
 import time
 
 import numpy as np
+from arguments import at_least, parsed, parser_of
 from comparison import print_comparison
 from numpy.typing import NDArray
 
@@ -17,17 +17,16 @@ import babyrobot_levels as brl
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
-    parser.add_argument("--steps", type=int, default=8_000_000, help="steps of all robots together")
-    parser.add_argument("--robots", type=int, default=4096)
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
+    parser = parser_of(__doc__, steps=8_000_000)
+    parser.add_argument("--robots", type=at_least(1), default=4096)
+    args = parsed(parser)
+    level = args.level
+    # Each robot takes a step at least.
+    steps = max(1, args.steps // args.robots)
 
-    level = brl.load(args.level)
     began = time.perf_counter()
-    values = q_learning(level, args.robots, args.steps // args.robots, args.seed)
-    print(f"{args.steps:,} steps in {time.perf_counter() - began:.1f} s")
+    values = q_learning(level, args.robots, steps, args.seed)
+    print(f"{steps * args.robots:,} steps in {time.perf_counter() - began:.1f} s")
 
     print("\nvalues, learned:")
     print_grid(values.max(axis=2))

@@ -5,24 +5,21 @@ It needs MoviePy: pip install moviepy
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 
 import gymnasium
 import numpy as np
+from arguments import at_least, parsed, parser_of
 from gymnasium.wrappers import RecordEpisodeStatistics, RecordVideo
 
 import babyrobot_levels as brl
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--level", default="final-maze", help="a name, a path or a share code")
-    parser.add_argument("--steps", type=int, default=200, help="after which an episode is cut off")
-    parser.add_argument("--episodes", type=int, default=4)
-    parser.add_argument("--seed", type=int, default=0)
+    parser = parser_of(__doc__, steps=200, steps_help="after which an episode is cut off")
+    parser.add_argument("--episodes", type=at_least(1), default=4)
     parser.add_argument("--folder", type=Path, default=Path("videos"))
-    args = parser.parse_args()
+    args = parsed(parser)
 
     env = gymnasium.make(
         "babyrobot/Level-v0",

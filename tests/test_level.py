@@ -6,6 +6,7 @@ import copy
 import os
 import pickle
 import stat
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -481,6 +482,45 @@ def test_a_text_that_cannot_be_encoded_leaves_the_old_file(tmp_path: Path) -> No
     path.write_text("old\n")
     with pytest.raises(UnicodeEncodeError):
         files.write_text(path, "\ud800")
+    assert path.read_text() == "old\n"
+    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="paths are short there")
+def test_a_name_may_be_as_long_as_names_can_be(tmp_path: Path) -> None:
+    path = tmp_path / f"{'x' * 250}.yaml"
+    files.write_text(path, "new\n")
+    assert path.read_text() == "new\n"
+
+
+def test_on_windows_a_file_that_may_not_be_written_stays_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There, a file without the permission to write can be neither replaced nor taken away."""
+
+    def is_kept(path: Path) -> bool:
+        return path.exists() and not path.stat().st_mode & stat.S_IWUSR
+
+    replace, unlink = Path.replace, Path.unlink
+
+    def replacing(path: Path, target: Path) -> Path:
+        if is_kept(target):
+            raise PermissionError(13, "Access is denied")
+        return replace(path, target)
+
+    def unlinking(path: Path, missing_ok: bool = False) -> None:
+        if is_kept(path):
+            raise PermissionError(13, "Access is denied")
+        unlink(path, missing_ok)
+
+    path = tmp_path / "level.yaml"
+    path.write_text("old\n")
+    path.chmod(0o444)
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(Path, "replace", replacing)
+    monkeypatch.setattr(Path, "unlink", unlinking)
+    with pytest.raises(PermissionError):
+        files.write_text(path, "new\n")
     assert path.read_text() == "old\n"
     assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
 

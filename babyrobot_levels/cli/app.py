@@ -122,11 +122,13 @@ def _prepare_streams() -> None:
         if getattr(sys, name) is None:
             setattr(sys, name, Path(os.devnull).open("w", encoding="utf-8"))  # noqa: SIM115
         stream = getattr(sys, name)
-        if isinstance(stream, io.TextIOWrapper):
+        if not isinstance(stream, io.TextIOWrapper):
+            continue
+        if stream.isatty():
             stream.reconfigure(errors="backslashreplace")
-            if not stream.isatty():
-                told = os.environ.get("PYTHONIOENCODING", "").partition(":")[0]
-                stream.reconfigure(encoding=told or "utf-8", newline="\n")
+        else:
+            told = os.environ.get("PYTHONIOENCODING", "").partition(":")[0]
+            stream.reconfigure(encoding=told or "utf-8", errors="backslashreplace", newline="\n")
 
 
 if __name__ == "__main__":

@@ -17,7 +17,8 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.preview import LevelArgument, load_level, load_two
+from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.source import printable
 
 if TYPE_CHECKING:
@@ -65,8 +66,13 @@ def compare(
 
     given = None if actions is None else _numbers(actions)
     keywords = None if kwargs is None else _mapping(kwargs)
-    loaded = load_level(level)
-    peer = other if other.startswith(GYMNASIUM) else load_level(other)
+    loaded: Level
+    peer: Level | str
+    if other.startswith(GYMNASIUM):
+        loaded, peer = load_level(level), other
+    else:
+        loaded, peer = load_two(level, other)
+    level, other = shown_name(level), shown_name(other)
     certificate = compared(loaded, peer, actions=given, kwargs=keywords)
     if report_format is ReportFormat.JSON:
         write_json({"level": level, "other": other, "kwargs": keywords, **asdict(certificate)})

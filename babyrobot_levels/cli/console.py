@@ -31,6 +31,13 @@ class ReportFormat(StrEnum):
 FormatOption = Annotated[ReportFormat, typer.Option("--format", help="How to report.")]
 """The option that every command has that reports."""
 
+OutputOption = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
+]
+ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite the file.")]
+"""The options of the commands that write a file."""
+
 
 def write(text: str) -> None:
     """Write to standard output, as it is."""

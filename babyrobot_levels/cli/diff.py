@@ -17,7 +17,8 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.git import is_from_git, text_for_git
-from babyrobot_levels.cli.preview import load_level
+from babyrobot_levels.cli.preview import load_two
+from babyrobot_levels.cli.reporting import shown_name
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
@@ -27,7 +28,9 @@ def diff(
     levels: Annotated[
         list[str],
         typer.Argument(
-            metavar="A B", help="Two levels: names, pack/name, paths of files, or share codes."
+            metavar="A B",
+            help="Two levels: names, pack/name, paths of files, or share codes; one of them may be "
+            "`-`, standard input.",
         ),
     ],
     limit: Annotated[
@@ -64,7 +67,8 @@ def diff(
         return
     if len(levels) != 2:
         fail(f"diff takes two levels, not {len(levels)}")
-    before, after = (_loaded(text) for text in levels)
+    before, after = _loaded(*levels)
+    names = [shown_name(text) for text in levels]
     if maze_seed is None and (before.has_random_maze or after.has_random_maze):
         note("each reset grows another maze; those of seed 0 are compared (see --maze-seed)")
     from babyrobot_levels.cli.differences import difference_data, difference_text
@@ -72,20 +76,20 @@ def diff(
 
     difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
     if report_format is ReportFormat.JSON:
-        write_json({"before": levels[0], "after": levels[1], **difference_data(difference)})
+        write_json({"before": names[0], "after": names[1], **difference_data(difference)})
     else:
         told = "the same game" if difference.same_game else "different games"
-        write(difference_text(difference, f"{levels[0]} and {levels[1]} are {told}"))
+        write(difference_text(difference, f"{names[0]} and {names[1]} are {told}"))
     if not difference.same_game:
         raise typer.Exit(FINDINGS)
 
 
-def _loaded(text: str) -> Level:
-    """Return a level; one that is not valid is no difference, but cannot be compared."""
+def _loaded(before: str, after: str) -> tuple[Level, Level]:
+    """Return two levels; one that is not valid is no difference, but cannot be compared."""
     from babyrobot_levels.errors import LevelError
 
     try:
-        return load_level(text)
+        return load_two(before, after)
     except LevelError as error:
         note(str(error))
         raise typer.Exit(WRONG_CALL) from None

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
 from babyrobot_levels.cli.pictures import Wishes, picture
 from babyrobot_levels.cli.preview import LevelArgument, load_level
@@ -46,10 +46,7 @@ def export_level(
             show_default=False,
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
-    ] = None,
+    output: OutputOption = None,
     maze_seed: Annotated[
         int | None,
         typer.Option(
@@ -57,7 +54,7 @@ def export_level(
         ),
     ] = None,
     strict: StrictOption = False,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    force: ForceOption = False,
 ) -> None:
     """Write a level in the format of another program.
 

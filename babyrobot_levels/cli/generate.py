@@ -6,7 +6,7 @@ import os
 import re
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.generate.folder import Target
     from babyrobot_levels.generate.order import Order
     from babyrobot_levels.generate.search import StarvedError
+    from babyrobot_levels.spec.looks import Theme
     from babyrobot_levels.spec.suite import SuiteFields
+    from babyrobot_levels.suites import Suite
 
 INTERRUPTED = 130
 """Exit status: somebody pressed Ctrl-C."""
@@ -236,10 +238,26 @@ def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
     given = [name for name in words.given() if name != "--count"]
     if given:
         fail(f"the suite says what {given[0]} says", "leave out one of the two")
-    fields = load_suite(suite).fields
-    if words.count is not None:
-        fields = suite_from_mapping({**plain(fields), "name": fields.name, "count": words.count})
+    loaded = load_suite(suite)
+    changes: dict[str, Any] = {} if words.count is None else {"count": words.count}
+    theme = _theme_beside(loaded)
+    if theme is not None:
+        changes["theme"] = plain(theme)
+    fields = loaded.fields
+    if changes:
+        fields = suite_from_mapping({**plain(fields), "name": fields.name, **changes})
     return fields, name_pattern(fields)
+
+
+def _theme_beside(suite: Suite) -> Theme | None:
+    """Return the theme that stands beside a suite's file: its levels carry it with them."""
+    from babyrobot_levels.spec.looks import BUILTIN_THEMES
+    from babyrobot_levels.themes import read_theme, theme_folders
+
+    name, folder = suite.fields.theme, suite.folder
+    if not isinstance(name, str) or name in BUILTIN_THEMES or folder is None:
+        return None
+    return read_theme(name, theme_folders(folder))[0]
 
 
 def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, fail, note, save, write
+from babyrobot_levels.cli.console import FINDINGS, ForceOption, fail, note, save, write
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
 from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.cli.reporting import read_path
@@ -54,7 +54,7 @@ def import_level(
         ),
     ] = None,
     strict: StrictOption = False,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    force: ForceOption = False,
 ) -> None:
     """Make a level file of a world of another program.
 

@@ -68,6 +68,9 @@ def install(
         if error.filename != str(file):
             raise
         fail(f"there is no file {file}", "a pack is installed from its .brlpack file")
+    except OSError as error:
+        where = f": {error.filename}" if error.filename else ""
+        fail(f"{file} is not installed: {error.strerror or error}{where}")
     if report_format is ReportFormat.JSON:
         write_json(_to_dict(read, done))
     else:

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
 from babyrobot_levels.diagnostics import one_line
 
 MAX_PUDDLES = 10_000
@@ -75,7 +75,7 @@ def new_level(
             show_default=False,
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    force: ForceOption = False,
 ) -> None:
     """Write a new level file, with comments, and say what to type next.
 

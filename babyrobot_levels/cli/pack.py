@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.packing import Packed
 
 MAX_SHOWN = 10
-"""So many of the files that are left out are named."""
+"""So many of some files are named."""
 
 
 def pack(
@@ -65,15 +66,19 @@ def pack(
       babyrobot pack zoo -o zoo.brlpack
     """
     from babyrobot_levels import packing
+    from babyrobot_levels.files import PACK_FILE
     from babyrobot_levels.packs.archive import SUFFIX
     from babyrobot_levels.packs.errors import PackError
 
     if not folder.is_dir():
         fail(f"{folder} is not a folder" if folder.exists() else f"there is no folder {folder}")
-    if not (folder / "pack.yaml").exists():
+    if not (folder / PACK_FILE).exists():
+        other = (folder / PACK_FILE).with_suffix(".yml")
         fail(
-            f"there is no pack.yaml in {folder.resolve()}",
-            "it says what the pack is; `babyrobot pack --help` shows one",
+            f"there is no {PACK_FILE} in {folder.resolve()}",
+            f"rename {other.name}"
+            if other.exists()
+            else "it says what the pack is; `babyrobot pack --help` shows one",
         )
     try:
         packed = packing.pack(folder)
@@ -83,6 +88,7 @@ def pack(
     fields, data = packed.contents.fields, packed.data
     if fields is None or data is None:
         _report(packed, folder, report_format)
+        note("no pack is written: mend this first, or silence it as for `babyrobot lint`")
         raise typer.Exit(FINDINGS)
     path = output or Path(f"{fields.name}-{fields.version}{SUFFIX}")
     save(path, data, force=force)
@@ -98,6 +104,9 @@ def pack(
         write_json(told)
     else:
         _tell(told, packed.contents.summary())
+    if packed.local:
+        names = _few(packed.local)
+        note(f"the schema line says where a file lies on your machine, for all to read: {names}")
 
 
 def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
@@ -130,7 +139,12 @@ def _tell(told: dict[str, Any], summary: str) -> None:
     for suite in told["suites"]:
         write(f"  {suite['name'].ljust(width)}  a suite\n")
     if told["left_out"]:
-        names = [one_line(name) for name in told["left_out"][:MAX_SHOWN]]
-        more = len(told["left_out"]) - len(names)
-        write(f"left out: {', '.join(names)}{f' and {more:,} more' if more else ''}\n")
+        write(f"left out: {_few(told['left_out'])}\n")
     write(f"wrote {one_line(told['file'])}: {told['size']:,} bytes, sha256:{told['sha256']}\n")
+
+
+def _few(names: Sequence[str]) -> str:
+    """Return the first of some names, and how many more there are."""
+    more = len(names) - MAX_SHOWN
+    told = ", ".join(map(one_line, names[:MAX_SHOWN]))
+    return f"{told} and {more:,} more" if more > 0 else told

@@ -6,6 +6,7 @@ import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,6 +14,7 @@ import typer
 from babyrobot_levels.actions import Action
 from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
 from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.source import printable
 
 if TYPE_CHECKING:
@@ -70,6 +72,8 @@ def play(
     from babyrobot_levels.render.terminal import moves_cursor
 
     loaded = load_level(level)
+    if level == str(STANDARD_INPUT) and moves_cursor(sys.stdout):
+        _take_keys_from_the_terminal()
     if maze_seed is not None and not loaded.has_random_maze:
         fail("the level's maze is not random", "--maze-seed is for `maze: {seed: random}`")
     if sys.stdin is None or not (sys.stdin.isatty() and moves_cursor(sys.stdout)):
@@ -82,6 +86,14 @@ def play(
     with _ended_by_signals(), suppress(EOFError), _whole_screen(), keyboard() as next_key:
         _play(game, next_key)
     write(game.told() + "\n")
+
+
+def _take_keys_from_the_terminal() -> None:
+    """Let standard input, through which the level has come, be the terminal again."""
+    # Without a terminal it stays what it is; the game then says that it needs one.
+    with suppress(OSError):
+        terminal = Path("CONIN$" if sys.platform == "win32" else "/dev/tty")
+        sys.stdin = terminal.open(encoding="utf-8")
 
 
 def _play(game: _Game, next_key: NextKey) -> None:

@@ -11,8 +11,18 @@ import typer
 from typer.core import TyperCommand
 
 from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
-from babyrobot_levels.cli.console import fail, note, save, speaks_unicode, wants_color, write
+from babyrobot_levels.cli.console import (
+    ForceOption,
+    OutputOption,
+    fail,
+    note,
+    save,
+    speaks_unicode,
+    wants_color,
+    write,
+)
 from babyrobot_levels.cli.pictures import MAX_SCALE, Walker, Wishes, film, page, picture
+from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:
@@ -32,7 +42,10 @@ class PictureFormat(StrEnum):
 
 LevelArgument = Annotated[
     str,
-    typer.Argument(metavar="LEVEL", help="A name, pack/name, the path of a file, or a share code."),
+    typer.Argument(
+        metavar="LEVEL",
+        help="A name, pack/name, the path of a file, or a share code; `-` is standard input.",
+    ),
 ]
 
 _SUFFIXES = {
@@ -73,10 +86,7 @@ def preview(
             show_default=False,
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
-    ] = None,
+    output: OutputOption = None,
     theme: Annotated[
         str | None,
         typer.Option(metavar="THEME", help="Show it in another theme.", show_default=False),
@@ -128,7 +138,7 @@ def preview(
             show_default=False,
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    force: ForceOption = False,
 ) -> None:
     """Show a level.
 
@@ -176,9 +186,33 @@ def load_level(text: str) -> Level:
     from babyrobot_levels.errors import LevelNotFoundError
     from babyrobot_levels.share import is_code
 
+    if text == str(STANDARD_INPUT):
+        return _read_level()
     if "\n" in text and not is_code(text):
         raise LevelNotFoundError(text)
     return load(text)
+
+
+def load_two(one: str, other: str) -> tuple[Level, Level]:
+    """Return the two levels that arguments name, of which one may be standard input."""
+    if one == other == str(STANDARD_INPUT):
+        fail("standard input can be one of the two levels only")
+    return load_level(one), load_level(other)
+
+
+def _read_level() -> Level:
+    """Return the level that standard input holds."""
+    from babyrobot_levels.errors import LevelError
+    from babyrobot_levels.files import ReadFault
+    from babyrobot_levels.reading import read_level
+
+    try:
+        level, diagnostics = read_level(read_path(STANDARD_INPUT))
+    except ReadFault as fault:
+        raise LevelError([fault.diagnostic]) from None
+    if level is None:
+        raise LevelError(diagnostics)
+    return level
 
 
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import json
 from enum import StrEnum
-from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import save, write
+from babyrobot_levels.cli.console import ForceOption, OutputOption, save, write
 
 
 class SchemaName(StrEnum):
@@ -25,11 +24,8 @@ def print_schema(
     name: Annotated[
         SchemaName, typer.Argument(metavar="NAME", help="`level`, `pack`, `suite` or `theme`.")
     ] = SchemaName.LEVEL,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    output: OutputOption = None,
+    force: ForceOption = False,
 ) -> None:
     """Print the JSON schema of level, suite or theme files, or of the `pack.yaml` of packs.
 

@@ -109,9 +109,9 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     return list(files)
 
 
-def shown_name(path: Path) -> str:
-    """Return what messages call a file."""
-    return "<stdin>" if path == STANDARD_INPUT else str(path)
+def shown_name(path: Path | str) -> str:
+    """Return what messages call a file, or another level that an argument names."""
+    return "<stdin>" if str(path) == str(STANDARD_INPUT) else str(path)
 
 
 def read_path(path: Path) -> SourceFile:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
 from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 
@@ -28,11 +28,8 @@ def resolve(
             metavar="N", help="Of a level with random mazes, the seed to take.", show_default=False
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    output: OutputOption = None,
+    force: ForceOption = False,
 ) -> None:
     """Write out a level's maze as walls; game and picture stay the same.
 

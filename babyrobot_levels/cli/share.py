@@ -90,5 +90,6 @@ def _fragment(level: Level) -> str:
     except TooLargeError as error:
         fail(
             str(error),
-            f"send the file; up to {MAX_CELLS:,} cells, there is `babyrobot preview LEVEL -o p.html`",
+            f"send the file; up to {MAX_CELLS:,} cells, "
+            "there is `babyrobot preview LEVEL -o p.html`",
         )

@@ -47,13 +47,12 @@ def show(
     """
     loaded = load_level(level)
     if citation:
-        cite(loaded, as_json=report_format is ReportFormat.JSON)
+        cite(loaded, level, as_json=report_format is ReportFormat.JSON)
         return
     facts = _facts(loaded)
     if report_format is ReportFormat.JSON:
-        write_json(facts)
+        write_json({**facts, "drawing": None if loaded.has_random_maze else loaded.draw()})
         return
-    del facts["drawing"]
     facts |= facts.pop("metrics") or {}
     width = max(map(len, facts))
     bold = wants_color(sys.stdout)
@@ -91,7 +90,6 @@ def _facts(level: Level) -> dict[str, Any]:
         "chance": None,
         "digest": None,
         "metrics": None,
-        "drawing": None,
     }
     if not level.has_random_maze:
         mdp = level.compile()
@@ -101,7 +99,6 @@ def _facts(level: Level) -> dict[str, Any]:
         facts["chance"] = bool(happens[~mdp.over].sum(axis=2).max(initial=0) > 1)
         facts["digest"] = level.digest
         facts["metrics"] = _metrics(level)
-        facts["drawing"] = level.draw()
     return facts
 
 

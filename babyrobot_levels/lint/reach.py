@@ -60,7 +60,9 @@ class Ways:
         count: the number of states.
     """
 
-    def __init__(self, origins: NDArray[np.integer], targets: NDArray[np.integer], count: int):
+    def __init__(
+        self, origins: NDArray[np.signedinteger], targets: NDArray[np.signedinteger], count: int
+    ):
         self.origins, self.targets, self.count = origins, targets, count
 
     @cached_property
@@ -103,7 +105,7 @@ class Ways:
 class _Rows(Sequence[Sequence[int]]):
     """A list of lists that is kept as two: of all their values, and of where each begins."""
 
-    def __init__(self, values: NDArray[np.integer], bounds: list[int]):
+    def __init__(self, values: NDArray[np.signedinteger], bounds: list[int]):
         self.values, self.bounds = values, bounds
 
     def __len__(self) -> int:

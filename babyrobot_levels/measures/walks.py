@@ -108,9 +108,10 @@ def straightest(walks: Walks, start: int, width: int) -> tuple[list[int], int]:
         found: dict[Pose, tuple[int, Pose]] = {}
         for pose, (turns, _) in layers[-1].items():
             cell, heading = pose
+            y, x = divmod(cell, width)
             for other in walks.ahead[cell]:
                 if walks.to_exit[other] == left:
-                    way = (other % width - cell % width, other // width - cell // width)
+                    way = (other % width - x, other // width - y)
                     count = turns + (heading is not None and way != heading)
                     if (other, way) not in found or count < found[other, way][0]:
                         found[other, way] = (count, pose)

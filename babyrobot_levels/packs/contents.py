@@ -7,11 +7,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.files import PACK_FILE, ReadFault, read_source
 from babyrobot_levels.level import Level, slug
 from babyrobot_levels.loader import diagnostic, from_yaml, parse
 from babyrobot_levels.packs.errors import PackError
-from babyrobot_levels.packs.installed import PACK_FILE
 from babyrobot_levels.packs.manifest import LevelEntry, Manifest
 from babyrobot_levels.packs.paths import TEXTS, is_theme
 from babyrobot_levels.reading import is_suite, read_document, read_suite

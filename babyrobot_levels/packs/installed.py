@@ -7,19 +7,17 @@ hand, and is a pack as it is.
 
 from __future__ import annotations
 
-import os
 import re
 import stat
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.files import PACK_FILE, ReadFault, is_folder, read_source
 from babyrobot_levels.folders import user_folder
 from babyrobot_levels.loader import parse
 from babyrobot_levels.spec.pack import VERSION, PackFields
 
-PACK_FILE = "pack.yaml"
 CURRENT = "current"
 MAX_LINE = 100
 _FOLDER = re.compile(rf"({VERSION[1:-1]})-[0-9a-f]{{12}}(-again)?", re.ASCII)
@@ -54,14 +52,30 @@ def packs() -> Iterator[InstalledPack]:
 
 
 def installed(name: str) -> InstalledPack | None:
-    """Return the pack that is found under a name, or None if there is none."""
+    """Return the pack that is found under a name, or None if there is none for us to see."""
     home = packs_folder() / name
-    if not home.is_dir():
+    if not is_folder(home):
         return None
-    if not os.path.lexists(home / CURRENT):
-        return InstalledPack(name, home)
+    try:
+        if not has_current(home):
+            return InstalledPack(name, home)
+    except OSError:
+        return None
     folder = current(home)
     return None if folder is None else InstalledPack(name, folder, version_of(folder.name))
+
+
+def has_current(home: Path) -> bool:
+    """Tell whether a pack was installed, also where its `current` is faulty.
+
+    Raises:
+        OSError: the pack's folder may not be entered.
+    """
+    try:
+        (home / CURRENT).lstat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    return True
 
 
 def current(home: Path) -> Path | None:

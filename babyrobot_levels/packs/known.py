@@ -6,8 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from babyrobot_levels.files import is_folder
 from babyrobot_levels.packs.carried import carried_packs
-from babyrobot_levels.packs.installed import installed, packs, packs_folder
+from babyrobot_levels.packs.installed import has_current, installed, packs, packs_folder
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,11 +42,22 @@ def known_packs() -> Iterator[KnownPack]:
 def unusable_packs() -> Iterator[str]:
     """Yield what is to be said of each pack that is announced but cannot be found."""
     try:
-        folders = sorted(path for path in packs_folder().iterdir() if path.is_dir())
-    except OSError:
-        folders = []
-    for folder in folders:
-        if not folder.name.startswith(".") and installed(folder.name) is None:
+        inside = sorted(packs_folder().iterdir())
+    except FileNotFoundError:
+        inside = []
+    except OSError as error:
+        inside = []
+        yield f"{packs_folder()} is left out: {error.strerror}"
+    for folder in inside:
+        if folder.name.startswith(".") or not is_folder(folder):
+            continue
+        if installed(folder.name) is not None:
+            continue
+        try:
+            has_current(folder)
+        except OSError:
+            yield f"{folder} is left out: it may not be entered"
+        else:
             why = "its file `current` names no version; install the pack again"
             yield f"{folder} is left out: {why}"
     for carried in carried_packs():

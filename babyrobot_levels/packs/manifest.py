@@ -10,7 +10,8 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StrictInt, StrictStr, StringConstraints, ValidationError
 
 from babyrobot_levels.packs.errors import PackError
-from babyrobot_levels.spec.base import Model, Slug
+from babyrobot_levels.packs.paths import MAX_PATH
+from babyrobot_levels.spec.base import SLUG, Model, Slug
 from babyrobot_levels.spec.pack import Version
 
 MANIFEST = "MANIFEST.json"
@@ -19,6 +20,8 @@ FORMAT = "babyrobot-levels pack"
 
 Sum = Annotated[StrictStr, StringConstraints(pattern=r"^[0-9a-f]{64}$")]
 Digest = Annotated[StrictStr, StringConstraints(pattern=r"^sha256:[0-9a-f]{64}$")]
+FilePath = Annotated[StrictStr, StringConstraints(max_length=MAX_PATH)]
+LevelName = Annotated[StrictStr, StringConstraints(pattern=SLUG, max_length=MAX_PATH)]
 
 
 class FileEntry(Model):
@@ -32,7 +35,7 @@ class LevelEntry(Model):
     """A level: its file, and its digest, which a level with a random maze does not have."""
 
     digest: Digest | None
-    file: StrictStr
+    file: FilePath
 
 
 class Manifest(Model):
@@ -42,8 +45,8 @@ class Manifest(Model):
     format_version: Literal[1] = 1
     name: Slug
     version: Version
-    files: dict[str, FileEntry]
-    levels: dict[str, LevelEntry]
+    files: dict[FilePath, FileEntry]
+    levels: dict[LevelName, LevelEntry]
 
     def to_bytes(self) -> bytes:
         """Return the manifest as it stands in the archive: JSON in one form."""

@@ -5,16 +5,14 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 
-from babyrobot_levels.files import SUFFIXES
-from babyrobot_levels.packs.installed import PACK_FILE
+from babyrobot_levels.files import MAX_DEPTH, PACK_FILE, SUFFIXES
 from babyrobot_levels.spec.pack import RESERVED
 
 TEXTS = ("README.md", "LICENSE", "LICENSE.md", "LICENSE.txt")
 """The files of a pack that are not YAML."""
 
-MAX_PATH = 200
-MAX_DEPTH = 6
-"""So many folders may lie around a file: as deep as the catalogue looks for levels."""
+MAX_PATH = 120
+"""So many characters a path has at most: on Windows, it is to fit behind the user's folder."""
 
 _PART = re.compile(r"[A-Za-z0-9_]([A-Za-z0-9 ._-]*[A-Za-z0-9_-])?", re.ASCII)
 

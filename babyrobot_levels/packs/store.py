@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.files import write_text
+from babyrobot_levels.files import is_folder, write_text
 from babyrobot_levels.packs.archive import Archive
 from babyrobot_levels.packs.carried import is_name
 from babyrobot_levels.packs.contents import Contents, check_contents, survey
@@ -18,6 +20,7 @@ from babyrobot_levels.packs.installed import (
     CURRENT,
     InstalledPack,
     current,
+    has_current,
     installed,
     packs,
     packs_folder,
@@ -90,12 +93,14 @@ def uninstall(name: str) -> InstalledPack:
         OSError: the folder cannot be written.
     """
     home = packs_folder()
-    if name not in (pack.name for pack in packs()) and not _has_current(home, name):
-        raise PackNotFoundError(name, nearest(name, (pack.name for pack in packs())))
+    if name not in (pack.name for pack in packs()) and not _is_ours(home, name):
+        # Whoever gives the name of a level, or of an archive, means the pack's.
+        own = re.split(r"[/\\]|-[0-9]+\.", name, maxsplit=1)[0]
+        raise PackNotFoundError(name, nearest(own, (pack.name for pack in packs())))
     with locked(home):
         _sweep(home)
         found = installed(name)
-        if not _has_current(home, name):
+        if not _is_ours(home, name):
             if found is None:
                 raise PackNotFoundError(name)
             raise PackConflictError(
@@ -111,10 +116,9 @@ def uninstall(name: str) -> InstalledPack:
     return found or InstalledPack(name, home / name)
 
 
-def _has_current(home: Path, name: str) -> bool:
-    """Tell whether a pack was installed, also where its `current` is faulty."""
-    place = home / name
-    return is_name(name) and not place.is_symlink() and os.path.lexists(place / CURRENT)
+def _is_ours(home: Path, name: str) -> bool:
+    """Tell whether a pack was installed, and not put there by hand."""
+    return is_name(name) and not (home / name).is_symlink() and has_current(home / name)
 
 
 def _is_same(before: InstalledPack, archive: Archive) -> bool:
@@ -124,7 +128,7 @@ def _is_same(before: InstalledPack, archive: Archive) -> bool:
 def _permit(place: Path, before: InstalledPack | None, archive: Archive, force: bool) -> None:
     """Make sure that nothing is overwritten that must not be."""
     manifest = archive.manifest
-    if os.path.lexists(place) and (place.is_symlink() or not os.path.lexists(place / CURRENT)):
+    if os.path.lexists(place) and (place.is_symlink() or not has_current(place)):
         raise PackConflictError(
             f"{place} is there already, and was put there by hand",
             "take it away, and install the pack then",
@@ -186,18 +190,24 @@ def _sweep(home: Path) -> None:
     for place in home.iterdir():
         if place.name.startswith(_PART):
             _remove(place)
-        elif place.is_dir() and not place.is_symlink():
-            kept = current(place)
-            for inner in place.iterdir() if kept is not None else ():
-                if inner.name.startswith(f".{CURRENT}.") or (
-                    version_of(inner.name) is not None and inner != kept
-                ):
-                    _remove(inner)
+        elif is_folder(place) and not place.is_symlink():
+            # Another pack, into which we may not look, is nothing to stop at.
+            with suppress(OSError):
+                _sweep_pack(place)
+
+
+def _sweep_pack(place: Path) -> None:
+    kept = current(place)
+    for inner in place.iterdir() if kept is not None else ():
+        if inner.name.startswith(f".{CURRENT}.") or (
+            version_of(inner.name) is not None and inner != kept
+        ):
+            _remove(inner)
 
 
 def _remove(path: Path) -> None:
     """Take a file or a folder away; what cannot be taken away is left to the next sweep."""
-    if path.is_dir() and not path.is_symlink():
+    if is_folder(path) and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     else:
         path.unlink(missing_ok=True)

@@ -7,9 +7,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from babyrobot_levels.actions import Action
+from babyrobot_levels.render.film import film_of, laid
 from babyrobot_levels.render.gif import Frame, Patch, encoded
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.svg import number
@@ -23,9 +22,8 @@ from babyrobot_levels.scene.robot import robot_shapes
 from babyrobot_levels.scene.shapes import Scene
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from babyrobot_levels.level import Level
+    from babyrobot_levels.render.film import Film
 
 MAX_SIDE = 800
 """A film that is given no scale is at most this many pixels wide and high."""
@@ -170,30 +168,18 @@ class _Stage:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
         self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
-        self._robots: dict[Pose, tuple[NDArray[np.uint16], NDArray[np.uint16]]] = {}
+        self._robots: dict[Pose, Film] = {}
         self._panels: tuple[tuple[int, float], tuple[Patch, ...]] | None = None
 
     def robot(self, place: Place, pose: Pose) -> Patch:
         """Return the robot's surroundings with him in it."""
-        ink, through = self._robot(pose)
         left, top = (round(self._scale * at) for at in self._layout.corner(*place))
-        height, width = ink.shape[:2]
-        ground = self.ground[top : top + height, left : left + width]
-        height, width = ground.shape[:2]
-        seen = (ground * through[:height, :width] + 127) // 255
-        return Patch(left, top, (ink[:height, :width] + seen).astype(np.uint8))
-
-    def _robot(self, pose: Pose) -> tuple[NDArray[np.uint16], NDArray[np.uint16]]:
-        """Paint the robot on black and on white: what differs is what shines through."""
+        side = max(1, round(self._scale * CELL))
         if pose not in self._robots:
-            shapes = robot_shapes(self._level.colors_and_widths, 0.0, 0.0, pose)
-            side = max(1, round(self._scale * CELL))
-            black, white = (
-                to_rgb(Scene(CELL, CELL, shapes), (side, side), ground).astype(np.uint16)
-                for ground in ("black", "white")
-            )
-            self._robots[pose] = black, white - black
-        return self._robots[pose]
+            scene = Scene(CELL, CELL, robot_shapes(self._level.colors_and_widths, 0.0, 0.0, pose))
+            self._robots[pose] = film_of(lambda ground: to_rgb(scene, (side, side), ground))
+        ground = self.ground[top : top + side, left : left + side]
+        return Patch(left, top, laid(self._robots[pose], ground))
 
     def panels(self, steps: int, total: float) -> tuple[Patch, ...]:
         """Return the level's panel with the score in it, if it has one."""

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from babyrobot_levels.render.film import film_of, laid
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.scene.build import build_layers
 from babyrobot_levels.scene.layout import CELL, Layout, layout_of
@@ -21,8 +22,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from babyrobot_levels.level import Level
+    from babyrobot_levels.render.film import Film
 
-    _Film = tuple[NDArray[np.uint8], NDArray[np.uint8]]
     _Patch = tuple[slice, slice, NDArray[np.uint8]]
 
 MAX_FRAME_SIDE = 2048
@@ -89,12 +90,12 @@ class FramePainter:
         self._theme, self._grayscale = level.colors_and_widths, grayscale
         self._below = self._painted(below)
         self._above = self._film(above, (self.width, self.height)) if overlay else None
-        self._base = self._below if self._above is None else _laid(self._above, self._below)
+        self._base = self._below if self._above is None else laid(self._above, self._below)
         scale_x, scale_y = self.width / layout.width, self.height / layout.height
         self._left = _offsets(layout.margin, layout.columns, scale_x)
         self._top = _offsets(layout.margin, layout.rows, scale_y)
         self._cell = max(1, round(scale_x * CELL)), max(1, round(scale_y * CELL))
-        self._robots: dict[Pose, _Film] = {}
+        self._robots: dict[Pose, Film] = {}
         self._patches: dict[tuple[int, Pose], _Patch] = {}
         self._room = max(16, _PATCH_BYTES // (3 * self._cell[0] * self._cell[1]))
 
@@ -128,10 +129,10 @@ class FramePainter:
             _remember(self._robots, pose, robot, _POSES)
         left, top = self._left[x], self._top[y]
         rows, columns = slice(top, top + self._cell[1]), slice(left, left + self._cell[0])
-        pixels = _laid(robot, self._below[rows, columns])
+        pixels = laid(robot, self._below[rows, columns])
         if self._above is not None:
             ink, through = self._above
-            pixels = _laid((ink[rows, columns], through[rows, columns]), pixels)
+            pixels = laid((ink[rows, columns], through[rows, columns]), pixels)
         patch = rows, columns, pixels
         _remember(self._patches, (state, pose), patch, self._room)
         return patch
@@ -145,18 +146,8 @@ class FramePainter:
         )
         return _gray(pixels) if self._grayscale else pixels
 
-    def _film(self, scenes: list[Scene], size: tuple[int, int]) -> _Film:
-        """Paint on black and on white: what differs is what shines through."""
-        ink = self._painted(scenes, size, "black")
-        return ink, self._painted(scenes, size, "white") - ink
-
-
-def _laid(film: _Film, ground: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return what is seen where a film lies on a ground, as far as the ground reaches."""
-    height, width = ground.shape[:2]
-    ink, through = (part[:height, :width] for part in film)
-    seen = (ground.astype(np.uint16) * through + 127) // 255
-    return ink + seen.astype(np.uint8)
+    def _film(self, scenes: list[Scene], size: tuple[int, int]) -> Film:
+        return film_of(lambda ground: self._painted(scenes, size, ground))
 
 
 def _remember(known: dict[_Key, _Thing], key: _Key, thing: _Thing, room: int) -> None:

@@ -93,6 +93,12 @@ def _cut(line: str, left: int, width: int) -> str:
     return "".join(kept) + (_RESET if style else "")
 
 
+def _said(text: str, stream: IO[str]) -> str:
+    """Return a text as a stream can say it: with `?` for each character that it has not."""
+    encoding = getattr(stream, "encoding", None)
+    return text.encode(encoding, "replace").decode(encoding) if encoding else text
+
+
 class Terminal:
     """Shows drawings on standard output as it is when the first one is shown.
 
@@ -135,6 +141,7 @@ class Terminal:
         """
         if self._stream is None:
             return
+        lines = [_said(line, self._stream) for line in lines]
         if not self._moves_cursor:
             self._stream.write("".join(f"{line}\n" for line in lines) + "\n")
             return

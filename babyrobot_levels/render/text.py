@@ -51,16 +51,24 @@ def drawing_of(level: LevelFields, grid: Grid) -> d.Drawing:
         if blocked:
             cells[cell // width][cell % width] = d.BLOCKED
 
-    def mark(cell: int, side: str) -> str:
-        if not grid.wall_bits[cell] & BIT[side]:
-            return d.OPEN
-        return d.GLASS if (cell, side) in grid.glass else d.SOLID
-
+    east, south = _marks(grid, "E"), _marks(grid, "S")
+    rows = range(0, width * height, width)
     return d.Drawing(
         tuple("".join(row) for row in cells),
-        tuple("".join(mark(y * width + x, "E") for x in range(width - 1)) for y in range(height)),
-        tuple("".join(mark(y * width + x, "S") for x in range(width)) for y in range(height - 1)),
+        tuple(east[first : first + width - 1] for first in rows),
+        tuple(south[first : first + width] for first in rows[:-1]),
     )
+
+
+def _marks(grid: Grid, side: str) -> str:
+    """Return the drawing's mark for what is on one side of each cell."""
+    solid, glass, nothing = map(ord, (d.SOLID, d.GLASS, d.OPEN))
+    walls = bytes(solid if bits & BIT[side] else nothing for bits in range(256))
+    marks = bytearray(grid.wall_bits.translate(walls))
+    for cell, where in grid.glass:
+        if where == side and marks[cell] == solid:
+            marks[cell] = glass
+    return marks.decode("ascii")
 
 
 def unicode_drawing(

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.scene.layout import CELL, Layout
-from babyrobot_levels.scene.paths import polyline
+from babyrobot_levels.scene.paths import polygon, polyline
 from babyrobot_levels.scene.runs import rectangles, runs
 from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Shape
 
@@ -67,8 +67,15 @@ def _flag(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
 def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
     """Yield the blocked cells as blocks that stand a little above the ground."""
     columns = layout.columns
-    for x, y, width, height in rectangles(blocked, columns):
-        yield _cells(layout, (x, y), (width, height), fill)
+    blocks = [
+        _cells(layout, (x, y), (width, height), fill)
+        for x, y, width, height in rectangles(blocked, columns)
+    ]
+    if len(blocks) > 1:
+        # As one shape: where two meet within a pixel, the ground would shine through.
+        yield Path(tuple(step for block in blocks for step in _outline(block)), fill=fill)
+    else:
+        yield from blocks
     for y in range(layout.rows):
         row = blocked[y * columns : (y + 1) * columns]
         above = blocked[(y - 1) * columns : y * columns] if y else b"\1" * columns
@@ -79,6 +86,11 @@ def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
         for x, length in runs(here and not there for here, there in zip(row, below, strict=True)):
             left, bottom = layout.corner(x, y + 1)
             yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, "#000000", opacity=0.3)
+
+
+def _outline(rect: Rect) -> tuple[Command, ...]:
+    right, bottom = rect.x + rect.width, rect.y + rect.height
+    return polygon([(rect.x, rect.y), (right, rect.y), (right, bottom), (rect.x, bottom)])
 
 
 def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:

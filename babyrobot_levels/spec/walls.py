@@ -66,7 +66,7 @@ class Opening(Model):
 class Wall(Opening):
     """A wall that is added."""
 
-    pass_: Probability = Field(default=0.0, alias="pass")
+    pass_: Annotated[Probability, Field(alias="pass")] = 0.0
     """The probability of getting through: above 0 it is a wall of glass."""
     color: Color | None = None
     """The wall's colour, if it is not the theme's."""

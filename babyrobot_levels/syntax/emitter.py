@@ -10,6 +10,7 @@ from babyrobot_levels.syntax.layout import Container, Entry, Scalar, Value, line
 from babyrobot_levels.syntax.scalars import is_plain_string
 
 _PLAIN = re.compile(r"[^\W_](?:[^\n\r\t]*\S)?")
+_UNUSUAL = re.compile(r"[^ !#-\[\]-~]")
 _ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
@@ -86,10 +87,11 @@ def _text_lines(text: str) -> list[str]:
 
 
 def _quoted(text: str) -> str:
-    return '"' + "".join(map(_escaped, text)) + '"'
+    return f'"{_UNUSUAL.sub(_escaped, text)}"'
 
 
-def _escaped(character: str) -> str:
+def _escaped(found: re.Match[str]) -> str:
+    character = found[0]
     if character in _ESCAPES:
         return _ESCAPES[character]
     if character.isprintable():

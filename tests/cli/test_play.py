@@ -37,10 +37,18 @@ walls: [{at: [0, 0], side: S}, {at: [1, 0], side: S, pass: 0.0001}]
 
 
 class Game:
-    """The command in a terminal of its own, and what it has sent there."""
+    """The command in a terminal of its own, and what it has sent there.
+
+    What is `given` comes through standard input, which is the terminal otherwise.
+    """
 
     def __init__(
-        self, folder: Path, *arguments: str, size: tuple[int, int] = (80, 24), **variables: str
+        self,
+        folder: Path,
+        *arguments: str,
+        size: tuple[int, int] = (80, 24),
+        given: bytes | None = None,
+        **variables: str,
     ) -> None:
         self.outer, self.inner = pty.openpty()
         self.resize(*size)
@@ -50,10 +58,20 @@ class Game:
             [*COMMAND, *arguments],
             cwd=folder,
             env=environment(folder, TERM="xterm-256color") | variables,
-            stdin=self.inner,
+            stdin=self.inner if given is None else subprocess.PIPE,
             stdout=self.inner,
             stderr=self.inner,
+            start_new_session=given is not None,
+            preexec_fn=self.hold if given is not None else None,
         )
+        if self.process.stdin is not None:
+            with self.process.stdin as stream:
+                stream.write(given or b"")
+
+    @staticmethod
+    def hold() -> None:
+        """Make the terminal the one by which the process can be reached."""
+        fcntl.ioctl(1, termios.TIOCSCTTY, 0)
 
     def __enter__(self) -> Game:
         return self
@@ -315,11 +333,24 @@ def test_time_is_up(tmp_path: Path) -> None:
 
 def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
     variables = {"NO_COLOR": "1", "PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
-    with Game(tmp_path, "final-maze", size=(80, 24), **variables) as game:
+    with Game(tmp_path, "final-maze", size=(80, 24), given=None, **variables) as game:
         screen = game.until("WASD")
         assert screen.isascii()
         assert "| @ " in screen
         assert not re.search(r"\x1b\[[0-9;]*m", game.sent)
+
+
+def test_a_level_from_standard_input_is_played_with_the_terminals_keys(tmp_path: Path) -> None:
+    with Game(tmp_path, "-", "--seed", "1", given=LEVEL.encode()) as game:
+        assert place(game.until("Find the way")) == (0, 0)
+        game.press(RIGHT)
+        assert place(game.until("step 1 ")) == (1, 0)
+        game.press(b"q")
+        status, told = game.ended()
+        assert status == 0
+        assert "The yard" in game.sent
+        assert game.is_restored
+        assert "return -1" in told
 
 
 @pytest.mark.parametrize(

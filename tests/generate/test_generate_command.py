@@ -239,6 +239,39 @@ def test_wrong_calls(arguments: list[str], said: str, babyrobot: Babyrobot) -> N
     assert not Path("out").exists()
 
 
+# -- suites with a theme of their own ----------------------------------------------------------
+
+
+SUITE = "version: 1\nkind: suite\nname: rains\nseed: 1\ncount: 4\nsize: [4, 4]\nmaze: {}\n"
+
+
+@pytest.mark.parametrize("start", ["corner", "farthest"])
+@pytest.mark.parametrize("count", [[], ["--count", "2"]], ids=["whole", "counted"])
+def test_levels_carry_the_theme_that_stands_beside_their_suite(
+    start: str, count: list[str], babyrobot: Babyrobot
+) -> None:
+    pack = Path("ark")
+    (pack / "suites").mkdir(parents=True)
+    (pack / "themes").mkdir()
+    (pack / "pack.yaml").write_text("name: ark\nversion: 1.0.0\n", "utf-8")
+    (pack / "themes/sea.yaml").write_text("colors: {base: '#cceeff'}\n", "utf-8")
+    path = pack / "suites/rains.yaml"
+    path.write_text(f"{SUITE}start: {start}\ntheme: sea\n", "utf-8")
+    assert babyrobot("generate", path, *count, "-o", "out").status == 0
+    suite = brl.load_suite(path)
+    written = levels_in(Path("out"))
+    assert len(written) == (2 if count else 4)
+    for level, drawn in zip(written, suite, strict=False):
+        assert level.to_svg() == drawn.to_svg()
+        assert level.digest == drawn.digest
+        assert "colors" in level.to_dict()["theme"]
+    assert babyrobot("generate", path, *count, "-o", "out", "--resume").status == 0
+    # Themes that are everywhere keep their names.
+    path.write_text(f"{SUITE}theme: green\n", "utf-8")
+    babyrobot("generate", path, "-o", "green")
+    assert levels_in(Path("green"))[0].to_dict()["theme"] == "green"
+
+
 # -- what is there already -------------------------------------------------------------------
 
 

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import babyrobot_levels as brl
+from babyrobot_levels.lint.reach import reach_of
 
 SIDE = 1024
 WHOLE = {"version": 1, "size": [SIDE, SIDE]}
@@ -59,6 +60,21 @@ def test_long_walls_are_laid_soon() -> None:
         begin = time.process_time()
         level.grid()
         assert time.process_time() - begin < 1
+
+
+@pytest.mark.parametrize("maze", [None, {"seed": 1}])
+def test_ways_through_large_levels_are_found_soon(maze: Any) -> None:
+    level = brl.load({**WHOLE, **({"maze": maze} if maze else {})})
+    level.grid()
+    begin = time.process_time()
+    mdp = level.compile()
+    usual = time.process_time() - begin
+    begin = time.process_time()
+    ways = reach_of(level, mdp)
+    # With a list for each cell and a loop over them it took more than ten times as long.
+    assert time.process_time() - begin < 5 * usual + 1
+    assert ways.steps[-1] == ways.to_exit[0] >= 2 * (SIDE - 1)
+    assert all(ways.steps[other] == 1 for other in ways.ahead[0])
 
 
 @given(

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+import babyrobot_levels as brl
 from babyrobot_levels.diagnostics import Diagnostic
+from babyrobot_levels.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.lint.check import check
 from babyrobot_levels.source import Position
+from babyrobot_levels.themes import read_theme, theme_names
 
 needs_posix = pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")
 
@@ -100,3 +106,57 @@ def test_other_encodings_are_named(encoding: str, folder: Path) -> None:
     mark = "" if encoding == "utf-16" else "\ufeff"
     (folder / "wide.yaml").write_bytes(f"{mark}version: 1\n".encode(encoding))
     assert fault("wide.yaml").message == "the file is UTF-16, not UTF-8"
+
+
+# -- folders that may not be entered ---------------------------------------------------------
+
+
+@pytest.fixture
+def locked(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder that may not be entered. That is played: permissions do not stop everybody."""
+    home = folder / "locked"
+    (home / "themes").mkdir(parents=True)
+    (home / "mine.yaml").write_text("version: 1\ntheme: dusk\n", "utf-8")
+
+    def refusing(call: Callable[..., Any]) -> Callable[..., Any]:
+        def refuse(path: Any, *rest: Any, **named: Any) -> Any:
+            told = "" if isinstance(path, int) else str(Path(os.fsdecode(path)).absolute())
+            if told.startswith(f"{home}{os.sep}"):
+                raise PermissionError(13, "Permission denied", str(path))
+            return call(path, *rest, **named)
+
+        return refuse
+
+    for name in ("open", "stat", "lstat", "listdir", "scandir"):
+        monkeypatch.setattr(os, name, refusing(getattr(os, name)))
+    return home
+
+
+def test_a_file_in_a_locked_folder_is_told_as_such(locked: Path) -> None:
+    told = r"mine\.yaml:1:1: error BR101: the file may not be read \(permission denied\)"
+    (found,) = check("locked/mine.yaml", lint=True)
+    assert re.fullmatch(f"locked/{told}", str(found))
+    with pytest.raises(LevelError, match=told):
+        brl.load("locked/mine.yaml")
+
+
+def test_a_locked_folder_of_themes_holds_none(locked: Path) -> None:
+    assert read_theme("mine", [locked]) == (None, [])
+    assert theme_names([locked / "themes"]) == []
+
+
+def test_what_cannot_be_a_file_is_a_name(locked: Path) -> None:
+    for name in ("locked/mine", "x" * 5000 + "/mine"):
+        with pytest.raises(LevelNotFoundError, match="no level called"):
+            brl.load(name)
+
+
+def test_a_folder_that_windows_refuses_to_open(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> int:
+        raise PermissionError(13, "Permission denied")
+
+    (folder / "folder.yaml").mkdir()
+    monkeypatch.setattr(os, "open", refuse)
+    assert fault("folder.yaml").message == "this is a folder, not a level file"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from typing import Any
+from unittest.mock import patch
 
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
@@ -14,6 +15,7 @@ from support.worlds import LEGEND, World, drawings, inside, level_of, sometimes,
 from babyrobot_levels.diagnostics import Diagnostic
 from babyrobot_levels.drawing import compose
 from babyrobot_levels.level import Level
+from babyrobot_levels.lint import reach as counting
 from babyrobot_levels.lint.best import best_of, is_in_time, lingering, surely_leaves
 from babyrobot_levels.lint.fixer import apply, fix
 from babyrobot_levels.lint.reach import Reach, reach_of
@@ -21,6 +23,7 @@ from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.runner import lint_source
 from babyrobot_levels.lint.variants import gives
 from babyrobot_levels.reading import read_level
+from babyrobot_levels.solver import graphs
 from babyrobot_levels.solver.simulation import success_within
 from babyrobot_levels.source import SourceFile
 from babyrobot_levels.syntax.emitter import emit
@@ -214,6 +217,19 @@ def test_ways_are_those_of_the_book(world: World) -> None:
         s in steps and not reference.is_over((s % reference.width, s // reference.width))
         for s in range(count)
     ]
+
+
+@slow
+@given(worlds(5))
+def test_many_ways_are_counted_like_few(world: World) -> None:
+    few = reach(world)
+    with patch.object(counting, "MANY", 0), patch.object(graphs, "DENSE_STATES", 0):
+        many = reach(world)
+        starts = [state for state, steps in enumerate(few.steps) if steps == 0]
+        assert many.from_some([*starts, *starts]) == few.steps
+        assert [*map(list, many.ahead)] == [*map(list, few.ahead)]
+    assert (many.steps, many.on) == (few.steps, few.on)
+    assert (many.to_exit, many.to_end) == (few.to_exit, few.to_end)
 
 
 def codes(text: str) -> set[str]:

@@ -75,6 +75,12 @@ def test_faulty_settings_are_told_with_their_file(tmp_path: Path, text: str, tol
     assert str(tmp_path / "babyrobot.toml") in str(caught.value)
 
 
+def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
+    text = '[lint]\nselect = ["BR503"]\n'
+    (tmp_path / "babyrobot.toml").write_text(text, encoding="utf-8-sig")
+    assert codes(tmp_path / "x.yaml") == {"BR503"}
+
+
 def selected(wanted: list[str] | None, ignore: list[str]) -> set[str]:
     return {rule.code for rule in select(wanted, ignore)}
 

@@ -141,7 +141,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "the void": (WINDOWS, lambda: with_entry("levels/NUL.yaml")),
     "a port": (WINDOWS, lambda: with_entry("com1.x.yaml")),
     "a device and a blank": (WINDOWS, lambda: with_entry("aux .yaml")),
-    "a long path": ("more than 200 characters", lambda: with_entry("x" * 200 + ".yaml")),
+    "a long path": ("more than 120 characters", lambda: with_entry("x" * 116 + ".yaml")),
     "a deep path": ("in more than 6 folders", lambda: with_entry("a/b/c/d/e/f/g/x.yaml")),
     "accents": ("is not ASCII", lambda: with_entry("\xe9.yaml")),
     "accents apart": ("is not ASCII", lambda: with_entry("e\u0301.yaml", flags=1 << 11)),
@@ -290,6 +290,26 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         "its pack.yaml gives `1.0.1` as its version, its manifest `1.0.0`",
         lambda: sealed({**GOOD, "pack.yaml": pack_text(version="1.0.1").encode()}),
     ),
+    "a level's name without end": (
+        "faulty, at 'levels/x{93}",
+        lambda: with_manifest(lambda m: _put(m, "levels", "x" * 1_000_000, {"digest": None})),
+    ),
+    "a level's name that no level has": (
+        r"faulty, at 'levels/\\x1b\[31mred",
+        lambda: with_manifest(
+            lambda m: _put(m, "levels", "\x1b[31mred", {"digest": None, "file": "x.yaml"})
+        ),
+    ),
+    "a level's file without end": (
+        "faulty, at 'levels/x/file'",
+        lambda: with_manifest(
+            lambda m: _put(m, "levels", "x", {"digest": None, "file": "x" * 1_000_000})
+        ),
+    ),
+    "a file's path without end": (
+        "faulty, at 'files/x{94}",
+        lambda: with_manifest(lambda m: _put(m, "files", "x" * 1_000_000, {"size": 0})),
+    ),
     "a device as name": (
         "pack.yaml:1:7: no folder can be called `con`",
         lambda: sealed({**GOOD, "pack.yaml": pack_text("con").encode()}),
@@ -324,6 +344,12 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
 }
 """Archives that are refused: a pattern in what is said of them, and the archive."""
+
+
+def _put(manifest: dict[str, object], field: str, key: str, entry: dict[str, object]) -> None:
+    inner = manifest[field]
+    assert isinstance(inner, dict)
+    inner[key] = {"sha256": "0" * 64, **entry} if field == "files" else entry
 
 
 def _recounted(change: int) -> bytes:

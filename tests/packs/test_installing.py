@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import subprocess
@@ -14,6 +15,7 @@ from support.subprocesses import HOME
 
 import babyrobot_levels as brl
 from babyrobot_levels.folders import user_folder
+from babyrobot_levels.packs import store
 from babyrobot_levels.packs.installed import fields, installed, packs
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -148,6 +150,16 @@ def test_only_the_name_of_a_pack_removes_it(name: str) -> None:
     assert "there is no installed pack called" in result.err
     assert ("did you mean 'zoo'?" in result.err) == (name in ("zo", "Zoo", "zoo/"))
     assert users_files() == before
+
+
+@pytest.mark.parametrize("name", ["zoo/lion", "zoo-1.0.0.brlpack", "zoo-1.0.0"])
+def test_what_is_near_to_a_pack_tells_its_name(name: str) -> None:
+    install("1.0.0")
+    result = babyrobot("uninstall", name)
+    assert result.status == 2
+    assert result.err.startswith(
+        f"error: there is no installed pack called '{name}'; did you mean 'zoo'?"
+    )
 
 
 def test_other_packs_stay() -> None:
@@ -285,6 +297,21 @@ def test_a_folder_that_cannot_be_made() -> None:
     assert (result.status, result.out) == (2, "")
     assert str(user_folder()) in result.err
     assert user_folder().read_text("utf-8") == "mine"
+
+
+def test_a_full_disk_is_told_and_leaves_the_old_pack(monkeypatch: pytest.MonkeyPatch) -> None:
+    install("1.0.0")
+    before = users_files()
+    later = packed("2.0.0")
+
+    def fail(path: Path) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(store, "_sync", fail)
+    result = babyrobot("install", later)
+    assert (result.status, result.out) == (2, "")
+    assert result.err == f"error: {later} is not installed: No space left on device\n"
+    assert users_files() == before
 
 
 # -- several at once -------------------------------------------------------------------------

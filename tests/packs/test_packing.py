@@ -24,7 +24,10 @@ def findings(folder: str | Path = "zoo") -> list[tuple[str, str, int, int]]:
     """Return what packing a folder finds; nothing may be written."""
     before = snapshot(Path())
     result = babyrobot("pack", folder, "--format", "json")
-    assert (result.status, result.err) == (1, "")
+    assert result.status == 1
+    assert (
+        result.err == "no pack is written: mend this first, or silence it as for `babyrobot lint`\n"
+    )
     assert snapshot(Path()) == before
     told = json.loads(result.out)["diagnostics"]
     return [(each["code"], each["file"], each["line"], each["column"]) for each in told]
@@ -139,6 +142,38 @@ def test_what_is_no_pack(name: str) -> None:
     assert name in result.err
 
 
+@pytest.mark.parametrize(
+    ("line", "is_local"),
+    [
+        ("# yaml-language-server: $schema=file:///home/ada/s.json", True),
+        ("# yaml-language-server: $schema=/home/ada/s.json", True),
+        ("# yaml-language-server: $schema=C:\\Users\\ada\\s.json", True),
+        ("# yaml-language-server: $schema=https://example.org/s.json", False),
+        ("# yaml-language-server: $schema=../schemas/s.json", False),
+    ],
+)
+def test_a_path_of_ones_machine_is_told(line: str, is_local: bool) -> None:
+    text = level().partition("\n")[2]
+    write_files(Path("zoo"), {"pack.yaml": pack_text(), "lion.yaml": f"{line}\n{text}"})
+    result = babyrobot("pack", "zoo")
+    assert result.status == 0
+    note = "the schema line says where a file lies on your machine, for all to read: lion.yaml\n"
+    assert result.err == (note if is_local else "")
+
+
+def test_a_folder_with_a_pack_yml_is_told_to_rename_it() -> None:
+    write_files(Path("zoo"), {"pack.yml": pack_text()})
+    assert "  help: rename pack.yml\n" in babyrobot("pack", "zoo").err
+
+
+def test_a_long_name_is_one() -> None:
+    name = "x" * 115
+    write_files(Path("zoo"), {"pack.yaml": pack_text(), f"{name}.yaml": level()})
+    assert babyrobot("pack", "zoo").status == 0
+    assert babyrobot("install", "zoo-1.0.0.brlpack").status == 0
+    assert brl.load(f"zoo/{name}").size == (4, 3)
+
+
 def test_a_folder_without_pack_yaml_is_told_how_one_looks() -> None:
     write_files(Path("zoo"), {"lion.yaml": level()})
     assert "there is no pack.yaml in" in babyrobot("pack", "zoo").err
@@ -241,7 +276,7 @@ def test_a_file_has_a_name_of_which_a_levels_can_be_made() -> None:
         ("C:x.yaml", "a drive"),
         ("a/pack.yaml", "a pack holds no other packs"),
         ("LEVELS/x.yaml", "by nothing but capital letters"),
-        ("x" * 120 + "/" + "y" * 80 + ".yaml", "more than 200 characters"),
+        ("x" * 60 + "/" + "y" * 55 + ".yaml", "more than 120 characters"),
     ],
 )
 @needs_posix

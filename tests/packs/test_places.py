@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.carriers import LEVEL, carry, write
@@ -11,6 +13,8 @@ from support.sessions import Result, environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.catalogue import catalogue
 from babyrobot_levels.folders import user_folder
+from babyrobot_levels.packs.known import unusable_packs
+from babyrobot_levels.packs.store import uninstall
 from babyrobot_levels.places import places
 from babyrobot_levels.suites import load_suite
 from babyrobot_levels.themes import theme_folders
@@ -54,6 +58,40 @@ def test_unknown_suites_tell_those_of_packs(users_pack: Path) -> None:
         with pytest.raises(brl.SuiteNotFoundError, match="did you mean 'zoo/monkeys'"):
             load_suite(asked)
     assert len(load_suite("zoo/monkeys")) == 5
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{version: 1, name: wolf, size: [4, 3]}\n",
+        '{"version": 1, "size": [4, 3], "name": "wolf"}\n',
+        '"name": wolf\nversion: 1\nsize: [4, 3]\n',
+        "name:\n  wolf\nversion: 1\nsize: [4, 3]\n",
+        'name: "w\\x6flf"\nversion: 1\nsize: [4, 3]\n',
+        "name: wolf  # at night\nversion: 1\nsize: [4, 3]\n",
+        "name: 'wolf'\r\nversion: 1\r\nsize: [4, 3]\r\n",
+    ],
+)
+def test_a_level_is_found_however_its_name_is_written(text: str, users_pack: Path) -> None:
+    write(users_pack / "beast.yaml", text)
+    assert [info.name for info in catalogue()[0] if info.name.startswith("zoo/")] == ["zoo/wolf"]
+    assert brl.load("zoo/wolf").size == brl.load("zoo/beast").size == (4, 3)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "version: 1\nkind: suite\nname: herd\ncount: 5\n",
+        '{"version": 1, "kind": "suite", "name": "herd", "count": 5}\n',
+    ],
+)
+def test_a_suite_is_found_by_its_own_name_too(text: str, users_pack: Path) -> None:
+    write(users_pack / "cows.yaml", text)
+    assert len(load_suite("zoo/herd")) == len(load_suite("zoo/cows")) == 5
+    with pytest.raises(brl.SuiteNotFoundError, match="did you mean 'zoo/herd'"):
+        load_suite("zoo/hert")
+    assert not [info for info in catalogue()[0] if info.name.startswith("zoo/")]
+    assert catalogue()[1] == []
 
 
 def test_places_are_looked_for_one_by_one(
@@ -192,6 +230,46 @@ def test_a_broken_pack_stops_nobody_else(users_pack: Path, site: Path) -> None:
     assert told.err.splitlines()[1:] == faults
     assert {"zoo/ape", "ark/dove"} <= {line.split()[0] for line in told.out.splitlines()}
     assert "zoo/lion" not in told.out
+
+
+@pytest.fixture
+def locked_pack(users_pack: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A pack's folder into which we may not look, beside one into which we may."""
+    folder = users_pack.with_name("ark")
+    write(folder / "dove.yaml")
+    write(users_pack / "ape.yaml")
+    lstat, scan = Path.lstat, os.walk
+
+    # Permissions do not stop everybody who runs tests, so the refusal is played.
+    def refuse(path: Path) -> os.stat_result:
+        if path.parent == folder:
+            raise PermissionError(13, "Permission denied", str(path))
+        return lstat(path)
+
+    def skip(top: Path, *arguments: Any, **options: Any) -> Any:
+        return iter(()) if top == folder else scan(top, *arguments, **options)
+
+    monkeypatch.setattr(Path, "lstat", refuse)
+    monkeypatch.setattr(os, "walk", skip)
+    return folder
+
+
+def test_a_folder_that_may_not_be_entered_is_told_and_left_out(locked_pack: Path) -> None:
+    assert [place.pack for place in places() if place.pack] == ["zoo"]
+    assert [*unusable_packs()] == [f"{locked_pack} is left out: it may not be entered"]
+    with pytest.raises(PermissionError):
+        uninstall("ark")
+
+
+def test_a_folder_of_packs_that_may_not_be_read_is_told(
+    users_pack: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(path: Path) -> None:
+        raise PermissionError(13, "Permission denied", str(path))
+
+    monkeypatch.setattr(Path, "iterdir", refuse)
+    assert [place.pack for place in places() if place.pack] == []
+    assert [*unusable_packs()] == [f"{users_pack.parent} is left out: Permission denied"]
 
 
 def test_what_a_pack_says_reaches_the_terminal_as_plain_text(users_pack: Path) -> None:

@@ -204,6 +204,22 @@ def test_blocked_cells_are_one_shape_without_lines_inside() -> None:
             assert not inside
 
 
+def test_blocked_cells_that_are_no_rectangle_are_one_shape() -> None:
+    # As several, there would be hairlines between them wherever pixels do not fit to cells.
+    world = level(size=[4, 4], blocked=[{"at": [1, 1]}, {"at": [1, 2], "size": [2, 1]}])
+    color = world.colors_and_widths.colors.blocked
+    (block,) = [
+        shape
+        for shape in build_base(world).shapes
+        if not isinstance(shape, Text) and shape.fill == color
+    ]
+    assert isinstance(block, Path)
+    pieces = {tuple(points) for points, _ in polylines(block.commands)}
+    assert len(pieces) == 2
+    assert {corner(1, 1), corner(2, 2)} <= {point for piece in pieces for point in piece}
+    assert corner(3, 3) in {point for piece in pieces for point in piece}
+
+
 def test_puddles_differ_by_cell_and_not_by_level() -> None:
     def outlines(**fields: Any) -> dict[tuple[int, int], list[tuple[float, float]]]:
         world = level(size=[5, 5], **fields)

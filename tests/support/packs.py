@@ -149,7 +149,8 @@ def good_files() -> dict[str, bytes]:
 def manifest_of(files: Mapping[str, bytes]) -> Manifest:
     """Return the manifest that fits to files; the valid levels among them are listed."""
     digest = loads(level()).digest
-    return Manifest(
+    # Not checked, as what is forged need not be right.
+    return Manifest.model_construct(
         name="zoo",
         version="1.0.0",
         files={path: file_entry(data) for path, data in files.items()},

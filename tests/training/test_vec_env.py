@@ -217,10 +217,12 @@ def test_attributes() -> None:
     assert not envs.has_attr("nonsense")
     with pytest.raises(AttributeError):
         envs.get_attr("nonsense")
-    envs.set_attr("note", 3)
-    assert envs.get_attr("note", [0, 4]) == [3, 3]
+    envs.set_attr("render_mode", "rgb_array")
+    assert envs.get_attr("render_mode", [0, 4]) == ["rgb_array"] * 2
     with pytest.raises(ValueError, match="share"):
-        envs.set_attr("note", 4, indices=[0])
+        envs.set_attr("render_mode", None, indices=[0])
+    with pytest.raises(AttributeError, match="'level' cannot be set"):
+        envs.set_attr("level", "maze")
     assert envs.env_is_wrapped(Monitor, indices=[0, 1]) == [False, False]
     envs.close()
 

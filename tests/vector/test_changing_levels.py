@@ -412,6 +412,7 @@ def test_a_level_can_be_asked_for() -> None:
         ("dry", {"index": "7"}, "a whole number, or 5 of them"),
         ("dry", {"maze_seed": 7}, "for levels that say `maze: {seed: random}`"),
         ("mazes", {"maze_seed": 1.5}, "a whole number, or 5 of them"),
+        ("mazes", {"maze_seed": 2**63}, r"must be below 2\*\*63"),
         ("dry", {"index": 3, "start": [4, 3]}, "off the grid|would be over"),
         ("mazes", {"start": [3, 2]}, "would be over"),
     ],

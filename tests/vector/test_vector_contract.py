@@ -270,6 +270,7 @@ def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
         [0],
         [0, 1, 2],
         [[0, 1]],
+        [[0], [0, 1]],
         0,
         [0.0, 1.0],
         [True, False],

@@ -19,6 +19,7 @@ from babyrobot_levels.level import Level
 from babyrobot_levels.suites import Suite
 
 _INT = np.dtype(np.intp)
+_MOST = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +93,8 @@ def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs:
             f"options[{family.option!r}] must be a whole number, or {num_envs} of them, "
             f"not {asked!r}"
         )
+    if (array > _MOST).any():
+        raise ValueError(f"options[{family.option!r}] must be below 2**63, not {asked!r}")
     if not grows and not ((array >= 0) & (array < family.count)).all():
         raise ValueError(
             f"options[{family.option!r}] must be below {family.count:,}, not {asked!r}"
@@ -118,7 +121,10 @@ def checked_actions(actions: Any, num_envs: int) -> NDArray[np.intp]:
     Raises:
         InvalidAction: they are no such array of whole numbers.
     """
-    array = np.asarray(actions)
+    try:
+        array = np.asarray(actions)
+    except ValueError as reason:  # Lists of different lengths are no array.
+        raise error.InvalidAction(f"actions must be {num_envs} whole numbers: {reason}") from None
     # Most actions come so, and the checks below would take longer.
     if array.dtype is _INT and array.shape == (num_envs,) and array.flags.carray:
         return array

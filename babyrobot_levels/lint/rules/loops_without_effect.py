@@ -46,9 +46,13 @@ def check(case: Case) -> Iterator[Finding]:
     level, maze = case.level, case.level.maze
     if maze is None or not maze.loops:
         return
+    grid = case.bare_grid
+    # A maze without loops leads from cell to cell on one way only: it has more cells than ways.
+    if int.from_bytes(grid.open_bits).bit_count() // 2 >= grid.blocked_cells.count(0):
+        return
     plain = maze.model_copy(update={"loops": 0.0})
     bare = {"walls": (), "openings": (), "maze": plain}
-    if build_grid(level.model_copy(update=bare)).wall_bits == case.bare_grid.wall_bits:
+    if build_grid(level.model_copy(update=bare)).wall_bits == grid.wall_bits:
         yield Finding(
             ("maze", "loops"),
             f"`loops: {maze.loops:g}` opens none of the maze's dead ends",

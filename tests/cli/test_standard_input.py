@@ -1,0 +1,70 @@
+"""Every command that takes a level takes it from standard input as well, as `-`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from support.sessions import Result, environment, prepared_folder, run_here
+
+COMMANDS = {
+    "preview": ("preview", "-", "--values"),
+    "picture": ("preview", "-", "--format", "svg"),
+    "show": ("show", "-"),
+    "cite": ("show", "-", "--cite"),
+    "solve": ("solve", "-"),
+    "resolve": ("resolve", "-"),
+    "export": ("export", "-", "--to", "babyrobot"),
+    "share": ("share", "-"),
+    "diff": ("diff", "default", "-"),
+    "diff the other way": ("diff", "-", "default"),
+    "compare": ("compare", "-", "default"),
+    "compare the other way": ("compare", "default", "-"),
+}
+LEVEL = b"version: 1\nname: piped\nsize: [4, 3]\nmaze: {seed: 4}\ntheme: green  # as it is\n"
+
+
+@pytest.fixture(autouse=True)
+def folder() -> Iterator[Path]:
+    with prepared_folder() as path:
+        yield path
+
+
+def babyrobot(*arguments: str, given: bytes = b"") -> Result:
+    return run_here([*arguments], environment(Path.cwd()), given)
+
+
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+def test_it_is_read_like_a_file(command: tuple[str, ...], folder: Path) -> None:
+    (folder / "piped.yaml").write_bytes(LEVEL)
+    named = babyrobot(*["piped.yaml" if word == "-" else word for word in command])
+    piped = babyrobot(*command, given=LEVEL)
+    assert piped.out == named.out.replace("piped.yaml", "<stdin>")
+    assert (piped.err, piped.status) == (named.err, named.status)
+    assert piped.out
+
+
+@pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
+def test_what_is_wrong_with_it_is_told_like_that_of_a_file(
+    command: tuple[str, ...], folder: Path
+) -> None:
+    for text in (b"version: 1\nsize: [4, 0]\n", b"version: 1\nsize: [\n", b"\xff\n", b""):
+        (folder / "piped.yaml").write_bytes(text)
+        named = babyrobot(*["piped.yaml" if word == "-" else word for word in command])
+        piped = babyrobot(*command, given=text)
+        assert piped == Result("", named.err.replace("piped.yaml", "<stdin>"), named.status)
+        assert piped.err.startswith(("1 error", "2 errors"))
+        assert "\n<stdin>:" in piped.err
+
+
+@pytest.mark.parametrize("command", ["diff", "compare"])
+def test_it_is_one_level_only(command: str) -> None:
+    expected = "error: standard input can be one of the two levels only\n"
+    assert babyrobot(command, "-", "-", given=LEVEL) == Result("", expected, 2)
+
+
+def test_a_file_of_that_name_has_another_one(folder: Path) -> None:
+    (folder / "-").write_bytes(LEVEL)
+    assert babyrobot("resolve", "./-").status == 0
+    assert babyrobot("resolve", "-").status == 1
