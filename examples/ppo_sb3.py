@@ -18,7 +18,6 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
-import babyrobot_levels as brl
 from babyrobot_levels.sb3 import LevelVecEnv
 
 NUM_ENVS = 64
@@ -31,9 +30,11 @@ def main() -> None:
     torch.set_num_threads(1)
 
     limit = level.max_steps or 500
-    envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_ENVS, max_episode_steps=limit))
+    # Cells by their numbers: a network learns about each of them without touching its neighbours.
+    shown = "index"
+    envs = LevelVecEnv(level, num_envs=NUM_ENVS, observation=shown, max_episode_steps=limit)
     # Returns of -1,000 are too large for a network; it learns from scaled ones.
-    scaled = VecNormalize(envs, norm_obs=False, gamma=level.discount)
+    scaled = VecNormalize(VecMonitor(envs), norm_obs=False, gamma=level.discount)
     learner = PPO(
         "MlpPolicy",
         scaled,
@@ -49,23 +50,21 @@ def main() -> None:
     learner.learn(args.steps)
     print(f"{learner.num_timesteps:,} steps in {time.perf_counter() - began:.1f} s")
 
-    env = Monitor(level.make(max_episode_steps=limit))
+    env = Monitor(level.make(observation=shown, max_episode_steps=limit))
     env.reset(seed=args.seed)
     mean, deviation = evaluate_policy(learner, env, n_eval_episodes=20)
     print(f"evaluate_policy: {mean:.2f} ± {deviation:.2f} in 20 episodes")
 
     width, height = level.size
-    chances = probabilities(learner, level)
+    chances = probabilities(learner, width * height)
     greedy = chances.argmax(axis=1).reshape(height, width)
     print_comparison(level, {"learned, as it explores": chances, "learned, greedy": greedy})
 
 
-def probabilities(learner: Any, level: brl.Level) -> NDArray[np.float32]:
+def probabilities(learner: Any, num_states: int) -> NDArray[np.float32]:
     """Return with which probability the learner takes each action in each cell."""
-    width, height = level.size
-    cells = np.array([(x, y) for y in range(height) for x in range(width)])
     with torch.no_grad():
-        observations, _ = learner.policy.obs_to_tensor(cells)
+        observations, _ = learner.policy.obs_to_tensor(np.arange(num_states))
         chances = learner.policy.get_distribution(observations).distribution.probs
     return np.asarray(chances)
 
