@@ -93,24 +93,29 @@ def test_the_help_says_the_same_as_the_reference() -> None:
 def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     variables = environment(tmp_path)
-    program, *arguments = shlex.split(line)
+    *before, last = line.split(" | ")
+    given = b""
+    for each in before:
+        given = run_here(shlex.split(each)[1:], variables, given).out.encode()
+        assert given
+    program, *arguments = shlex.split(last)
     assert program == "babyrobot"
-    if arguments[0] != "new-level":
+    if arguments[0] not in ("new-level", "pack"):
         # The others speak of the level that `new-level first` makes.
         assert run_here(["new-level", "first"], variables).status == 0
-    if arguments[0] == "import":
+    if arguments[0] == "import" and not before:
         Path(arguments[1]).write_text(WORLDS[arguments[1]], encoding="utf-8")
     if arguments[0] in ("pack", "install", "uninstall") or {"zoo/lion", "--packs"} & {*arguments}:
         prepare_zoo(arguments, variables)
-    result = run_here(arguments, variables)
+    result = run_here(arguments, variables, given)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.
         assert result.err.startswith("error: a game needs a terminal")
         return
     assert result.status == 0, result
     told = result.err.splitlines()
-    if arguments[0] == "export":
-        # What another format has no place for.
+    if arguments[0] in ("export", "import"):
+        # What another format, or ours, has no place for.
         told = [line for line in told if not line.startswith("warning: ")]
     assert told == []
 
