@@ -13,7 +13,7 @@ import typer
 from babyrobot_levels.cli.console import FINDINGS, fail, note, write
 from babyrobot_levels.cli.new_level import Algorithm
 from babyrobot_levels.cli.orders import Words, option, suite_of
-from babyrobot_levels.cli.parallel import WORTH_IT, JobsOption, map_all
+from babyrobot_levels.cli.parallel import MAX_JOBS, WORTH_IT, JobsOption, map_all
 from babyrobot_levels.cli.progress import track
 from babyrobot_levels.diagnostics import one_line
 
@@ -287,6 +287,7 @@ def _write(target: Target, jobs: int | None) -> None:
     count = target.order.suite.count
     if jobs is None:
         jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
+    jobs = min(jobs, MAX_JOBS)
     there = written = 0
     try:
         for is_new in track(target.write(jobs), count, "generating"):

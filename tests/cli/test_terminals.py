@@ -43,6 +43,17 @@ def start(
     )
 
 
+def wait_until_it_rests(process: subprocess.Popen[bytes]) -> None:
+    """Wait until a process has worked, and then has taken no time of the processor for a while."""
+    stat, before = Path(f"/proc/{process.pid}/stat"), ""
+    for _ in range(120):
+        time.sleep(0.5 if stat.exists() else 1.5)
+        used = " ".join(stat.read_text().split()[13:15]) if stat.exists() else "unknown"
+        if used == before or used == "unknown":
+            return
+        before = used
+
+
 def in_terminal(folder: Path, *arguments: str, **variables: str) -> tuple[str, int]:
     """Return what a terminal would be sent, and the exit status."""
     outer, inner = pty.openpty()
@@ -144,8 +155,8 @@ def test_a_reader_that_was_never_there(tmp_path: Path, arguments: list[str]) -> 
 
 def test_an_interrupt_ends_quietly(tmp_path: Path) -> None:
     process = start(tmp_path, "validate", "-")
-    # It waits for its standard input: once it has loaded what it needs, it sleeps.
-    time.sleep(1.5)
+    # It waits for its standard input: once it has loaded what it needs, it rests.
+    wait_until_it_rests(process)
     process.send_signal(signal.SIGINT)
     out, err = process.communicate(timeout=60)
     assert process.returncode == 130

@@ -86,6 +86,45 @@ def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:
     assert abs(learned[0, 0] - exact[0, 0]) < 1
 
 
+def test_fewer_steps_than_robots_are_a_step_for_each(tmp_path: Path) -> None:
+    text = printed_by("offline", "--robots", 300, "--steps", 1, cwd=tmp_path)
+    assert text.startswith("300 steps\n")
+
+
+def test_of_a_level_that_grows_its_mazes_the_one_of_the_seed_is_learned(tmp_path: Path) -> None:
+    arguments = ["--level", "random-maze", "--seed", 5, "--steps", 300_000]
+    table = table_of(printed_by("offline", *arguments, cwd=tmp_path))
+    best = brl.solve(brl.load("random-maze").with_maze_seed(5), actions="moves")
+    assert table["optimum"] == (round(best.expected_return, 4), 100)
+
+
+def test_where_no_policy_is_better_there_are_no_shares(tmp_path: Path) -> None:
+    text = printed_by("offline", "--level", "image-maze", "--steps", 20_000, cwd=tmp_path)
+    rows = [line.split() for line in text.splitlines()[-3:]]
+    assert [row[-1] for row in rows] == ["-"] * 3
+    assert rows[0][-2] == rows[2][-2] == "105.0000"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--level", "final-maz"], "did you mean 'final-maze'"),
+        (["--level", "small-mazes"], "this is a suite of levels, not a level"),
+        (["--steps", "0"], "'0' is no whole number that is at least 1"),
+        (["--seed", "-1"], "'-1' is no whole number that is at least 0"),
+        (["--robots", "x"], "'x' is no whole number that is at least 1"),
+    ],
+)
+@pytest.mark.parametrize("example", ["q_learning", "offline"])
+def test_what_cannot_be_is_refused(
+    example: str, arguments: list[str], message: str, tmp_path: Path
+) -> None:
+    done = python(EXAMPLES / f"{example}.py", *arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
 def test_every_other_episode_is_filmed(tmp_path: Path) -> None:
     text = printed_by("record_video", "--level", "default", "--episodes", 3, cwd=tmp_path)
     films = sorted((tmp_path / "videos").iterdir())
