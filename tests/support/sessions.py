@@ -112,7 +112,7 @@ def prepared_folder() -> Iterator[Path]:
     """Stand in a fresh folder that holds the sessions' files."""
     before = Path.cwd()
     with tempfile.TemporaryDirectory() as name:
-        folder = Path(name).resolve() / "work"
+        folder = Path(name).resolve() / "project"
         shutil.copytree(FILES, folder)
         shutil.copytree(USER, folder.with_name("user"))
         os.chdir(folder)
