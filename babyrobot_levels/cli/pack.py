@@ -11,6 +11,7 @@ import typer
 
 from babyrobot_levels.cli.console import (
     FINDINGS,
+    ForceOption,
     FormatOption,
     ReportFormat,
     fail,
@@ -40,7 +41,7 @@ def pack(
             show_default=False,
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    force: ForceOption = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Check a folder of levels, and write it as a pack, which `babyrobot install` takes.

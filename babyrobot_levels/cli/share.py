@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import fail, note, save, write
+from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def share(
             show_default=False,
         ),
     ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite the file.")] = False,
+    force: ForceOption = False,
 ) -> None:
     """Print a level as a share code: one line that every command takes for a LEVEL.
 

@@ -110,8 +110,15 @@ class Game:
         return re.sub(r"\x1b\[[0-9;]*[a-zA-Z]", "", last)
 
     def ended(self) -> tuple[int, str]:
-        """Wait for the end; return the exit status and what was written after the screen."""
-        status = self.process.wait(timeout=30)
+        """Wait for the end; return the exit status and what was written after the screen.
+
+        It goes on reading: a terminal that nobody reads is full at some time, and then the
+        game waits for it.
+        """
+        end = time.monotonic() + 30
+        while (status := self.process.poll()) is None:
+            assert time.monotonic() < end, f"the game goes on:\n{self.screen}"
+            self.listen()
         self.listen()
         return status, self.sent.rpartition(LEAVE)[2].replace("\r\n", "\n")
 
@@ -381,7 +388,6 @@ def test_without_a_terminal_it_says_so(
 
 def test_a_maze_seed_is_for_random_mazes(tmp_path: Path) -> None:
     with Game(tmp_path, "final-maze", "--maze-seed", "5") as game:
-        status = game.process.wait(timeout=30)
-        game.listen()
+        status, told = game.ended()
         assert status == 2
-        assert "--maze-seed is for `maze: {seed: random}`" in game.sent
+        assert "--maze-seed is for `maze: {seed: random}`" in told
