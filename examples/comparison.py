@@ -17,8 +17,8 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
 
     The share of the optimum is (policy - random) / (optimum - random): 0 % for a policy that is
     worth what random moves are, 100 % for one that cannot be beaten. Returns may be negative, so
-    that a plain quotient would say nothing. Where random moves are as good as any, or may never
-    end, there is no share.
+    that a plain quotient would say nothing. Where random moves are as good as any, and for what
+    may never end, there is no share.
 
     Args:
         level: the level.
@@ -33,8 +33,8 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
     print(f"\n{title:{wide}}  {'exactly':>12}  share of the optimum")
     for name, value in worth.items():
         share = "-"
-        if LEAST < best - worst < math.inf and not math.isnan(value):
-            # Where the robot may walk for ever, its return is -inf.
+        # Where the robot may walk for ever, its return is -inf.
+        if LEAST < best - worst < math.inf and math.isfinite(value):
             share = f"{(value - worst) / (best - worst):.2%}"
         print(f"{name:{wide}}  {value:12.4f}  {share:>20}")
 

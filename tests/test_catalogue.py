@@ -26,17 +26,7 @@ LEVEL = "version: 1\nsize: [4, 3]\n"
 
 Write = Callable[..., Path]
 
-
-@pytest.fixture(autouse=True)
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An empty current folder, beside an empty folder for the user's data."""
-    folder = tmp_path / "here"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    monkeypatch.delenv("BABYROBOT_LEVELS", raising=False)
-    return folder
+pytestmark = pytest.mark.usefixtures("here")
 
 
 def write(path: Path | str, text: str = LEVEL) -> Path:

@@ -11,7 +11,7 @@ from babyrobot_levels.render.numbers import number_lines
 
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
-    from babyrobot_levels.render.page import Guide
+    from babyrobot_levels.render.pagedata import Guide
     from babyrobot_levels.scene.overlays import Overlay
     from babyrobot_levels.solver.results import Solution
 
@@ -72,7 +72,7 @@ def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
 
 def guide_of(level: Level, *, needed: bool) -> Guide | None:
     """Return the solution as a page tells it; None if there is none and it is not needed."""
-    from babyrobot_levels.render.page import Guide
+    from babyrobot_levels.render.pagedata import Guide
     from babyrobot_levels.solver.errors import NoTotalError
     from babyrobot_levels.solver.optimum import solve
 

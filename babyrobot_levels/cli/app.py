@@ -7,9 +7,10 @@ import io
 import os
 import sys
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli import (
@@ -36,8 +37,23 @@ from babyrobot_levels.cli import (
 )
 from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note
 
+
+class _Commands(TyperGroup):
+    """The commands."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for, or say what is wrong with the call."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            # What a user typed was a word, not a value that raised an error.
+            error.message = error.message.removeprefix("Value error, ")
+            raise
+
+
 app = typer.Typer(
     name="babyrobot",
+    cls=_Commands,
     help="Grid worlds as files: make, check, preview and play levels.",
     epilog="A LEVEL is a name (`babyrobot list` shows them), pack/name, the path of a "
     "file, or a share code.",

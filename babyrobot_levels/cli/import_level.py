@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -116,7 +117,12 @@ def _source(file: Path) -> SourceFile:
     except ReadFault as fault:
         if fault.diagnostic.code == "BR101":
             fail(f"{file}: {fault.diagnostic.message}")
-        raise LevelError([fault.diagnostic]) from None
+        # It may be a picture, or a file that is packed.
+        help_text = "`babyrobot import -h` names the worlds that can be read; all are text in UTF-8"
+        diagnostic = fault.diagnostic
+        if diagnostic.code == "BR102":
+            diagnostic = replace(diagnostic, help=help_text)
+        raise LevelError([diagnostic]) from None
 
 
 def _guessed(source: SourceFile) -> WorldFormat:

@@ -20,15 +20,6 @@ def replace(document: Document, route: Route, text: str) -> Edit:
     return Edit(_node(document, route).span, text)
 
 
-def replace_key(document: Document, route: Route, text: str) -> Edit:
-    """Return the edit that writes `text` in the place of a field's name.
-
-    Raises:
-        KeyError: the file has no such field.
-    """
-    return Edit(_node(document, route[:-1]).keys[route[-1]].span, text)
-
-
 def remove(document: Document, route: Route) -> Edit:
     """Return the edit that takes a field or an entry of a list away.
 

@@ -37,8 +37,6 @@ from babyrobot_levels.share_dictionary import PLAY_DICTIONARY_1
 if TYPE_CHECKING:
     from babyrobot_levels.level import Level
 
-__all__ = ["Guide", "Walker", "embedded_json", "to_html"]
-
 SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
 """The page's script, in the order in which its parts need each other."""
 

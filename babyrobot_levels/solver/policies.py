@@ -77,7 +77,10 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
 def _in_words(word: str, mdp: Mdp, count: int) -> Floats:
     if word not in WORDS:
         known = " or ".join(map(repr, WORDS))
-        raise ValueError(f"a policy in a word is {known}, not {word!r}{did_you_mean(word, WORDS)}")
+        raise ValueError(
+            f"a policy in a word is {known}, not {word!r}{did_you_mean(word, WORDS)}; "
+            "the best one is what `brl.solve(level)` returns"
+        )
     weights = np.ones((mdp.num_states, count))
     if word == "random":
         possible = mdp.possible[:, -count:]

@@ -1,4 +1,4 @@
-"""Folders in which nothing is found but what a test puts there."""
+"""Folders in which packs are found, and nothing else."""
 
 from __future__ import annotations
 
@@ -7,18 +7,6 @@ from pathlib import Path
 import pytest
 
 from babyrobot_levels.folders import user_folder
-
-
-@pytest.fixture
-def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Make the current folder and the user's ones empty, and return the current one."""
-    folder = tmp_path / "here"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setenv("HOME", str(tmp_path / "home"))
-    monkeypatch.delenv("BABYROBOT_LEVELS", raising=False)
-    return folder
 
 
 @pytest.fixture

@@ -15,7 +15,8 @@ import pytest
 from babyrobot_levels.actions import Action
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.render.page import Guide, embedded_json, to_html
+from babyrobot_levels.render.page import embedded_json, to_html
+from babyrobot_levels.render.pagedata import Guide
 from babyrobot_levels.render.playable import CHEER, EVENTS, POSES, playable
 from babyrobot_levels.scene.overlays import Overlay
 from babyrobot_levels.scene.pose import Mood, Pose, pose_of

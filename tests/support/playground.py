@@ -7,7 +7,8 @@ from typing import Any
 
 from playwright.sync_api import Page, expect
 
-from babyrobot_levels.render.page import Guide, to_html
+from babyrobot_levels.render.page import to_html
+from babyrobot_levels.render.pagedata import Guide
 from babyrobot_levels.scene.overlays import Overlay
 from babyrobot_levels.solver.optimum import solve
 
