@@ -193,7 +193,7 @@ def test_good_levels_are_accepted(world: dict[str, Any]) -> None:
     LEVEL.validate(world)
 
 
-@settings(max_examples=700, deadline=None)
+@settings(max_examples=400, deadline=None)
 @given(bent(decorated_worlds()))
 def test_the_schema_accepts_the_shapes_that_the_loader_accepts(data: dict[str, Any]) -> None:
     assert_agreed(data)

@@ -24,7 +24,7 @@ def printed_by(example: str, *arguments: object, cwd: Path) -> str:
 
 
 def table_of(text: str) -> Table:
-    rows = re.findall(r"^(.+?) +(-?[\d.]+|-inf) +(-?[\d.]+|-inf)%$", text, re.MULTILINE)
+    rows = re.findall(r"^(.+?) +(-?[\d.]+) +(-?[\d.]+)%$", text, re.MULTILINE)
     return {name: (float(worth), float(share)) for name, worth, share in rows}
 
 
@@ -66,7 +66,7 @@ def test_tables_of_values_find_the_best_policy(
 
 def test_a_single_step_of_q_learning_finds_nothing(tmp_path: Path) -> None:
     text = printed_by("q_learning", "--robots", 512, "--steps", 512, cwd=tmp_path)
-    assert table_of(text)["learned, greedy"] == (-np.inf, -np.inf)
+    assert re.search(r"^learned, greedy +-inf +-$", text, re.MULTILINE)
 
 
 def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:

@@ -562,7 +562,7 @@ def living_levels() -> int:
 
 
 @pytest.mark.parametrize(
-    ("given", "steps"), [({}, 600), ({"observation": "image", "image_size": (10, 10)}, 60)]
+    ("given", "steps"), [({}, 200), ({"observation": "image", "image_size": (10, 10)}, 30)]
 )
 @pytest.mark.parametrize(("family", "num_slots"), [("wet", 12), ("mazes", 4)])
 def test_memory_is_bounded(

@@ -33,7 +33,7 @@ from babyrobot_levels.suggest import did_you_mean
 Cell = tuple[int, int]
 
 SIZES = {1: "small", 2: "large"}
-MAX_BLOCKED = 4_000_000
+MAX_BLOCKED = 2_000_000
 """More than the largest grid has cells."""
 
 NO_EXIT = (-1, -1)

@@ -20,7 +20,7 @@ _PLAIN: dict[str, Any] = {}
 ALMOST_NEVER = 1e-9
 """The `pass` of glass that lets nobody through: nobody would bounce off a wall of `pass: 0`."""
 
-MAX_TOGGLES = 4_000_000
+MAX_TOGGLES = 2_200_000
 """More than the largest grid has edges."""
 
 
