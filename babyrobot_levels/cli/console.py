@@ -31,9 +31,25 @@ class ReportFormat(StrEnum):
 FormatOption = Annotated[ReportFormat, typer.Option("--format", help="How to report.")]
 """The option that every command has that reports."""
 
+
+STANDARD_OUTPUT = Path("-")
+
+
+def _file(path: Path | None) -> Path | None:
+    """Return the file that is meant, None for standard output."""
+    return None if path == STANDARD_OUTPUT else path
+
+
 OutputOption = Annotated[
     Path | None,
-    typer.Option("--output", "-o", metavar="FILE", help="Write to a file.", show_default=False),
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        callback=_file,
+        help="Write to a file.  [default: -, standard output]",
+        show_default=False,
+    ),
 ]
 ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite the file.")]
 """The options of the commands that write a file."""
@@ -68,6 +84,8 @@ def save(path: Path, data: str | bytes, *, force: bool) -> None:
     """Write a file whole, but never over one that is there without `--force`."""
     from babyrobot_levels.files import write_bytes
 
+    if path == STANDARD_OUTPUT:
+        fail("this is not written to standard output", "name a file")
     try:
         if path.is_dir():
             fail(f"{path} is a folder", "name a file in it")

@@ -8,7 +8,15 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, ForceOption, fail, note, save, write
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    ForceOption,
+    OutputOption,
+    fail,
+    note,
+    save,
+    write,
+)
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
 from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.cli.reporting import read_path
@@ -32,12 +40,7 @@ def import_level(
             show_default=False,
         ),
     ] = None,
-    output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE", help="Write the level to a file.", show_default=False
-        ),
-    ] = None,
+    output: OutputOption = None,
     name: Annotated[
         str | None,
         typer.Option(

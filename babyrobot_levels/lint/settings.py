@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatch
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,11 @@ from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.suggest import did_you_mean
 
 _KEYS = ("select", "ignore", "per-file-ignores")
+_TABLES: dict[str, tuple[str, ...]] = {
+    "babyrobot.toml": (),
+    "pyproject.toml": ("tool", "babyrobot"),
+}
+"""The settings files, and the table of each that is ours."""
 
 
 class SettingsError(BabyRobotError):
@@ -70,26 +75,38 @@ def settings_for(path: Path) -> Settings:
     Raises:
         SettingsError: that file is faulty.
     """
-    return _in_folder(path.absolute().parent)
+    for folder in path.absolute().parents:
+        for name in _TABLES:
+            file = folder / name
+            if is_file(file):
+                status = file.stat()
+                found = _settings_in(file, (status.st_mtime_ns, status.st_size))
+                if found is not None:
+                    return found
+    return Settings()
 
 
-@cache
-def _in_folder(folder: Path) -> Settings:
-    for name, tables in (("babyrobot.toml", ("lint",)), ("pyproject.toml", ("tool", "babyrobot"))):
-        path = folder / name
-        data: Any = _read(path) if is_file(path) else None
-        for table in tables:
-            data = data.get(table) if isinstance(data, Mapping) else None
-        if data is not None:
-            return _settings(path, data if name == "babyrobot.toml" else data.get("lint", {}))
-    return Settings() if folder.parent == folder else _in_folder(folder.parent)
-
-
-def _read(path: Path) -> dict[str, Any]:
+@lru_cache
+def _settings_in(path: Path, _state: tuple[int, int]) -> Settings | None:
+    """Return what a file says, which is in that state; None if it says nothing of levels."""
     try:
-        return tomllib.loads(path.read_text("utf-8-sig"))
+        data: Any = tomllib.loads(path.read_text("utf-8-sig"))
     except (OSError, ValueError) as error:
         raise SettingsError(f"{path} cannot be read: {error}") from None
+    for table in _TABLES[path.name]:
+        data = data.get(table) if isinstance(data, Mapping) else None
+        if data is None:
+            return None
+    if not isinstance(data, Mapping):
+        raise SettingsError(f"{path}: `{'.'.join(_TABLES[path.name])}` must be a table")
+    for key in data:
+        if key in _KEYS:
+            table = ".".join((*_TABLES[path.name], "lint"))
+            raise SettingsError(f"{path}: `{key}` has its place in the table `[{table}]`")
+        if key != "lint":
+            hint = did_you_mean(key, ("lint",))
+            raise SettingsError(f"{path}: there is no setting `{key}`{hint}")
+    return _settings(path, data.get("lint", {}))
 
 
 def _settings(path: Path, data: Any) -> Settings:

@@ -1,4 +1,4 @@
-"""Every command that takes a level takes it from standard input as well, as `-`."""
+"""`-` is standard input for every command that takes a level, and standard output for `-o`."""
 
 from __future__ import annotations
 
@@ -68,3 +68,39 @@ def test_a_file_of_that_name_has_another_one(folder: Path) -> None:
     (folder / "-").write_bytes(LEVEL)
     assert babyrobot("resolve", "./-").status == 0
     assert babyrobot("resolve", "-").status == 1
+
+
+# -- what is put out ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ("preview", "walls"),
+        ("preview", "walls", "--format", "svg"),
+        ("export", "walls", "--to", "babyrobot"),
+        ("resolve", "maze"),
+        ("schema",),
+        ("import", "lake.txt"),
+    ],
+    ids=" ".join,
+)
+def test_a_dash_is_standard_output(command: tuple[str, ...], folder: Path) -> None:
+    (folder / "lake.txt").write_text("SFFF\nFHFH\nFFFH\nHFFG\n", encoding="utf-8")
+    assert babyrobot(*command, "-o", "-") == babyrobot(*command)
+    assert not (folder / "-").exists()
+
+
+@pytest.mark.parametrize(
+    "command", [("new-level", "mine"), ("share", "walls"), ("pack", "zoo")], ids=" ".join
+)
+def test_what_is_for_a_file_needs_its_name(command: tuple[str, ...], folder: Path) -> None:
+    (folder / "zoo").mkdir()
+    (folder / "zoo" / "pack.yaml").write_text(
+        "name: zoo\nversion: 1.0.0\nauthor: A\nlicense: MIT\ndescription: D\n", encoding="utf-8"
+    )
+    (folder / "zoo" / "a.yaml").write_text("version: 1\n", encoding="utf-8")
+    result = babyrobot(*command, "-o", "-")
+    assert (result.status, result.out) == (2, "")
+    assert "not written to standard output" in result.err
+    assert not (folder / "-").exists()

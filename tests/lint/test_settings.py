@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -65,6 +66,8 @@ def test_some_files_can_be_spared_some_rules(tmp_path: Path) -> None:
         ('[lint.per-file-ignores]\n"x" = ["nonsense"]\n', "no rule `nonsense`"),
         ("lint = 3\n", "must be a table"),
         ("[lint\n", "cannot be read"),
+        ('[lnt]\nselect = ["BR5"]\n', "no setting `lnt`; did you mean `lint`?"),
+        ('ignore = ["BR5"]\n', "`ignore` has its place in the table `[lint]`"),
     ],
 )
 def test_faulty_settings_are_told_with_their_file(tmp_path: Path, text: str, told: str) -> None:
@@ -73,6 +76,30 @@ def test_faulty_settings_are_told_with_their_file(tmp_path: Path, text: str, tol
         settings_for(tmp_path / "x.yaml")
     assert told in str(caught.value)
     assert str(tmp_path / "babyrobot.toml") in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("[tool]\nbabyrobot = 3\n", "`tool.babyrobot` must be a table"),
+        ("[tool.babyrobot]\nlint = 3\n", "`lint` must be a table"),
+        ("[tool.babyrobot.lnt]\n", "no setting `lnt`; did you mean `lint`?"),
+        ("[tool.babyrobot]\nselect = []\n", "in the table `[tool.babyrobot.lint]`"),
+    ],
+)
+def test_faults_of_a_project_are_told(tmp_path: Path, text: str, told: str) -> None:
+    (tmp_path / "pyproject.toml").write_text(text)
+    with pytest.raises(SettingsError, match=re.escape(told)):
+        settings_for(tmp_path / "x.yaml")
+
+
+def test_settings_may_change_while_python_runs(tmp_path: Path) -> None:
+    file = tmp_path / "babyrobot.toml"
+    for word in ("BR503", "BR6", "ALL"):
+        file.write_text(f'[lint]\nselect = ["{word}"]\n')
+        assert codes(tmp_path / "x.yaml") == selected([word], [])
+    file.unlink()
+    assert codes(tmp_path / "x.yaml") == DEFAULT
 
 
 def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
