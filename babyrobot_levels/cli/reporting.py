@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, cast
@@ -103,10 +104,24 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
         elif path == DEFAULT_FOLDER and not path.exists():
             fail("there is no folder levels/ here", "name the files or folders to check")
         else:
+            _tell_file_of(path)
             files[path] = None
     if not files:
         fail("there is nothing to check")
     return list(files)
+
+
+def _tell_file_of(path: Path) -> None:
+    """Where other commands know a level by what is no file, say which file that is."""
+    from babyrobot_levels.catalogue import find
+    from babyrobot_levels.errors import LevelNotFoundError
+    from babyrobot_levels.files import is_file
+
+    if path == STANDARD_INPUT or path.suffix or is_file(path):
+        return
+    with suppress(LevelNotFoundError):
+        file = find(path.as_posix())
+        note(f"{path} is the name of a level; what is checked here are files: {file}")
 
 
 def shown_name(path: Path | str) -> str:

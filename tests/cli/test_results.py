@@ -52,6 +52,15 @@ def test_the_whole_gallery_is_valid_and_listed() -> None:
     assert result.out == f"{len(paths)} files checked, all valid\n"
 
 
+@pytest.mark.parametrize("command", ["validate", "lint", "format"])
+def test_who_names_a_level_to_be_checked_is_told_its_file(command: str) -> None:
+    (path,) = (info.path for info in levels() if info.name == "final-maze")
+    told = babyrobot(command, "final-maze", status=1)
+    assert "final-maze:1:1: error BR101: there is no such file" in told.out
+    assert told.err.endswith(f"what is checked here are files: {path}\n")
+    assert babyrobot(command, "no-such-level", status=1).err == ""
+
+
 def test_pictures(folder: Path) -> None:
     babyrobot("preview", "final-maze", "-o", "maze.svg")
     babyrobot("preview", "final-maze", "-o", "maze.png")
