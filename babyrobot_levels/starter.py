@@ -6,6 +6,7 @@ import random
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from babyrobot_levels.maze import carve
 from babyrobot_levels.maze.draws import below
 from babyrobot_levels.syntax.emitter import scalar
 
@@ -53,15 +54,17 @@ description: A new level.  # say what it is about
 def _fields(order: Order) -> str:
     width, height = order.size
     roomy = width > 2 and height > 2
-    maze = ""
+    maze, exit_ = "", (width - 1, height - 1)
     if order.maze_seed is not None or order.template == "maze":
-        parts = [f"seed: {order.maze_seed if order.maze_seed is not None else 42}"]
+        seed = order.maze_seed if order.maze_seed is not None else 42
+        exit_ = _exit_of_maze(order, seed)
+        parts = [f"seed: {seed}"]
         if order.algorithm != "depth-first":
             parts.append(f"algorithm: {order.algorithm}")
         if order.loops:
             parts.append(f"loops: {scalar(order.loops)}")
         maze = f"maze: {{{', '.join(parts)}}}  # the same seed grows the same maze\n"
-    cells = _free_cells(width, height, [(0, 0), (width - 1, height - 1)])
+    cells = _free_cells(width, height, [(0, 0), exit_])
     puddles = _puddle_lines(_puddle_cells(order, cells))
     walls = (
         "# walls:  # on N and S, `length` goes on to the east, on E and W to the south\n"
@@ -70,11 +73,28 @@ def _fields(order: Order) -> str:
     return f"""\
 size: [{width}, {height}]  # width and height in cells
 start: [0, 0]
-exit: [{width - 1}, {height - 1}]  # entering it ends the episode
+exit: [{exit_[0]}, {exit_[1]}]  # entering it ends the episode
 {maze}\
 {walls if roomy else ""}\
 {puddles if roomy or order.puddles else ""}\
 """
+
+
+def _exit_of_maze(order: Order, seed: int) -> tuple[int, int]:
+    """Return the dead end that is nearest to the lower right corner; without one, that corner.
+
+    An exit in a corridor would keep the robot from what lies behind it.
+    """
+    width, height = order.size
+    is_open = carve(width, height, bytes(width * height), 0, seed, order.algorithm, order.loops)
+    x, y = width - 1, height - 1
+    dead_ends = (
+        divmod(cell, width)[::-1]
+        for cell, sides in enumerate(is_open)
+        if sides.bit_count() == 1 and cell != 0
+    )
+    nearest = min((((x - i) ** 2 + (y - j) ** 2, i, j) for i, j in dead_ends), default=(0, x, y))
+    return nearest[1:]
 
 
 def _drawing(order: Order) -> str:

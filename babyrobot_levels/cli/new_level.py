@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import sys
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
@@ -122,17 +123,28 @@ def new_level(
     save(path, text, force=force)
     if any(path.stem == name for path in yaml_files(gallery_folder())):
         note(f"{name!r} is the name of a level of the gallery too: load yours by its path")
-    shown = one_line(str(path))
+    typed = one_line(_quoted(str(path)))
     write(
-        f"wrote {shown}\n\n"
+        f"wrote {one_line(str(path))}\n\n"
         "next:\n"
-        f"  edit it, then check it      babyrobot validate {shown}\n"
-        f"  see it                      babyrobot preview {shown}\n"
+        f"  edit it, then check it      babyrobot validate {typed}\n"
+        f"  see it                      babyrobot preview {typed}\n"
         "  play it in Python           "
         "import babyrobot_levels as brl\n"
         "                              "
         f'env = brl.load("{one_line(path.as_posix())}").make()\n'
     )
+
+
+def _quoted(word: str) -> str:
+    """Return a word as it is typed into the system's shell."""
+    if sys.platform == "win32":
+        from subprocess import list2cmdline
+
+        return list2cmdline([word])
+    from shlex import quote
+
+    return quote(word)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
+import sys
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,6 +16,7 @@ from support.sessions import Result, environment, prepared_folder, run_here
 
 from babyrobot_levels.catalogue import levels, load
 from babyrobot_levels.cli.print_schema import schema_text
+from babyrobot_levels.maze import ALGORITHMS
 from babyrobot_levels.reading import load_file
 
 GALLERY = [info.name for info in levels() if not load(info.name).has_random_maze]
@@ -133,12 +136,29 @@ def test_a_new_level_is_what_was_ordered(
     assert [path.name for path in folder.rglob("*.yaml")] == ["mine.yaml"]
     level = load_file(folder / "levels" / "mine.yaml")
     assert (level.name, level.size, level.theme) == ("mine", size, "blue_green")
-    assert (level.start, level.exit) == ((0, 0), (width - 1, height - 1))
+    assert level.start == (0, 0)
+    assert template == "maze" or level.exit == (width - 1, height - 1)
     assert len({puddle.at for puddle in level.puddles}) == count
     assert (level.maze is not None) == (template == "maze")
     assert babyrobot("validate").out == "1 file checked, valid\n"
     assert babyrobot("preview", "mine").out == level.draw()
     assert not np.isnan(level.compile().probability).any()
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_new_mazes_can_be_walked_to_their_ends(algorithm: str, folder: Path) -> None:
+    """The exit stands at a dead end near the corner: there is nothing behind it."""
+    for seed in range(12):
+        order = ("--maze-seed", str(seed), "--algorithm", algorithm, "--loops", "0.2")
+        babyrobot("new-level", f"maze-{seed}", *order, "--puddles", "5")
+    assert babyrobot("lint", "--select", "BR5").out == "12 files checked, all clean\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="asks a POSIX shell")
+def test_what_to_type_next_can_be_typed(folder: Path) -> None:
+    told = babyrobot("new-level", "mine", "-o", "my $levels/it's ü n.yaml").out
+    typed = [line.partition("babyrobot ")[2] for line in told.splitlines() if "babyrobot " in line]
+    assert [shlex.split(line)[1:] for line in typed[:2]] == [["my $levels/it's ü n.yaml"]] * 2
 
 
 def test_the_comments_of_a_new_level_are_valid_when_they_are_taken_in(folder: Path) -> None:
