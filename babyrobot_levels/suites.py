@@ -102,6 +102,17 @@ class Suite(Sequence[Level]):
             raise ValueError("a split is a part of the whole suite, not of a slice")
         return Suite(self.fields, self.folder, parts[name], name)
 
+    def to_arguments(self) -> dict[str, Any] | None:
+        """Return `suite` and, if it is one, `split` as plain data: what environments take.
+
+        None for a slice, which has no such form.
+        """
+        if self.numbers == range(self.fields.count):
+            return {"suite": self.to_dict()}
+        if self._split is not None and self.numbers == self._maker.splits[self._split]:
+            return {"suite": self.to_dict(), "split": self._split}
+        return None
+
     def to_dict(self) -> dict[str, Any]:
         """Return what the suite states as plain data, as a file would."""
         data: dict[str, Any] = plain(self.fields)

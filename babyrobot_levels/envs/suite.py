@@ -129,14 +129,14 @@ def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
 def spell_out_suite(given: dict[str, Any], suite: Suite) -> None:
     """Put what a suite says, which is JSON, into the place of a suite or a path, which is not.
 
-    A part of a suite has no such form.
+    A slice of a suite has no such form.
 
     Args:
         given: the arguments of an environment; changed in place.
         suite: the suite that was loaded from them.
     """
-    if len(suite) == suite.fields.count and not isinstance(given.get("suite"), str):
-        given["suite"] = suite.to_dict()
+    if not isinstance(given.get("suite"), str):
+        given |= suite.to_arguments() or {}
 
 
 def _checked_index(index: Any, count: int) -> int | None:

@@ -159,6 +159,19 @@ def test_the_spec_can_be_written_as_json() -> None:
     assert env.reset(seed=6)[1]["level_digest"] == again.reset(seed=6)[1]["level_digest"]
 
 
+@pytest.mark.parametrize("making", [gymnasium.make, gymnasium.make_vec])
+def test_what_the_json_says_is_what_is_played(making: Any) -> None:
+    suite = load_suite(FIELDS)
+    for played in (suite, suite.split("train"), suite.split("test")):
+        again = making(EnvSpec.from_json(making(SUITE_ID, suite=played).spec.to_json()))
+        _, info = again.reset(options={"index": 1})
+        assert np.all(np.asarray(info["level_digest"]) == played[1].digest)
+    for part in (suite[::-1], suite[2:5], suite.split("train")[1:]):
+        env = making(SUITE_ID, suite=part)
+        assert env.spec.kwargs["suite"] == part
+        assert np.all(env.reset(options={"index": 1})[1]["level_digest"] == part[1].digest)
+
+
 def test_max_steps_cut_episodes_off() -> None:
     env = make(suite={**FIELDS, "max_steps": 12}, actions="all")
     env.reset(seed=0)
