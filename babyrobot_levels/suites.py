@@ -15,7 +15,7 @@ from babyrobot_levels.generate.search import find_level
 from babyrobot_levels.level import Level
 from babyrobot_levels.loader import from_yaml
 from babyrobot_levels.plain import plain
-from babyrobot_levels.reading import read_suite, suite_from_mapping
+from babyrobot_levels.reading import from_mapping, read_suite, suite_from_mapping
 from babyrobot_levels.spec.suite import SuiteFields
 from babyrobot_levels.suggest import did_you_mean
 from babyrobot_levels.syntax.document import YamlFault
@@ -108,14 +108,22 @@ class Suite(Sequence[Level]):
         None for a slice, which has no such form.
         """
         if self.numbers == range(self.fields.count):
-            return {"suite": self.to_dict()}
+            return {"suite": self.to_dict(whole=True)}
         if self._split is not None and self.numbers == self._maker.splits[self._split]:
-            return {"suite": self.to_dict(), "split": self._split}
+            return {"suite": self.to_dict(whole=True), "split": self._split}
         return None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return what the suite states as plain data, as a file would."""
+    def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
+        """Return what the suite states as plain data, as a file would.
+
+        Args:
+            whole: whether to add a theme of its own that stands beside the file, so that the data
+                alone makes the same suite.
+        """
         data: dict[str, Any] = plain(self.fields)
+        if whole and "theme" in data:
+            level = {"version": 1, "size": [2, 1], "theme": data["theme"]}
+            data["theme"] = from_mapping(level, folder=self.folder).to_dict(whole=True)["theme"]
         return {name: data[name] for name in SuiteFields.model_fields if name in data}
 
     def to_yaml(self) -> str:
@@ -131,8 +139,6 @@ class Suite(Sequence[Level]):
         if not isinstance(other, Suite):
             return NotImplemented
         return (self.fields, self.numbers) == (other.fields, other.numbers)
-
-    __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[type[Suite], tuple[Any, ...]]:
         return Suite, (self.fields, self.folder, self.numbers, self._split)

@@ -114,7 +114,7 @@ def bare(num_envs: int) -> Measure:
     """Return a measure of a compiled loop that does nothing but walk."""
     import numba
 
-    from babyrobot_levels.engine.tables import build_tables
+    from babyrobot_levels.engine.tables import build_tables, masks_at
 
     level = brl.load(LEVEL)
     tables = build_tables([level.compile()], [2**62], 0)
@@ -167,7 +167,7 @@ def bare(num_envs: int) -> Measure:
 
     actions = []
     for _ in range(steps):
-        possible = tables.masks[state].astype(bool)
+        possible = masks_at(tables.standing, state, 5).astype(bool)
         actions.append(np.argmax(source.random((num_envs, 5)) * possible, axis=1))
         step(actions[-1])
 

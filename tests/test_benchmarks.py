@@ -73,6 +73,37 @@ def test_an_aim_that_is_not_reached_is_said() -> None:
     assert Row("x", "ours", [2.0], aim=2.0).cells[-2:] == ("≥ 2", "yes")
 
 
+def test_an_aim_beside_no_peer_has_a_row_of_its_own() -> None:
+    from report import rows
+    from timing import Comparison
+
+    aims = {("ours", "lake"): 3, ("ours", None): 25}
+    found = Comparison("steps", {"ours": [30.0], "others": [20.0]}, {"lake": [10.0]}, aims=aims)
+    assert [(row.ours, row.peer, row.aim) for row in rows(found)] == [
+        ("ours", "lake", 3),
+        ("ours", None, 25),
+        ("others", "lake", None),
+    ]
+
+
+def test_what_needs_numba_is_missing_without_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    import timing
+
+    made: list[str] = []
+
+    def make() -> timing.Measure:
+        made.append("compiled")
+        return lambda: 2.0
+
+    measures = {"ours": timing.with_fast(make)}
+    assert timing.compare_in_turns("steps", measures, {}, 3).ours == {"ours": [2.0] * 3}
+    assert made == ["compiled"]
+    monkeypatch.setattr(timing, "find_spec", lambda _: None)
+    found = timing.compare_in_turns("steps", measures, {}, 3)
+    assert found.ours == {"ours": []}
+    assert "the extra `fast`" in found.missing["ours"]
+
+
 def test_a_missing_peer_is_named_and_the_others_are_measured() -> None:
     from timing import MissingPeer, compare_in_turns
 
@@ -130,6 +161,22 @@ def test_a_failure_is_named_and_the_rest_goes_on(
     # What it had measured before is kept.
     assert text.count("| lint ") == 4
     assert "failed: lint" in capsys.readouterr().out
+
+
+def test_a_run_that_is_killed_leaves_what_it_had(tmp_path: Path) -> None:
+    import run
+
+    file = tmp_path / "RESULTS.md"
+    left: list[str] = []
+
+    def looking(name: str, count: int) -> Iterator[Comparison]:
+        left.append(file.read_text("utf-8") if file.exists() else "")
+        yield rate()
+
+    assert run.main(["--only", "mazes", "--only", "step", "--quick", "-o", str(file)], looking) == 0
+    assert left[0] == ""
+    assert "| step " in left[1]
+    assert "- not run: mazes" in left[1]
 
 
 def test_an_interrupted_run_keeps_what_is_done(tmp_path: Path) -> None:

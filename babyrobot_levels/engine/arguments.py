@@ -33,7 +33,7 @@ def limits_of(levels: Sequence[Level], max_episode_steps: Any) -> list[int]:
         ValueError: the number is neither.
     """
     if max_episode_steps is None:
-        return [min(level.max_steps or NO_LIMIT, NO_LIMIT) for level in levels]
+        return [level.max_steps or NO_LIMIT for level in levels]
     number = whole_number(max_episode_steps)
     if number is None or (number < 1 and number != -1):
         raise ValueError(

@@ -122,12 +122,6 @@ class Tables:
         first_start = np.arange(starts.size + 1)
         return replace(self, starts=self.offset[:-1] + starts, first_start=first_start)
 
-    @property
-    def masks(self) -> NDArray[np.int8]:
-        """The possible actions, int8 `[states, num_actions]`."""
-        masks: NDArray[np.int8] = self.standing.view(signs_of(self.num_actions))["mask"]
-        return masks
-
 
 def build_tables(
     mdps: Sequence[Mdp], limits: Sequence[int], first_action: int, draws_levels: bool = False

@@ -41,17 +41,22 @@ class Pictures:
 
     def __init__(self, mode: str | None, level: Level, state: int) -> None:
         self._mode = mode
-        self._level, self._state, self._pose = level, state, STANDING
+        self._state, self._pose = state, STANDING
         self._overlay: Overlay | None = None
-        self._exits = frozenset(y * level.size[0] + x for x, y in level.exits)
         self._is_up_to_date = False
-        self._forget_painters()
+        self._enter(level)
         self._terminal: Terminal | None = None
         self._view: LevelView | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         kept = {**vars(self), "_terminal": None, "_view": None, "_is_up_to_date": False}
         return {**kept, "_frames": None, "_texts": {}}
+
+    def _enter(self, level: Level) -> None:
+        """Show a level from now on."""
+        self._level = level
+        self._exits = frozenset(y * level.size[0] + x for x, y in level.exits)
+        self._forget_painters()
 
     def _forget_painters(self) -> None:
         self._frames: FramePainter | None = None
@@ -60,10 +65,16 @@ class Pictures:
     # -- what happens ----------------------------------------------------------------------
 
     def begin(self, level: Level, state: int) -> None:
-        """Have the robot stand where an episode begins, perhaps in another level."""
+        """Have the robot stand where an episode begins, perhaps in another level.
+
+        What is written on the picture stays, if the level is as large as the one before.
+        """
         if level is not self._level:
-            self._level = level
-            self._forget_painters()
+            if level.size != self._level.size:
+                self._overlay = None
+                if self._view is not None:
+                    self._view.set_overlay(None)
+            self._enter(level)
             if self._view is not None:
                 self._view.set_level(level, state)
         self._state, self._pose = state, STANDING

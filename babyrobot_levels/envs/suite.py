@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 from gymnasium.wrappers import TimeLimit
 
-from babyrobot_levels.envs.arguments import checked_start
+from babyrobot_levels.envs.arguments import checked_maze_seed, checked_start
 from babyrobot_levels.envs.observations import Observer
 from babyrobot_levels.envs.padding import make_padded_observer
 from babyrobot_levels.envs.single import LevelEnv
@@ -80,7 +80,9 @@ class SuiteEnv(LevelEnv):
         if index is None:
             index = int(self.np_random.random() * len(self.suite))
         level = self.suite[index]
+        # A refused reset leaves the running episode as it is.
         checked_start(options.get("start"), level)
+        checked_maze_seed(options.get("maze_seed"), level)
         self._enter(level)
         observation, info = super().reset(options=options)
         info["level_index"], info["level_digest"] = index, level.digest

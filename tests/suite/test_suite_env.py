@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -17,7 +18,10 @@ from support.playing import episodes, plain
 import babyrobot_levels as brl
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.render.frames import FramePainter
+from babyrobot_levels.scene.pose import Mood, Pose
 from babyrobot_levels.suites import load_suite
+from babyrobot_levels.syntax.emitter import emit
 
 SUITE_ID = "babyrobot/Suite-v0"
 
@@ -113,7 +117,10 @@ def test_a_level_can_be_asked_for() -> None:
     exit_ = load_suite(FIELDS)[8].exits[0]
     with pytest.raises(ValueError, match="the episode would be over"):
         env.reset(options={"index": 8, "start": exit_})
+    with pytest.raises(ValueError, match="for levels that say"):
+        env.reset(options={"index": 8, "maze_seed": 1})
     assert env.unwrapped.level.digest == info["level_digest"], "a refused reset changes no level"
+    env.step(brl.Action.STAY)
 
 
 def test_a_level_is_played_as_it_is_alone() -> None:
@@ -172,6 +179,27 @@ def test_what_the_json_says_is_what_is_played(making: Any) -> None:
         assert np.all(env.reset(options={"index": 1})[1]["level_digest"] == part[1].digest)
 
 
+@pytest.mark.parametrize("make", [gymnasium.make, gymnasium.make_vec])
+def test_the_spec_as_json_has_the_theme_that_stands_beside_the_suite(
+    make: Any, tmp_path: Path
+) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "sea.yaml").write_text("colors: {base: '#cceeff'}\n", "utf-8")
+    (tmp_path / "seas.yaml").write_text(emit({**FIELDS, "theme": "sea"}), "utf-8")
+    env = make(SUITE_ID, suite=tmp_path / "seas.yaml", render_mode="rgb_array")
+    again = make(EnvSpec.from_json(env.spec.to_json()))
+    for each in (env, again):
+        each.reset(seed=6)
+    assert np.array_equal(env.render(), again.render())
+
+
+def test_a_part_of_a_suite_is_not_written_as_the_whole() -> None:
+    for make in (gymnasium.make, gymnasium.make_vec):
+        env: Any = make(SUITE_ID, suite=load_suite(FIELDS)[3:8])
+        with pytest.raises(TypeError, match="Suite is not JSON"):
+            env.spec.to_json()
+
+
 def test_max_steps_cut_episodes_off() -> None:
     env = make(suite={**FIELDS, "max_steps": 12}, actions="all")
     env.reset(seed=0)
@@ -193,6 +221,39 @@ def test_pictures_follow_the_level() -> None:
     number, level = small_level()
     env.reset(options={"index": number})
     assert len(env.render().splitlines()) == 2 * level.size[1] + 1
+
+
+def test_he_cheers_at_the_exit_of_every_level() -> None:
+    env = make(suite={**FIELDS, "exit": "random"}, render_mode="rgb_array")
+    ends = set()
+    for number in range(6):
+        (x, y), _ = env.reset(seed=1, options={"index": number})
+        level, over = env.unwrapped.level, False
+        best = brl.solve(level).policy
+        while not over:
+            (x, y), _, over, *_ = env.step(best[y, x])
+        ends.add((x, y))
+        cheering = FramePainter(level).frame(y * level.size[0] + x, Pose(mood=Mood.CHEER))
+        assert np.array_equal(env.render(), cheering)
+    assert len(ends) > 3
+
+
+def test_what_is_written_stays_in_levels_of_the_same_size() -> None:
+    sizes = [level.size for level in load_suite(FIELDS)]
+    same = sizes.index(sizes[0], 1)
+    other = next(number for number, size in enumerate(sizes) if size != sizes[0])
+    width, height = sizes[0]
+    svg, clean, canvas = (make(render_mode=mode) for mode in ("svg", "svg", "canvas"))
+    for env in (svg, canvas):
+        env.reset(options={"index": 0})
+        env.unwrapped.show_info({"values": np.zeros((height, width)), "side_panel": "zeros"})
+        env.render()
+    for number, is_written in ((same, True), (other, False), (same, False)):
+        for env in (svg, clean, canvas):
+            env.reset(options={"index": number})
+        assert ("zeros" in svg.render()) is is_written
+        assert (svg.render() == clean.render()) is not is_written
+        assert ("zeros" in canvas.unwrapped._repr_mimebundle_()["image/svg+xml"]) is is_written
 
 
 def test_what_cannot_be() -> None:

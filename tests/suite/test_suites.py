@@ -12,6 +12,7 @@ from support.sessions import environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.catalogue import catalogue, suite_files
 from babyrobot_levels.suites import Suite, load_suite
+from babyrobot_levels.syntax.emitter import emit
 
 SHIPPED = ("long-ways", "small-mazes", "wet-mazes")
 
@@ -59,6 +60,31 @@ def test_a_level_does_not_depend_on_what_was_asked_before(mixed: Suite) -> None:
         == [*mixed][77].to_yaml()
         == pickle.loads(pickle.dumps(mixed))[77].to_yaml()
     )
+
+
+def test_suites_are_equal_that_have_the_same_levels(mixed: Suite) -> None:
+    fresh, part = load_suite(FIELDS), mixed.split("test")[4:9]
+    assert mixed == fresh == mixed[:]
+    assert mixed != mixed[:60]
+    assert part == fresh[94:99] != fresh[95:100]
+    assert part != load_suite({**FIELDS, "seed": 8})[94:99]
+    assert mixed != list(mixed[:2])
+    again = pickle.loads(pickle.dumps(part))
+    assert again == part
+    assert repr(again) == repr(part) == "<Suite 'mixed': 5 levels, split 'test'>"
+
+
+def test_parts_have_the_theme_that_stands_beside_the_suite(tmp_path: Path) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "sea.yaml").write_text("colors: {base: '#cceeff'}\n", "utf-8")
+    (tmp_path / "seas.yaml").write_text(emit({**FIELDS, "theme": "sea"}), "utf-8")
+    suite = load_suite(tmp_path / "seas.yaml")
+    picture = suite[91].to_svg()
+    assert "#cceeff" in picture
+    for part in (suite[91:], suite.split("test")[1:], pickle.loads(pickle.dumps(suite))[91:]):
+        assert part[0].to_svg() == picture
+    assert suite.to_dict()["theme"] == "sea"
+    assert load_suite(suite.to_dict(whole=True))[91].to_svg() == picture
 
 
 def test_levels_have_what_the_suite_states(mixed: Suite) -> None:

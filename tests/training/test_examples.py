@@ -86,6 +86,22 @@ def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:
     assert abs(learned[0, 0] - exact[0, 0]) < 1
 
 
+def test_where_episodes_are_cut_off_what_was_to_come_counts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import offline
+    import q_learning
+
+    # From the first start, nobody comes to the exit in time.
+    level = brl.load({"version": 1, "size": [7, 1], "start": [[0, 0], [3, 0]], "max_steps": 3})
+    best = brl.solve(level, actions="moves").values
+    data = brl.rollout(level, "uniform", 64, 500, seed=1, actions="moves")
+    assert offline.learn(data, 7, 1.0).max(axis=1) == pytest.approx(best[0])
+    values = q_learning.q_learning(level, 64, 500, seed=1).max(axis=2)
+    assert values[0] == pytest.approx(best[0], abs=0.2)
+
+
 def test_fewer_steps_than_robots_are_a_step_for_each(tmp_path: Path) -> None:
     text = printed_by("offline", "--robots", 300, "--steps", 1, cwd=tmp_path)
     assert text.startswith("300 steps\n")

@@ -39,6 +39,7 @@ DRY: dict[str, Any] = {
     "count": 60,
     "size": {"min": [3, 3], "max": [5, 4]},
     "maze": {"loops": {"max": 1}},
+    "start": "random",
     "splits": {"train": 0.5, "test": 0.5},
     "max_steps": 25,
 }
@@ -309,6 +310,25 @@ def test_both_engines_walk_the_same_way(family: str, mode: AutoresetMode, observ
     assert same(one, without)
 
 
+def test_all_can_act_by_chance_and_begin_anew_in_the_same_step() -> None:
+    level = {
+        "version": 1,
+        "size": [3, 3],
+        "maze": {"seed": "random", "loops": 1.0},
+        "start": [[1, 1], [0, 1]],
+        "skid": {"probability": 0.5, "to": "others"},
+        "max_steps": 1,
+    }
+
+    def walk(engine: str) -> list[Any]:
+        envs = LevelVectorEnv(level, num_envs=100, autoreset_mode="SameStep", engine=engine)
+        return [envs.reset(seed=1), *(envs.step(np.full(100, 1)) for _ in range(3))]
+
+    told = walk("numpy")
+    assert same(told, walk("compiled"))
+    assert all(step[-1]["_final_obs"].all() for step in told[1:])
+
+
 @each_family
 @each_engine
 def test_what_was_played_before_has_no_influence(
@@ -394,6 +414,8 @@ def test_a_level_can_be_asked_for() -> None:
     assert info["level_index"].tolist() == [4, 1, 4, 2, 59]
     mask = np.array([True, False, False, False, True])
     _, info = envs.reset(options={"index": 8, "reset_mask": mask})
+    assert info["_level_index"].tolist() == mask.tolist()
+    assert info["level_index"].tolist() == [8, 0, 0, 0, 8]
     assert [level.name for level in envs.call("level")] == [
         f"level-{number:05}" for number in (8, 1, 4, 2, 8)
     ]
@@ -433,6 +455,16 @@ def test_a_start_that_is_asked_for() -> None:
     envs = make("wet", observation="position")
     observations, _ = envs.reset(seed=1, options={"start": [1, 0]})
     assert observations.tolist() == [[1, 0]] * SIZE
+
+
+def test_a_start_need_not_be_in_the_levels_of_those_that_stay() -> None:
+    sizes = [level.size for level in load_suite(DRY)]
+    wide, narrow = sizes.index((5, 3)), sizes.index((3, 3))
+    envs = make("dry")
+    before, _ = envs.reset(options={"index": [narrow] * 4 + [wide]})
+    mask = np.array([False] * 4 + [True])
+    observations, _ = envs.reset(options={"index": wide, "start": [4, 1], "reset_mask": mask})
+    assert observations.tolist() == [*before[:4].tolist(), [4, 1]]
 
 
 def test_other_levels_have_no_seeds_for_mazes() -> None:

@@ -84,6 +84,28 @@ def test_both_engines_walk_many_the_same_way(mode: AutoresetMode, seed: Any) -> 
     assert same(walk("numpy"), walk("compiled"))
 
 
+def test_all_can_act_by_chance_and_begin_anew_in_the_same_step() -> None:
+    ice = {"version": 1, "size": [3, 3], "skid": {"probability": 0.5, "to": "others"}}
+    played = [{**ice, "start": starts} for starts in ([[1, 1], [0, 1]], [[1, 1], [1, 0], [2, 1]])]
+
+    def walk(engine: str) -> list[Any]:
+        envs = LevelVectorEnv(
+            levels=played,
+            num_envs=600,
+            draw_levels=True,
+            max_episode_steps=1,
+            autoreset_mode="SameStep",
+            engine=engine,
+        )
+        return [envs.reset(seed=1), *(envs.step(np.full(600, 1)) for _ in range(8))]
+
+    told = walk("numpy")
+    assert same(told, walk("compiled"))
+    for begun, *_, info in told[1:]:
+        assert info["_final_obs"].all()
+        assert 0.3 < (begun == [1, 1]).all(axis=1).mean() < 0.5
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     played=st.lists(levels(), min_size=1, max_size=3),

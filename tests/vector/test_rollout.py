@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from support.fleets import ENGINES, levels
+from support.fleets import ENGINES, levels, same
 from support.playing import level_named
 
 import babyrobot_levels as brl
+from babyrobot_levels.engine import rollout as rollouts
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.level import Level
 
@@ -63,6 +64,19 @@ def test_a_vector_environment_that_takes_its_actions_goes_the_same_way(
         assert rolled.truncations[row].tolist() == truncated.tolist()
         ended = np.where(terminated | truncated, info.get("final_obs", observations), observations)
         assert shown(rolled.next_observations[row]) == ended.tolist()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_how_many_steps_share_a_block_of_draws_makes_no_difference(
+    engine: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    given: dict[str, Any] = {"num_envs": 7, "num_steps": 200, "seed": 4, "engine": engine}
+    rolled = brl.rollout(level_named("all at once"), "uniform", **given)
+    assert rolled.truncations.any()
+    assert rolled.terminations.any()
+    monkeypatch.setattr(rollouts, "CHUNK", 40)
+    again = brl.rollout(level_named("all at once"), "uniform", **given)
+    assert same(vars(again), vars(rolled))
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -135,16 +149,18 @@ def test_policies_in_all_their_forms(engine: str) -> None:
     assert shares == pytest.approx([0.5, 0.0, 0.25, 0.25, 0.0], abs=0.01)
 
 
-def test_each_of_several_levels_has_its_policy_and_its_limit() -> None:
+@pytest.mark.parametrize("engine", ENGINES)
+def test_each_of_several_levels_has_its_policy_and_its_limit(engine: str) -> None:
     wide = {"version": 1, "size": [4, 1], "max_steps": 5}
     high = {"version": 1, "size": [1, 3]}
     stay, south = np.zeros((1, 4), int), np.full((3, 1), brl.Action.SOUTH)
-    rolled = brl.rollout([wide, high], [stay, south], num_envs=4, num_steps=10, seed=1)
+    given: dict[str, Any] = {"num_steps": 10, "seed": 1, "engine": engine}
+    rolled = brl.rollout([wide, high], [stay, south], num_envs=4, **given)
     assert rolled.observations[:, 0].tolist() == rolled.observations[:, 2].tolist() == [0] * 10
     assert np.flatnonzero(rolled.truncations[:, 0]).tolist() == [4, 9]
     assert rolled.observations[:, 1].tolist() == [0, 1] * 5
     assert not rolled.truncations[:, 1].any()
-    longer = brl.rollout([wide, high], [stay, south], 2, 10, max_episode_steps=-1)
+    longer = brl.rollout([wide, high], [stay, south], 2, max_episode_steps=-1, **given)
     assert not longer.truncations.any()
 
 

@@ -26,7 +26,7 @@ from support.playing import level_named
 
 import babyrobot_levels as brl
 from babyrobot_levels.engine import loops
-from babyrobot_levels.engine.draws import OwnDraws
+from babyrobot_levels.engine.draws import MOST_WORDS, OwnDraws
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.level import Level
@@ -256,6 +256,20 @@ def test_many_environments_take_little_memory() -> None:
     draws = OwnDraws(16_384)
     assert draws.memory.nbytes < 10_000_000
     assert OwnDraws(1).memory.nbytes < 4096
+
+
+def test_there_are_always_words_for_a_step() -> None:
+    draws = OwnDraws(2)
+    for number, seed in enumerate(SEEDS[:2]):
+        draws.follow(number, np.random.default_rng(seed))
+    taken: list[list[float]] = [[], []]
+    for _ in range(200):
+        draws.reserve()
+        # One robot takes as many as it can, and the other one as few.
+        for number, count in enumerate((MOST_WORDS, 1)):
+            taken[number] += [float(draws.uniform(np.array([number]))[0]) for _ in range(count)]
+    for seed, drawn in zip(SEEDS, taken, strict=False):
+        assert drawn == np.random.default_rng(seed).random(len(drawn)).tolist()
 
 
 @settings(max_examples=100, deadline=None)

@@ -66,6 +66,7 @@ def test_the_levels_limit_counts_and_another_takes_its_place() -> None:
     assert steps_of(id=LEVEL_ID, level=level) == 7
     assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=9) == 9
     assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=-1) == 0
+    assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=2**70) == 0
     assert steps_of(id="babyrobot/frozen-lake-v0") == level_named("frozen-lake").max_steps
     assert steps_of(id="babyrobot/frozen-lake-v0", max_episode_steps=3) == 3
 
@@ -249,7 +250,9 @@ def test_nothing_can_be_done_before_the_first_reset() -> None:
     ):
         with pytest.raises(error.ResetNeeded, match="reset"):
             call()
-    assert envs.action_space.sample() in envs.action_space
+    # Where nobody stands yet, any action may be sampled.
+    drawn = np.array([envs.action_space.sample() for _ in range(100)])
+    assert set(drawn.ravel().tolist()) == set(range(5))
 
 
 def test_without_autoreset_nobody_acts_when_it_is_over() -> None:
@@ -288,20 +291,23 @@ def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
     assert same(envs.step([1, 2]), before.step([1, 2]))
 
 
+@pytest.mark.parametrize("count", [3, 300])
 @pytest.mark.parametrize("engine", ENGINES)
-def test_numbers_of_all_sorts_are_actions(engine: str) -> None:
-    read_only = np.array([2, 3, 2])
+def test_numbers_of_all_sorts_are_actions(engine: str, count: int) -> None:
+    wanted = np.resize([2, 3, 2], count)
+    read_only = wanted.copy()
     read_only.flags.writeable = False
     told = []
     for actions in (
-        [2, 3, 2],
-        (2, 3, 2),
-        [brl.Action(2), brl.Action(3), brl.Action(2)],
-        np.array([2, 3, 2], np.uint8),
-        np.array([2, 0, 3, 0, 2])[::2],
+        wanted.tolist(),
+        tuple(wanted.tolist()),
+        [brl.Action(action) for action in wanted],
+        wanted.astype(np.uint8),
+        wanted.astype(">i8"),
+        wanted.repeat(2)[::2],
         read_only,
     ):
-        envs = LevelVectorEnv("ice-rink", num_envs=3, engine=engine)
+        envs = LevelVectorEnv("ice-rink", num_envs=count, engine=engine)
         envs.reset(seed=1)
         told.append(envs.step(actions))
     assert all(same(each, told[0]) for each in told)
@@ -389,6 +395,21 @@ def test_copies_go_on_with_the_same_episodes(
     assert same(walked(unbegun, 10, 3), told)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+def test_copies_of_what_writes_over_its_arrays_do_so_too(engine: str) -> None:
+    envs = make("all at once", copy=False, engine=engine)
+    walked(envs, 10, 3)
+    copies = [copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))]
+    for action in (2, 3, 2):
+        told = envs.step(np.full(SIZE, action))
+        for again in copies:
+            assert same(again.step(np.full(SIZE, action)), told)
+    for again in copies:
+        first, second = (again.step(np.full(SIZE, 1))[0] for _ in range(2))
+        assert np.shares_memory(first, second)
+        assert not np.shares_memory(first, told[0])
+
+
 def test_global_generators_are_left_alone() -> None:
     def states() -> list[Any]:
         _, keys, position, *_ = np.random.get_state(legacy=True)
@@ -423,6 +444,13 @@ def test_levels_of_all_sizes_share_their_spaces(observation: str) -> None:
         assert envs.single_observation_space == spaces.MultiDiscrete([12, 5])
     if observation == "index":
         assert envs.single_observation_space == spaces.Discrete(60)
+
+
+def test_the_smallest_of_levels_can_be_seen() -> None:
+    levels = [{"version": 1, "size": size} for size in ([2, 2], [40, 2], [2, 40])]
+    envs = LevelVectorEnv(levels=levels, observation="image", image_size=(6, 6))
+    for picture in envs.reset(seed=1)[0]:
+        assert picture[0, 0].any()
 
 
 @pytest.mark.parametrize("mode", [AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP])
@@ -564,16 +592,45 @@ def test_the_picture_shows_the_first_sixteen(num_envs: int, tiles: tuple[int, in
         assert np.array_equal(envs.render(), shown)
 
 
-def test_pictures_of_several_levels_and_none() -> None:
-    envs = LevelVectorEnv(
-        levels=["cliff-walking", "frozen-lake"], num_envs=5, render_mode="rgb_array"
-    )
+def test_pictures_of_several_levels() -> None:
+    levels = [{"version": 1, "size": size} for size in ([1, 3], [4, 1])]
+    envs = LevelVectorEnv(levels=levels, num_envs=4, render_mode="rgb_array")
     envs.reset(seed=1)
     picture = envs.render()
-    assert picture.ndim == 3
-    assert (picture == 255).any()
+    alone = [LevelVectorEnv(level, render_mode="rgb_array").render() for level in levels]
+    # Each tile has room for the largest, 4 cells wide and 3 high, and is white around its level.
+    assert picture.shape == (2 * 3 * 64 + 4, 2 * 4 * 64 + 4, 3)
+    for number in range(4):
+        own = alone[number % 2]
+        row, column = divmod(number, 2)
+        tile = picture[row * (3 * 64 + 4) :, column * (4 * 64 + 4) :][: 3 * 64, : 4 * 64]
+        assert np.array_equal(tile[: own.shape[0], : own.shape[1]], own)
+        assert (tile[own.shape[0] :] == 255).all()
+        assert (tile[:, own.shape[1] :] == 255).all()
+
+
+def test_without_a_mode_there_is_no_picture() -> None:
     with pytest.warns(UserWarning, match="render_mode='rgb_array'"):
         assert make().render() is None
+
+
+@pytest.mark.parametrize(
+    ("size", "num_envs", "shape"),
+    [
+        # All tiles beside one another, or below: the longer side is the shortest that there can be.
+        ((2, 12), 4, (12 * 64, 4 * 2 * 64 + 3 * 4)),
+        ((12, 2), 4, (4 * 2 * 64 + 3 * 4, 12 * 64)),
+        ((4, 4), 5, (3 * 4 * 64 + 2 * 4, 2 * 4 * 64 + 4)),
+        # Cells of levels that are too large have a pixel each.
+        ((520, 65), 16, (16 * 65 + 15 * 4, 520)),
+    ],
+)
+def test_the_size_of_the_picture(
+    size: tuple[int, int], num_envs: int, shape: tuple[int, int]
+) -> None:
+    level = {"version": 1, "size": size}
+    envs = LevelVectorEnv(level, num_envs=num_envs, render_mode="rgb_array")
+    assert envs.render().shape == (*shape, 3)
 
 
 def test_it_can_be_closed_twice() -> None:
@@ -605,9 +662,10 @@ def test_attributes_that_can_be_set() -> None:
             envs.set_attr(name, value)
 
 
+@pytest.mark.parametrize("observation", OBSERVATIONS)
 @pytest.mark.parametrize("engine", ENGINES)
-def test_nothing_that_is_returned_is_shared_between_steps(engine: str) -> None:
-    envs = make("final-maze", engine=engine)
+def test_nothing_that_is_returned_is_shared_between_steps(engine: str, observation: str) -> None:
+    envs = make("final-maze", engine=engine, observation=observation)
     envs.reset(seed=1)
     told = [envs.step(np.full(SIZE, 2)) for _ in range(2)]
     first, second = ([*each[:4], *each[4].values()] for each in told)
