@@ -81,7 +81,11 @@ class Suite(Sequence[Level]):
         """
         if isinstance(index, slice):
             return Suite(self.fields, self.folder, self.numbers[index], self._split)
-        return find_level(self._maker, self.numbers[index]).level
+        try:
+            number = self.numbers[index]
+        except IndexError:
+            raise IndexError(f"there is no level {index}: the suite has {len(self):,}") from None
+        return find_level(self._maker, number).level
 
     def __iter__(self) -> Iterator[Level]:
         return (self[index] for index in range(len(self)))
@@ -98,16 +102,20 @@ class Suite(Sequence[Level]):
             raise ValueError(
                 f"there is no split {name!r} (there are: {known}){did_you_mean(str(name), parts)}"
             )
-        if len(self) != self.fields.count:
+        if not self._is_whole:
             raise ValueError("a split is a part of the whole suite, not of a slice")
         return Suite(self.fields, self.folder, parts[name], name)
+
+    @property
+    def _is_whole(self) -> bool:
+        return self.numbers == range(self.fields.count)
 
     def to_arguments(self) -> dict[str, Any] | None:
         """Return `suite` and, if it is one, `split` as plain data: what environments take.
 
         None for a slice, which has no such form.
         """
-        if self.numbers == range(self.fields.count):
+        if self._is_whole:
             return {"suite": self.to_dict(whole=True)}
         if self._split is not None and self.numbers == self._maker.splits[self._split]:
             return {"suite": self.to_dict(whole=True), "split": self._split}

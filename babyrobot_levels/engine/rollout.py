@@ -16,7 +16,7 @@ from babyrobot_levels.engine.draws import SharedDraws
 from babyrobot_levels.engine.robots import Record, Robots
 from babyrobot_levels.engine.tables import ALWAYS, Flags, Floats, build_tables, signs_of
 from babyrobot_levels.solver.policies import read_policy
-from babyrobot_levels.solver.results import check_actions
+from babyrobot_levels.solver.results import check_actions, check_seed
 
 CHUNK = 16_384
 """About how many steps, of all robots together, are taken with one block of draws."""
@@ -71,7 +71,7 @@ def rollout(
             that is walked.
         num_envs: how many robots there are.
         num_steps: how many steps each of them takes.
-        seed: what all chance is drawn from; None for another one each time.
+        seed: a number, from which all chance is drawn; None for another one each time.
         actions: `"all"`, or `"moves"` without stay.
         max_episode_steps: after how many steps an episode is cut off, -1 for never. By default,
             each level's `max_steps`.
@@ -106,7 +106,7 @@ def rollout(
     walker = make_engine(engine, tables, shown, size)
     robots, record = Robots(size, len(levels)), Record.empty(steps, size)
 
-    source = np.random.default_rng(seed)
+    source = np.random.default_rng(check_seed(seed))
     choosing = source.spawn(1)[0]
     rows = min(steps, max(1, CHUNK // size))
     chances = np.zeros((rows, size))

@@ -19,6 +19,7 @@ from babyrobot_levels.learning.results import (
 )
 from babyrobot_levels.solver.model import Floats
 from babyrobot_levels.solver.policies import Policy
+from babyrobot_levels.solver.results import check_seed
 
 
 def monte_carlo(
@@ -57,7 +58,7 @@ def monte_carlo(
     """
     check_counts(episodes=episodes, every=every)
     problem = read_problem(level, discount, actions)
-    player = _Player(problem, problem.weights(policy), np.random.default_rng(seed))
+    player = _Player(problem, problem.weights(policy), np.random.default_rng(check_seed(seed)))
     return _estimates(problem, player, episodes, first_visit, every)
 
 

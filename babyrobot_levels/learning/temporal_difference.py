@@ -17,7 +17,7 @@ from babyrobot_levels.learning.results import (
     largest_change,
     read_problem,
 )
-from babyrobot_levels.solver.results import num_actions
+from babyrobot_levels.solver.results import check_seed, num_actions
 
 
 def q_learning(
@@ -126,7 +126,7 @@ class _Robot:
         self.problem, self._step_size, self._epsilon = problem, step_size, epsilon
         width, height = problem.level.size
         self.values = np.zeros((width * height, num_actions(problem.actions)))
-        self._rng = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(check_seed(seed))
         made = problem.level.make(observation="index", actions=problem.actions)
         self._env = made.unwrapped
         self._env.reset(seed=int(self._rng.integers(2**31)))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import operator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -167,9 +169,25 @@ def check_discount(discount: float | None, default: float) -> float:
     """
     if discount is None:
         return float(default)
-    if not 0 < discount <= 1:
-        raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
-    return float(discount)
+    # Numbers of all kinds are compared; what is none cannot be.
+    with suppress(TypeError):
+        if 0 < discount <= 1:
+            return float(discount)
+    raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
+
+
+def check_seed(seed: int | None) -> int | None:
+    """Return a seed as an int, None for None.
+
+    Raises:
+        ValueError: it is no whole number from 0 on.
+    """
+    if seed is None:
+        return None
+    with suppress(TypeError):
+        if operator.index(seed) >= 0:
+            return operator.index(seed)
+    raise ValueError(f"seed must be a whole number from 0 on, not {seed!r}")
 
 
 def num_actions(actions: str) -> int:

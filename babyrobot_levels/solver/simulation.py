@@ -12,7 +12,7 @@ from babyrobot_levels.level import Level
 from babyrobot_levels.solver.evaluation import at_start, model_of
 from babyrobot_levels.solver.model import Flags, Floats, Ints
 from babyrobot_levels.solver.policies import Policy, read_policy
-from babyrobot_levels.solver.results import Simulation, check_actions, check_discount
+from babyrobot_levels.solver.results import Simulation, check_actions, check_discount, check_seed
 
 MAX_STEPS = 10_000
 """The limit of levels that have none of their own."""
@@ -55,7 +55,7 @@ def simulate(
         raise ValueError("episodes and max_steps must be at least 1")
     ways = _ways(level, policy, actions)
     mdp = level.compile()
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(check_seed(seed))
     state = rng.choice(mdp.num_states, size=episodes, p=mdp.start)
     returns, steps = np.zeros(episodes), np.zeros(episodes, np.int64)
     going = np.arange(episodes)

@@ -140,6 +140,8 @@ def test_it_can_be_stopped_early(learn: Learn) -> None:
         {"epsilon": -0.1},
         {"epsilon": float("nan")},
         {"discount": 2},
+        {"discount": "x"},
+        {"seed": 1.5},
         {"actions": "valid"},
     ],
     ids=str,

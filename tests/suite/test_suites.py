@@ -49,7 +49,7 @@ def test_it_is_a_sequence_of_levels(mixed: Suite) -> None:
     assert [level.name for level in mixed[::-50]] == ["mixed-00119", "mixed-00069", "mixed-00019"]
     assert len(mixed[10:][5:20]) == 15
     assert mixed[10:][5].name == "mixed-00015"
-    with pytest.raises(IndexError):
+    with pytest.raises(IndexError, match="there is no level 120: the suite has 120"):
         mixed[120]
 
 

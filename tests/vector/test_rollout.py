@@ -180,6 +180,8 @@ def test_seeds() -> None:
         ({"num_envs": 0}, "num_envs must be a whole number, at least 1, not 0"),
         ({"num_steps": 2.5}, "num_steps must be a whole number, at least 1, not 2.5"),
         ({"max_episode_steps": 0}, "max_episode_steps must be at least 1, or -1"),
+        ({"seed": [1, 2]}, "seed must be a whole number from 0 on, not \\[1, 2\\]"),
+        ({"seed": -1}, "seed must be a whole number from 0 on"),
         ({"actions": "valid"}, "'all' or 'moves'"),
         ({"engine": "gpu"}, "engine must be"),
         ({"policy": "clever"}, "'random' or 'uniform'"),
