@@ -6,6 +6,7 @@ import contextlib
 import pickle
 import random
 import re
+from collections.abc import Callable
 from typing import Any
 
 import gymnasium
@@ -374,6 +375,50 @@ def test_maze_seeds_that_are_none_are_refused(mazes: LevelEnv, seed: Any) -> Non
 
 def test_a_maze_seed_may_be_numpys(mazes: LevelEnv) -> None:
     assert mazes.reset(options={"maze_seed": np.int64(5)})[1]["maze_seed"] == 5
+
+
+ALL_KINDS: dict[str, Callable[[], Any]] = {
+    "one": lambda: brl.load("default").make(),
+    "mazes": lambda: brl.load("random-maze").make(),
+    "suite": lambda: gymnasium.make("babyrobot/Suite-v0", suite="small-mazes"),
+    "many": lambda: brl.LevelVectorEnv(level="default", num_envs=2),
+    "many in levels": lambda: brl.LevelVectorEnv(levels=["maze", "default"], draw_levels=True),
+    "many in mazes": lambda: brl.LevelVectorEnv(level="random-maze", num_envs=2),
+    "many in a suite": lambda: gymnasium.make_vec(
+        "babyrobot/Suite-v0", num_envs=2, suite="small-mazes"
+    ),
+}
+
+
+NO_OPTIONS: list[tuple[Any, str, str]] = [
+    # Options, what is told, and a word in the kinds that have them.
+    ({"strat": [1, 1]}, "`reset` has no option 'strat'; did you mean `start`?", "none"),
+    ({7: 1}, "`reset` has no option 7", "none"),
+    ([1], "options must be a dict, not [1]", "none"),
+    ({"index": 1}, "options['index'] is for suites", "suite"),
+    (
+        {"maze_seed": 1},
+        "options['maze_seed'] is for levels that say `maze: {seed: random}`",
+        "mazes",
+    ),
+    ({"reset_mask": np.ones(1, bool)}, "options['reset_mask'] is for vector environments", "many"),
+]
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        (kind, options, message)
+        for kind in ALL_KINDS
+        for options, message, word in NO_OPTIONS
+        if word not in kind
+    ],
+)
+def test_options_that_there_are_not_are_refused(kind: str, options: Any, message: str) -> None:
+    env = ALL_KINDS[kind]()
+    with pytest.raises(ValueError, match=re.escape(message)):
+        env.reset(options=options)
+    env.reset(options={"start": None, "maze_seed": None})
 
 
 def test_a_level_whose_maze_is_fixed_takes_no_maze_seed() -> None:

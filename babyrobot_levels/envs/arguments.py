@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from gymnasium import error
@@ -20,6 +20,38 @@ def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
         known = ", ".join(map(repr, choices))
         guess = did_you_mean(value, choices) if isinstance(value, str) else ""
         raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
+
+
+_OPTIONS = {
+    "start": "for all environments",
+    "maze_seed": "for levels that say `maze: {seed: random}`",
+    "index": "for suites",
+    "reset_mask": "for vector environments",
+}
+"""The options of resets, and for what they are."""
+
+
+def checked_options(options: Any, *known: str) -> dict[str, Any]:
+    """Return the options of a reset.
+
+    Args:
+        options: what was given: a mapping, or None.
+        known: those that this environment has.
+
+    Raises:
+        ValueError: it is no mapping, or the environment has no such option.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options must be a dict, not {options!r}")
+    for name, value in options.items():
+        if name not in _OPTIONS:
+            guess = did_you_mean(name, known) if isinstance(name, str) else ""
+            raise ValueError(f"`reset` has no option {name!r}{guess}")
+        if name not in known and value is not None:
+            raise ValueError(f"options[{name!r}] is {_OPTIONS[name]}")
+    return {**options}
 
 
 def checked_image_size(image_size: Any) -> tuple[int, int] | None:
@@ -87,16 +119,14 @@ def checked_start(start: Any, level: Level) -> int | None:
     return state
 
 
-def checked_maze_seed(maze_seed: Any, level: Level) -> int | None:
+def checked_maze_seed(maze_seed: Any) -> int | None:
     """Return the seed of the maze that a reset asks for, None for None.
 
     Raises:
-        ValueError: it is no whole number, or the level's maze is not random.
+        ValueError: it is no whole number.
     """
     if maze_seed is None:
         return None
-    if not level.has_random_maze:
-        raise ValueError("options['maze_seed'] is for levels that say `maze: {seed: random}`")
     try:
         if isinstance(maze_seed, bool):
             raise TypeError

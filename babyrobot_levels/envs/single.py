@@ -19,6 +19,7 @@ from babyrobot_levels.envs.arguments import (
     checked_action,
     checked_image_size,
     checked_maze_seed,
+    checked_options,
     checked_start,
 )
 from babyrobot_levels.envs.ipython import show_wrapped_environments
@@ -102,6 +103,7 @@ class LevelEnv(RenderedEnv):
             raise ValueError("image_size and grayscale go with observation='image'")
         self.render_mode = render_mode
         self._given = load(level)
+        self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
         self._observation = observation
         self._image = (checked_image_size(image_size), bool(grayscale))
         space, self._first_action = make_action_space(actions)
@@ -145,13 +147,13 @@ class LevelEnv(RenderedEnv):
             for a level with `seed: random`, `maze_seed`.
 
         Raises:
-            ValueError: the robot cannot start at that cell.
+            ValueError: the robot cannot start at that cell, or there is no such option.
         """
-        options = options or {}
+        options = checked_options(options, *self._options)
         # All that is asked for is checked before anything changes: a refused reset leaves the
         # running episode as it is.
         start = checked_start(options.get("start"), self.level)
-        maze_seed = checked_maze_seed(options.get("maze_seed"), self._given)
+        maze_seed = checked_maze_seed(options.get("maze_seed"))
         super().reset(seed=seed)
         rng = self.np_random
         info: dict[str, Any] = {}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 from gymnasium.wrappers import TimeLimit
 
-from babyrobot_levels.envs.arguments import checked_maze_seed, checked_start
+from babyrobot_levels.envs.arguments import checked_options, checked_start
 from babyrobot_levels.envs.observations import Observer
 from babyrobot_levels.envs.padding import make_padded_observer
 from babyrobot_levels.envs.single import LevelEnv
@@ -52,6 +52,7 @@ class SuiteEnv(LevelEnv):
         """
         self._given_suite, self.suite = suite_and_split(suite, split)
         super().__init__(self.suite[0], **kwargs)
+        self._options = ("start", "index")
 
     def _new_observer(self, level: Level) -> Observer:
         return make_padded_observer(level, self.suite.largest, self._observation, *self._image)
@@ -71,10 +72,10 @@ class SuiteEnv(LevelEnv):
             or split) and `level_digest`.
 
         Raises:
-            ValueError: there is no such level, or the robot cannot start at that cell.
+            ValueError: there is no such level or option, or the robot cannot start at that cell.
             StarvedError: no level meets the suite's conditions.
         """
-        options = options or {}
+        options = checked_options(options, *self._options)
         index = _checked_index(options.get("index"), len(self.suite))
         gymnasium.Env.reset(self, seed=seed)
         if index is None:
@@ -82,7 +83,6 @@ class SuiteEnv(LevelEnv):
         level = self.suite[index]
         # A refused reset leaves the running episode as it is.
         checked_start(options.get("start"), level)
-        checked_maze_seed(options.get("maze_seed"), level)
         self._enter(level)
         observation, info = super().reset(options=options)
         info["level_index"], info["level_digest"] = index, level.digest

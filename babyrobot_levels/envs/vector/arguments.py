@@ -79,11 +79,8 @@ def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs:
     """Return the numbers of the levels that a reset asks for, int64 `[num_envs]`, or None.
 
     Raises:
-        ValueError: they are no numbers of levels, or mazes have no other seeds.
+        ValueError: they are no numbers of levels.
     """
-    grows = isinstance(family, GrownMazes)
-    if options.get("maze_seed") is not None and not grows:
-        raise ValueError("options['maze_seed'] is for levels that say `maze: {seed: random}`")
     asked = None if family is None else options.get(family.option)
     if family is None or asked is None:
         return None
@@ -95,7 +92,7 @@ def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs:
         )
     if (array > _MOST).any():
         raise ValueError(f"options[{family.option!r}] must be below 2**63, not {asked!r}")
-    if not grows and not ((array >= 0) & (array < family.count)).all():
+    if not isinstance(family, GrownMazes) and not ((array >= 0) & (array < family.count)).all():
         raise ValueError(
             f"options[{family.option!r}] must be below {family.count:,}, not {asked!r}"
         )

@@ -15,7 +15,12 @@ from babyrobot_levels.engine.arguments import checked_count
 from babyrobot_levels.engine.plain import begin
 from babyrobot_levels.engine.robots import Layout, Results, Robots
 from babyrobot_levels.engine.tables import masks_at, signs_of
-from babyrobot_levels.envs.arguments import check_choice, checked_image_size, checked_start
+from babyrobot_levels.envs.arguments import (
+    check_choice,
+    checked_image_size,
+    checked_options,
+    checked_start,
+)
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.pictures import RENDER_FPS
 from babyrobot_levels.envs.spaces import ACTION_SETS, make_action_space
@@ -179,14 +184,15 @@ class LevelVectorEnv(ChangingVectorEnv):
             `[num_envs]`) takes the place of both.
 
         Raises:
-            ValueError: the robots cannot start at that cell, there is no level of that number, or
-                the seed or the mask is none.
+            ValueError: the robots cannot start at that cell, there is no level of that number, no
+                such option, or the seed or the mask is none.
             StarvedError: no level meets the conditions of a suite.
         """
-        options = options or {}
+        family = None if self._slots is None else self._slots.family
+        numbered = () if family is None else (family.option,)
+        options = checked_options(options, "start", "reset_mask", *numbered)
         which = checked_reset_mask(options.get("reset_mask"), self.num_envs)
         start = options.get("start")
-        family = None if self._slots is None else self._slots.family
         numbers = checked_numbers(options, family, self.num_envs)
         if family is None:
             for each in self.levels:
