@@ -95,8 +95,11 @@ def uninstall(
     except PackNotFoundError as error:
         for carried in carried_packs():
             if carried.name == name:
-                package = carried.distribution.metadata["Name"]
-                fail(f"{name} is part of the Python package {package}", f"pip uninstall {package}")
+                package = carried.package_name
+                fail(
+                    f"{name} is part of the Python package {package or 'without a name'}",
+                    f"pip uninstall {package}" if package else None,
+                )
         fail(str(error), "`babyrobot list --packs` shows all packs")
     except PackConflictError as error:
         fail(str(error), error.help)

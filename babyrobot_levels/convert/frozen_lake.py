@@ -149,7 +149,7 @@ def write_frozen_lake(level: Level) -> Conversion:
         keywords["reward_schedule"] = [
             int(each) if each.is_integer() else each for each in schedule
         ]
-    for name in ("bump", "closer", "farther"):
+    for name in ("bump", "stay", "closer", "farther"):
         if getattr(level.rewards, name) is not None:
             lost.append(Lost(f"rewards.{name}", f"{PLACE} has no place for it"))
     rows = ",\n    ".join(map(json.dumps, desc))

@@ -110,9 +110,8 @@ def _shape_changes(before: Level, after: Level) -> Iterator[Change]:
     if before.size != after.size:
         yield Change(list(before.size), list(after.size), name="size")
     for name, cells in (("start", "starts"), ("exit", "exits")):
-        # How often a start is named tells how likely it is; of exits it says nothing.
         one, two = (sorted(getattr(level, cells)) for level in (before, after))
-        if (one != two) if name == "start" else (set(one) != set(two)):
+        if one != two:
             yield Change(plain(one), plain(two), name=name)
 
 

@@ -36,7 +36,7 @@ MAX_ARCHIVE = MAX_TOTAL + MAX_MANIFEST + MAX_FILES * 600
 _NEEDED, _MADE_BY = 10, 3 << 8 | 10
 _DATE = 1 << 5 | 1
 _FILE_ATTRIBUTES = (stat.S_IFREG | 0o644) << 16
-_ENCRYPTED = 1 << 0 | 1 << 6 | 1 << 13
+_ENCRYPTED = 1 << 0
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import sys
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from importlib.metadata import Distribution, EntryPoint, distributions
 from importlib.util import find_spec
@@ -42,13 +43,21 @@ class CarriedPack:
     @property
     def package(self) -> str:
         """The name and version of the package that carries it, as `pip list` has them."""
-        try:
+        told = (self._metadata(field) for field in ("Name", "Version"))
+        return " ".join(filter(None, told)) or "without a name"
+
+    @property
+    def package_name(self) -> str | None:
+        """The name alone of the package that carries it; None where its files do not tell."""
+        return self._metadata("Name")
+
+    def _metadata(self, field: str) -> str | None:
+        # As in `_entries`: its files may be damaged.
+        with suppress(Exception):
             metadata = self.distribution.metadata
-            told = [metadata[field] for field in ("Name", "Version") if field in metadata]
-        except Exception:
-            # As in `_entries`: its files may be damaged.
-            told = []
-        return " ".join(told) or "without a name"
+            if field in metadata:
+                return metadata[field]
+        return None
 
 
 def carried_packs() -> Iterator[CarriedPack]:

@@ -47,12 +47,17 @@ def link_fragment(level: Level, game: Level, guide: Guide | None = None) -> str:
         page_data(game, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
     )
     data = told.encode("utf-8")
+    if len(data) > MAX_UNPACKED:
+        raise TooLargeError(
+            f"the level is too large for a link: a page would unpack {len(data):,} bytes, "
+            f"and takes at most {MAX_UNPACKED:,}"
+        )
     packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=PLAY_DICTIONARY_1)
     packed = packer.compress(data) + packer.flush()
     checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
     body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + packed).decode().rstrip("=")
     fragment = f"{code}{PLAY_MARK}{PLAY_VERSION}.{len(body)}.{body}"
-    if len(fragment) > MAX_LINK or len(data) > MAX_UNPACKED:
+    if len(fragment) > MAX_LINK:
         raise TooLargeError(
             f"the level is too large for a link: {len(fragment):,} characters, "
             f"of at most {MAX_LINK:,}"

@@ -85,7 +85,8 @@ def pack(shapes: Iterable[Shape], palette: Palette, margin: float = 0.0) -> list
         last: Path | None = None
         for shape in run:
             packed.append(_packed(shape, (left, top), palette, last))
-            last = shape if isinstance(shape, Path) else last
+            if isinstance(shape, Path) and packed[-1][0] == PATH:
+                last = shape
         groups.append([_length(left), _length(top), packed])
     return groups
 

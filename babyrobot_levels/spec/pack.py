@@ -14,7 +14,7 @@ VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
 Version = Annotated[StrictStr, StringConstraints(pattern=VERSION)]
 
 RESERVED = {
-    *("con", "prn", "aux", "nul", "conin$", "conout$"),
+    *("con", "prn", "aux", "nul"),
     *(f"{device}{number}" for device in ("com", "lpt") for number in range(10)),
 }
 """Names that no file can have on Windows, whatever stands behind a dot."""

@@ -208,6 +208,42 @@ def test_another_fragment_is_another_level(ground: Playground) -> None:
     expect(page.locator("h1")).to_have_text(load("default").title or "")
 
 
+@pytest.mark.parametrize("is_sound", [True, False])
+def test_a_link_that_takes_long_does_not_come_back(
+    is_sound: bool, page: Page, tmp_path: Path
+) -> None:
+    """The first link is unpacked when the next one is shown already."""
+    page.add_init_script(
+        """
+        const Real = DecompressionStream;
+        const held = new Promise((release) => { window.release = release; });
+        let count = 0;
+        window.DecompressionStream = function (format) {
+          const isFirst = ++count === 1;
+          window.unpacking = count;
+          const transform = async (piece, control) => {
+            if (isFirst) await held;
+            control.enqueue(piece);
+          };
+          const { readable, writable } = new TransformStream({ transform });
+          return { writable, readable: readable.pipeThrough(new Real(format)) };
+        };
+        """
+    )
+    ground = Playground(page, tmp_path)
+    ground.open(OWN)
+    slow = fragment_of("maze") if is_sound else play_sealed(b"\xff\xff")
+    page.evaluate("(fragment) => { location.hash = fragment }", slow)
+    page.wait_for_function("() => window.unpacking === 1")
+    page.evaluate("(fragment) => { location.hash = fragment }", fragment_of("walls"))
+    expect(page.locator("h1")).to_have_text(load("walls").title or "")
+    before = seen(page)
+    page.evaluate("() => { window.release(); return new Promise((go) => setTimeout(go, 300)) }")
+    assert seen(page) == before
+    expect(page.locator("#notice")).to_be_hidden()
+    assert ground.faults == []
+
+
 def test_fragments_of_others_mean_nothing(ground: Playground) -> None:
     ground.follow("stage")
     assert ground.page.locator("h1").inner_text() == OWN.title
@@ -249,6 +285,7 @@ LINK = fragment_of("walls")
     [
         (LINK.partition("~")[0], "This link holds a share code only"),
         (LINK[:-5], "This link is cut off: its last 5 characters are missing."),
+        (LINK[:-1], "This link is cut off: its last 1 characters are missing."),
         (LINK.partition("~")[0] + "~", "This link is cut off or damaged."),
         (LINK.partition("~")[0] + "~1.40", "This link is cut off or damaged."),
         (LINK + "abc", "This link is damaged."),
@@ -372,6 +409,16 @@ def field(value: Any, *route: Any) -> Callable[[Any], None]:
     return put
 
 
+def last_way(row: list[float]) -> Callable[[Any], None]:
+    """Return what lets the way east from the cell before the exit, which is the last, be a row."""
+
+    def put(data: Any) -> None:
+        data["table"][5 * 7 + 2] = len(data["rows"])
+        data["rows"].append(row)
+
+    return put
+
+
 BILLION = 10**9
 
 HOSTILE: dict[str, Callable[[Any], None]] = {
@@ -405,6 +452,7 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "no picture": field(None, "picture"),
     "pictures of no size": field(0, "picture", "width"),
     "pictures of a size that is none": field("100%", "picture", "width"),
+    "pictures of no height": field(0, "picture", "height"),
     "outlines again and again": field(
         [[0, 0, [[2, 0, "s" + "1 1 " * 5000], *[[4, 0, 999, 0, 0]] * 9000]]],
         "picture",
@@ -424,8 +472,11 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "starts where it is over": field([8], "starts"),
     "exits outside": field([-1], "exits"),
     "no speed": field(0, "speed"),
+    "too much speed": field(101, "speed"),
     "time below nothing": field(-1, "max_steps"),
     "a margin of a text": field("3px", "margin"),
+    "a margin of a mile": field(10**6, "margin"),
+    "a margin below nothing": field(-1, "margin"),
     "chances that make none": field([0.2, 0, -1, 0, 0, 0], "rows", 0),
     "chances above one": field([2, 0, -1, 0, 0, 0, -1, 0, -1, 0, 0, 0], "rows", 0),
     "chances that are texts": field(["1", 0, -1, 0, 0, 0], "rows", 0),
@@ -433,8 +484,10 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "half an outcome": field([1, 0, -1], "rows", 0),
     "rewards without end": field([1, 0, None, 0, 0, 0], "rows", 0),
     "ways out of the level": field([1, -1, -1, 0, 0, 0], "rows", 0),
-    "ways to what is over": field([1, 8, -1, 0, 0, 0], "rows", 0),
+    "ways past the last cell": last_way([1, 2, -1, 1, 0, 0]),
+    "ways to what is over": last_way([1, 1, -1, 0, 0, 0]),
     "events that are none": field([1, 0, -1, 0, 6, 0], "rows", 0),
+    "ends that are neither": field([1, 0, -1, 2, 0, 0], "rows", 0),
     "poses that are none": field([1, 0, -1, 0, 0, 11], "rows", 0),
     "rows that are none": field(BILLION, "table", 0),
     "states with half a row": field(-1, "table", 0),
@@ -448,9 +501,19 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
         policy=None,
         walker=None,
     ),
+    "more cells than there is room for": lambda data: data.update(
+        rows=[[1, 0, 0, 0, 0, 0]],
+        table=[0] * 5 * 129 * 128,
+        width=129,
+        height=128,
+        possible=[31] * 129 * 128,
+        policy=None,
+        walker=None,
+    ),
     "nothing that can be done": field(0, "possible", 0),
     "a policy too short": field([1], "policy"),
     "a policy of others": field("2222", "policy"),
+    "a policy of a sixth action": field(5, "policy", 0),
     "a walker without a policy": field(None, "policy"),
     "a walker of others": field("javascript", "walker"),
     "a seed that is none": field("-1", "seed"),

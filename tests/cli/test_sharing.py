@@ -49,6 +49,13 @@ def test_a_link_is_a_code_and_what_a_page_plays(base: str) -> None:
     assert babyrobot("share", link.out).out == f"{code}\n"
 
 
+@pytest.mark.parametrize("base", ["", "my page.html", "page.html\n", "page.html#"])
+def test_what_cannot_begin_a_link_is_refused(base: str) -> None:
+    refused = babyrobot("share", "two-doors", "--link", base, status=2)
+    assert refused.out == ""
+    assert "cannot be the beginning of a link" in refused.err
+
+
 def test_a_link_to_a_random_maze_says_which_one_the_page_plays() -> None:
     link = babyrobot("share", "random-maze", "--link", "play.html")
     assert link.err == (
@@ -77,9 +84,28 @@ def test_from_a_file_to_a_code_to_a_file(folder: Path) -> None:
     assert (folder / "theirs.yaml").read_text("utf-8") == (
         "version: 1\nname: ours\nsize: [3, 2]\nmaze: {seed: 1}\ntheme:\n  colors: {base: navy}\n"
     )
+    assert babyrobot("share", "levels/ours.yaml", "-o", "at-once.yaml") == Result("", "", 0)
+    assert (folder / "at-once.yaml").read_text("utf-8") == (
+        (folder / "theirs.yaml").read_text("utf-8")
+    )
     assert babyrobot("diff", "levels/ours.yaml", "theirs.yaml").out == (
         "levels/ours.yaml and theirs.yaml are the same game\n"
     )
+
+
+def test_all_differences_are_told_where_that_is_asked_for() -> None:
+    first = babyrobot("diff", "maze", "frozen-lake", status=1).out
+    whole = babyrobot("diff", "maze", "frozen-lake", "--limit", "0", status=1).out
+    assert (first.count("  before: "), whole.count("  before: ")) == (10, 80)
+    assert "more (--limit 0 tells all)" in first
+    assert "more (" not in whole
+
+
+def test_a_level_that_is_not_valid_is_no_difference(folder: Path) -> None:
+    (folder / "bad.yaml").write_text("version: 1\nsize: [0, 0]\n", "utf-8")
+    told = babyrobot("diff", "maze", "bad.yaml", status=2)
+    assert told.out == ""
+    assert "bad.yaml:2:8: error " in told.err
 
 
 def test_a_resolved_level_finds_its_schema(folder: Path) -> None:

@@ -219,6 +219,15 @@ def test_a_puddle_on_the_exit_gives_the_exits_reward() -> None:
     assert brl.from_setup(setup).rewards.exit == -7
 
 
+def test_of_two_puddles_in_a_cell_the_first_one_counts() -> None:
+    setup = {"puddles": [((1, 1), 1), ((2, 1), 2), ((1, 1), 2), ((2, 1), 2)]}
+    assert fields(setup)["puddles"] == [
+        {"at": [1, 1], "size": "small"},
+        {"at": [2, 1], "size": "large"},
+    ]
+    assert [*lost(setup)] == ["puddles[2]"]
+
+
 def test_puddle_properties_are_the_chances_of_not_skidding() -> None:
     props = {"large_reward": -10, "large_prob": 0.1, "small_reward": -5, "small_prob": 0.2}
     types = brl.from_setup({"puddle_props": props}).puddle_types
@@ -258,6 +267,15 @@ def test_base_areas_are_blocked_in_all_their_forms() -> None:
     ]
     assert found["theme"] == {"colors": {"blocked": "gray"}}
     assert list(lost(setup)) == ["base_areas[2] borders"]
+
+
+def test_blocked_areas_that_overlap_are_written_row_by_row() -> None:
+    # The package stumbles over a cell that is taken away twice.
+    blocked = [{"at": [0, 1], "size": [2, 2]}, {"at": [1, 1], "size": [2, 1]}]
+    level = level_of({"version": 1, "size": [4, 4], "blocked": blocked, "rewards": {"exit": -1}})
+    setup, _ = setup_of(level)
+    assert setup["base_areas"] == [(0, 1, 3, 1), (0, 2, 2, 1)]
+    assert level_of_world(read_setup(setup)).digest == level.digest
 
 
 def test_what_it_looks_like_is_kept() -> None:

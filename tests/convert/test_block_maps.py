@@ -58,6 +58,8 @@ def test_of_several_goals_one_is_drawn_there() -> None:
     world = world_of(json.dumps(MAZE_MAPS["MEDIUM_MAZE_DIVERSE_G"]), "maze-map")
     assert len(level_of_world(world).exits) == 3
     assert lost_fields(world) == ["g"]
+    assert lost_fields(world_of('[["r", "g", "g"]]', "maze-map")) == ["g"]
+    assert lost_fields(world_of('[["r", "g"]]', "maze-map")) == []
 
 
 @pytest.mark.parametrize(
@@ -251,6 +253,13 @@ def test_a_sokoban_map_keeps_its_walls_player_and_goals() -> None:
     drawn = [line[2::4] for line in level.draw().splitlines()[1::2]]
     assert drawn == expected
     assert lost_fields(world) == ["boxes"]
+
+
+def test_a_player_on_a_goal_is_a_start_and_that_is_told() -> None:
+    world = world_of("#####\n#+ .#\n#####", "sokoban")
+    level = level_of_world(world)
+    assert (level.starts, level.exits) == (((0, 0),), ((2, 0),))
+    assert lost_fields(world) == ["+"]
 
 
 @pytest.mark.parametrize(("start", "goal"), [("@", "."), ("S", "E"), ("S", "X"), ("@", "E")])

@@ -120,6 +120,19 @@ def test_each_field_comes_back_or_is_told_by_its_name(name: str, field: str) -> 
         assert getattr(again, field) == getattr(level, field)
 
 
+@each_format
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [("label", "gold"), ("color", "red"), ("skid", 0.5), ("reward", 5), ("ends", True)],
+)
+def test_each_field_of_an_area_comes_back_or_is_told(name: str, field: str, value: Any) -> None:
+    level = level_of({"version": 1, "areas": [{"at": [1, 0], field: value}]})
+    conversion = export(level, name)
+    if f"areas.{field}" not in {lost.field for lost in conversion.warnings}:
+        (area,) = level_of_world(world_of(conversion.text, name)).areas
+        assert getattr(area, field) == getattr(level.areas[0], field)
+
+
 def test_a_difference_that_no_field_explains_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     sokoban = FORMATS["sokoban"]
 

@@ -88,6 +88,23 @@ def test_holes_of_different_rewards_are_told() -> None:
     assert told == ["areas.reward"]
 
 
+@pytest.mark.parametrize(
+    ("fields", "told"),
+    [
+        *(({"rewards": {n: -3}}, f"rewards.{n}") for n in ("bump", "stay", "closer", "farther")),
+        ({"skid": {"probability": 0.5, "to": "others"}}, "skid.to"),
+        ({"blocked": [{"at": [1, 1]}]}, "blocked"),
+        ({"walls": [{"at": [0, 0], "side": "E"}]}, "walls"),
+    ],
+    ids=str,
+)
+def test_what_a_lake_does_not_have_is_told_by_its_own_name(
+    fields: dict[str, Any], told: str
+) -> None:
+    level = brl.load({"version": 1, **fields})
+    assert [lost.field for lost in export(level, "frozen-lake").warnings] == [told]
+
+
 def test_a_list_of_lists_of_letters_is_a_map_too() -> None:
     text = repr([list(row) for row in MAPS["4x4"]])
     assert level_of_world(world_of(text, "frozen-lake")).exits == ((3, 3),)

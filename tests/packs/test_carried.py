@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from support.carriers import LEVEL, carry, write
+from support.packs import babyrobot
 
 import babyrobot_levels as brl
 from babyrobot_levels.packs.carried import carried_packs, package_folder
@@ -165,6 +166,25 @@ def test_a_package_without_metadata(site: Path) -> None:
     assert names() == ["zoo"]
     assert [pack.origin for pack in known_packs()] == ["package without a name"]
     assert len(list(unusable_packs())) == 1
+
+
+def test_a_pack_of_a_package_is_removed_with_the_package(site: Path) -> None:
+    carry(site, "brl_zoo", "zoo = brl_zoo")
+    refused = babyrobot("uninstall", "zoo")
+    assert (refused.status, refused.out) == (2, "")
+    assert refused.err == (
+        "error: zoo is part of the Python package brl_zoo\n  help: pip uninstall brl_zoo\n"
+    )
+    assert names() == ["zoo"]
+
+
+@pytest.mark.parametrize("metadata", [b"Metadata-Version: 2.1\nVersion: 1.0\n", b"\xff\xfe"])
+def test_a_pack_of_a_package_whose_name_is_not_told(metadata: bytes, site: Path) -> None:
+    carry(site, "brl_zoo", "zoo = brl_zoo")
+    (site / "brl_zoo-1.0.dist-info" / "METADATA").write_bytes(metadata)
+    refused = babyrobot("uninstall", "zoo")
+    assert (refused.status, refused.out) == (2, "")
+    assert refused.err == "error: zoo is part of the Python package without a name\n"
 
 
 @pytest.mark.parametrize("name", ["Zoo", "my zoo", "a/b", "..", "-", "zoo.cages", "动物园"])

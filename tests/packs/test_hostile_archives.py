@@ -29,6 +29,7 @@ from support.packs import (
     users_files,
 )
 
+from babyrobot_levels.packs import archive
 from babyrobot_levels.packs.manifest import MANIFEST
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -88,18 +89,18 @@ def bomb() -> bytes:
     """Return an archive of a few kilobytes that would unpack to a megabyte."""
     data = b"# " + b"x" * ((1 << 20) - 3) + b"\n"
     with io.BytesIO() as file:
-        with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr(MANIFEST, manifest_of({"a.yaml": data}).to_bytes())
-            archive.writestr("a.yaml", data)
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as packing:
+            packing.writestr(MANIFEST, manifest_of({"a.yaml": data}).to_bytes())
+            packing.writestr("a.yaml", data)
         return file.getvalue()
 
 
 def plain_zip() -> bytes:
     """Return a pack's files as any program packs them."""
     with io.BytesIO() as file:
-        with zipfile.ZipFile(file, "w") as archive:
+        with zipfile.ZipFile(file, "w") as packing:
             for name, data in {MANIFEST: manifest_of(GOOD).to_bytes(), **GOOD}.items():
-                archive.writestr(zipfile.ZipInfo(name, (2026, 1, 1, 0, 0, 0)), data)
+                packing.writestr(zipfile.ZipInfo(name, (2026, 1, 1, 0, 0, 0)), data)
         return file.getvalue()
 
 
@@ -140,6 +141,10 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "the console, large": (WINDOWS, lambda: with_entry("CON/x.yaml")),
     "the void": (WINDOWS, lambda: with_entry("levels/NUL.yaml")),
     "a port": (WINDOWS, lambda: with_entry("com1.x.yaml")),
+    "the first port": (WINDOWS, lambda: with_entry("COM0.yaml")),
+    "the last port": (WINDOWS, lambda: with_entry("lpt9/x.yaml")),
+    "the printer": (WINDOWS, lambda: with_entry("prn.yaml")),
+    "the console's input": (UNPORTABLE, lambda: with_entry("conin$.yaml")),
     "a device and a blank": (WINDOWS, lambda: with_entry("aux .yaml")),
     "a long path": ("more than 120 characters", lambda: with_entry("x" * 116 + ".yaml")),
     "a deep path": ("in more than 6 folders", lambda: with_entry("a/b/c/d/e/f/g/x.yaml")),
@@ -239,6 +244,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "something behind": ("behind its end", lambda: sealed() + b"x"),
     "another zip behind": ("contradicts the rest|overlap", lambda: sealed() + sealed()),
     "a comment at the end": ("behind its end", lambda: sealed()[:-2] + b"\5\0hello"),
+    "a comment that is not there": ("contradicts the rest", lambda: sealed()[:-2] + b"\5\0"),
     "fewer entries than there are": ("between its last entry and", lambda: _recounted(-1)),
     "an entry in the directory only": ("its directory is longer", ghost),
     "more entries than there are": ("its directory is damaged", lambda: _recounted(1)),
@@ -278,9 +284,19 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         "'levels/lion.yaml' is damaged: its SHA-256",
         lambda: sealed({**GOOD, LION: GOOD[LION] + b"#\n"}, manifest_of(GOOD).to_bytes()),
     ),
+    "a wrong sum of as many bytes": (
+        "'levels/lion.yaml' is damaged: its SHA-256",
+        lambda: sealed({**GOOD, LION: GOOD[LION].upper()}, manifest_of(GOOD).to_bytes()),
+    ),
     "a wrong digest": (
         "`lion` is not the game that the manifest says",
         lambda: sealed({**GOOD, LION: level("9, 9", "8, 8").encode()}),
+    ),
+    "no digest": (
+        "`lion` is not the game that the manifest says: its digest is sha256:.*, not None",
+        lambda: with_manifest(
+            lambda m: _put(m, "levels", "lion", {"digest": None, "file": LION}),
+        ),
     ),
     "another name": (
         "its pack.yaml gives `ark` as its name, its manifest `zoo`",
@@ -390,6 +406,15 @@ def test_hostile_archives_are_refused(name: str) -> None:
     assert re.search(pattern, told), told
 
 
+def test_as_many_files_as_a_pack_may_have(monkeypatch: pytest.MonkeyPatch) -> None:
+    Path("good.brlpack").write_bytes(sealed())
+    monkeypatch.setattr(archive, "MAX_FILES", len(GOOD) - 1)
+    told = babyrobot("install", "good.brlpack")
+    assert (told.status, "it holds more than 1 files" in told.err) == (1, True)
+    monkeypatch.setattr(archive, "MAX_FILES", len(GOOD))
+    assert babyrobot("install", "good.brlpack").status == 0
+
+
 @pytest.mark.parametrize("name", ["one folder up", "a link", "a wrong digest", "no valid level"])
 def test_an_installed_pack_is_left_as_it_is(name: str) -> None:
     archive = packed()
@@ -427,6 +452,13 @@ def test_a_million_entries_are_refused_before_they_are_read() -> None:
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")
+def test_a_files_own_name_is_told_in_one_line() -> None:
+    Path("a\nb\x1b[2J.brlpack").write_bytes(b"")
+    told = babyrobot("install", "a\nb\x1b[2J.brlpack")
+    assert (told.status, told.err.count("\n"), "\x1b" in told.err) == (1, 1, False)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")
 def test_what_is_no_file_is_not_waited_for() -> None:
     Path("folder").mkdir()
     os.mkfifo("pipe")
@@ -439,7 +471,7 @@ def test_what_is_no_file_is_not_waited_for() -> None:
 
 def test_the_sums_of_zip_are_those_of_zip() -> None:
     # The entries made by hand are sound ones: others can read them too.
-    with zipfile.ZipFile(io.BytesIO(sealed())) as archive:
-        assert archive.testzip() is None
-        assert archive.read(LION) == GOOD[LION]
-        assert zlib.crc32(GOOD[LION]) == archive.getinfo(LION).CRC
+    with zipfile.ZipFile(io.BytesIO(sealed())) as file:
+        assert file.testzip() is None
+        assert file.read(LION) == GOOD[LION]
+        assert zlib.crc32(GOOD[LION]) == file.getinfo(LION).CRC

@@ -7,10 +7,11 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from support.packs import babyrobot, packed, snapshot, users_files, write_files, zoo
+from support.packs import babyrobot, level, packed, snapshot, users_files, write_files, zoo
 from support.subprocesses import HOME
 
 import babyrobot_levels as brl
@@ -115,6 +116,14 @@ def test_a_pack_is_repaired_with_force() -> None:
         assert "installed zoo 1.0.0 anew" in install("1.0.0", "--force")
         assert width() == 4
         assert len(list((home() / "zoo").iterdir())) == 2
+
+
+def test_of_many_levels_the_first_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("babyrobot_levels.cli.install.MAX_SHOWN", 3)
+    names = ["  zoo/bear", "  zoo/herd", "  zoo/lion"]
+    assert install("1.0.0").splitlines()[1:] == names
+    monkeypatch.setattr("babyrobot_levels.cli.install.MAX_SHOWN", 2)
+    assert install("2.0.0").splitlines()[1:] == [*names[:2], "  and 1 more"]
 
 
 def test_json_tells_what_happened() -> None:
@@ -312,6 +321,69 @@ def test_a_full_disk_is_told_and_leaves_the_old_pack(monkeypatch: pytest.MonkeyP
     assert (result.status, result.out) == (2, "")
     assert result.err == f"error: {later} is not installed: No space left on device\n"
     assert users_files() == before
+
+
+@needs_posix
+@pytest.mark.parametrize("before", [None, "1.0.0"])
+def test_the_disk_has_the_whole_pack_before_it_is_found(
+    before: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A killed call loses nothing that it wrote; a machine that crashes may, until it is synced."""
+    if before is not None:
+        install(before)
+    later = packed("2.0.0")
+    disk = Disk()
+    monkeypatch.setattr(os, "fsync", disk.sync)
+    monkeypatch.setattr(os, "rename", disk.moving(os.rename))
+    monkeypatch.setattr(os, "replace", disk.moving(os.replace))
+    assert babyrobot("install", later).status == 0
+    (pack,) = packs()
+    assert disk.found == (["zoo"] if before is None else [pack.folder.name, "current"])
+    assert disk.unsure() == []
+    # With another pack, there still is a folder of packs afterwards.
+    write_files(home(), {"ark/dove.yaml": level()})
+    assert babyrobot("uninstall", "zoo").status == 0
+    assert disk.unsure() == []
+
+
+class Disk:
+    """What a disk has for sure: files and folders as they were when somebody waited for it.
+
+    Attributes:
+        found: what was put where readers look, in this order.
+    """
+
+    def __init__(self) -> None:
+        self.found: list[str] = []
+        self._has: set[int] = set()
+        self._changed: set[Path] = set()
+
+    def sync(self, descriptor: int) -> None:
+        """Wait for the disk."""
+        self._has.add(os.fstat(descriptor).st_ino)
+
+    def unsure(self, *places: Path) -> list[Path]:
+        """Return which files and folders it may not have as they are now."""
+        changed = [place for place in self._changed if place.exists()]
+        return [place for place in places or changed if place.stat().st_ino not in self._has]
+
+    def moving(self, move: Callable[[Path, Path], None]) -> Callable[[Path, Path], None]:
+        """Return a way to move that first looks whether all is there that will be found then."""
+
+        def moved(source: Path, target: Path) -> None:
+            if ".part-" not in str(target):
+                self.found.append(target.name)
+                needed = [source, *source.rglob("*")]
+                if target.name == "current":
+                    named = target.parent / source.read_text("ascii").strip()
+                    needed += [target.parent, named, *named.rglob("*")]
+                assert self.unsure(*needed) == []
+            move(source, target)
+            changed = {source.parent, target.parent}
+            self._has -= {folder.stat().st_ino for folder in changed}
+            self._changed |= {folder for folder in changed if ".part-" not in str(folder)}
+
+        return moved
 
 
 # -- several at once -------------------------------------------------------------------------

@@ -78,6 +78,14 @@ def test_a_level_is_found_however_its_name_is_written(text: str, users_pack: Pat
     assert brl.load("zoo/wolf").size == brl.load("zoo/beast").size == (4, 3)
 
 
+def test_levels_are_found_as_deep_as_a_pack_may_have_them(users_pack: Path) -> None:
+    write(users_pack / "1/2/3/4/5/6/lion.yaml")
+    write(users_pack / "1/2/3/4/5/6/7/bear.yaml")
+    assert brl.load("zoo/lion").size == (4, 3)
+    with pytest.raises(brl.LevelNotFoundError):
+        brl.load("zoo/bear")
+
+
 @pytest.mark.parametrize(
     "text",
     [

@@ -118,6 +118,20 @@ def test_other_files_stay_out_and_are_named() -> None:
         assert archive.namelist()[1:] == sorted(zoo())
 
 
+def test_of_many_other_files_ten_are_named() -> None:
+    write_files(Path("zoo"), {**zoo(), **{f"{letter}.txt": "x" for letter in "abcdefghijkl"}})
+    (told,) = [line for line in babyrobot("pack", "zoo").out.splitlines() if "left out" in line]
+    assert told == "left out: " + ", ".join(f"{each}.txt" for each in "abcdefghij") + " and 2 more"
+
+
+@needs_posix
+def test_names_of_other_files_reach_the_terminal_as_plain_text() -> None:
+    write_files(Path("zoo"), {**zoo(), "\x1b[2J\n.txt": "x"})
+    told = babyrobot("pack", "zoo")
+    assert "\x1b" not in told.out
+    assert [line for line in told.out.splitlines() if "left out: " in line and ".txt" in line]
+
+
 def test_a_pack_lies_in_the_current_folder_or_where_one_says() -> None:
     write_files(Path("zoo"), zoo())
     assert babyrobot("pack", "zoo", "-o", "made/of/zoo.brlpack").status == 0
@@ -147,6 +161,7 @@ def test_what_is_no_pack(name: str) -> None:
     [
         ("# yaml-language-server: $schema=file:///home/ada/s.json", True),
         ("# yaml-language-server: $schema=/home/ada/s.json", True),
+        ("# yaml-language-server: $schema=~/s.json", True),
         ("# yaml-language-server: $schema=C:\\Users\\ada\\s.json", True),
         ("# yaml-language-server: $schema=https://example.org/s.json", False),
         ("# yaml-language-server: $schema=../schemas/s.json", False),
@@ -186,6 +201,14 @@ def test_a_pack_has_levels() -> None:
     result = babyrobot("pack", "zoo")
     assert (result.status, result.out) == (1, "")
     assert "zoo cannot be a pack: it has neither levels nor suites" in result.err
+
+
+def test_a_pack_may_have_suites_only() -> None:
+    files = {name: zoo()[name] for name in ("pack.yaml", "suites/herd.yaml")}
+    write_files(Path("zoo"), files)
+    told = babyrobot("pack", "zoo")
+    assert (told.status, told.err) == (0, "")
+    assert told.out.startswith("zoo 1.0.0: 1 suite\n  herd  a suite\nwrote ")
 
 
 # -- what is found ---------------------------------------------------------------------------
@@ -228,6 +251,21 @@ def test_what_lint_finds_is_found_by_the_same_settings() -> None:
     assert [code for code, *_ in findings("five")] == ["BR515"]
     assert babyrobot("pack", "trap").status == 0
     assert babyrobot("pack", "none").status == 2
+
+
+@pytest.mark.parametrize(
+    ("version", "is_good"),
+    [
+        *(("0.0.0", True), ("10.20.30", True), ("999999999.0.1", True)),
+        *(("1.0", False), ("1.0.0.0", False), ("01.0.0", False), ("1.0.00", False)),
+        *(("1.0.0-rc1", False), ("v1.0.0", False), ("1000000000.0.0", False), ("1.-1.0", False)),
+    ],
+)
+def test_a_version_is_written_in_one_way(version: str, is_good: bool) -> None:
+    write_files(Path("zoo"), {**zoo(), "pack.yaml": pack_text(version=version)})
+    told = babyrobot("pack", "zoo")
+    assert told.status == (0 if is_good else 1)
+    assert is_good or "zoo/pack.yaml:2:10: error " in told.out
 
 
 @pytest.mark.parametrize(
@@ -325,6 +363,24 @@ def test_a_pack_yaml_that_is_a_pipe_or_a_link() -> None:
     (folder / "pack.yaml").unlink()
     os.mkfifo(folder / "pack.yaml")
     assert babyrobot("pack", "zoo").status == 1
+
+
+def test_a_folder_that_may_not_be_read_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = write_files(Path("zoo"), zoo())
+    scan = os.scandir
+
+    # Permissions do not stop everybody who runs tests, so the refusal is played.
+    def refuse(path: str | Path) -> object:
+        if Path(path) == folder / "suites":
+            raise PermissionError(13, "Permission denied", str(path))
+        return scan(path)
+
+    monkeypatch.setattr(os, "scandir", refuse)
+    result = babyrobot("pack", "zoo")
+    assert (result.status, result.out) == (2, "")
+    assert "Permission denied" in result.err
+    assert str(folder / "suites") in result.err
+    assert not Path("zoo-1.0.0.brlpack").exists()
 
 
 def test_a_large_file_and_a_file_that_is_no_text() -> None:

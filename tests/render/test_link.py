@@ -118,6 +118,17 @@ def test_a_level_that_is_too_large_for_a_link_says_so() -> None:
         link_fragment(large, large)
 
 
+def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.MonkeyPatch) -> None:
+    level = from_mapping({"version": 1, "description": "x" * 10_000})
+    data = json.dumps(page_data(level), ensure_ascii=False, separators=(",", ":"))
+    size = len(data.encode())
+    monkeypatch.setattr("babyrobot_levels.render.link.MAX_UNPACKED", size)
+    assert len(link_fragment(level, level)) < MAX_LINK
+    monkeypatch.setattr("babyrobot_levels.render.link.MAX_UNPACKED", size - 1)
+    with pytest.raises(TooLargeError, match=f"would unpack .* and takes at most {size - 1:,}"):
+        link_fragment(level, level)
+
+
 def test_a_level_with_more_cells_than_a_page_has_room_for_says_so() -> None:
     large = from_mapping({"version": 1, "size": [129, 128]})
     with pytest.raises(TooLargeError, match="too large for a page"):

@@ -51,9 +51,23 @@ def test_the_same_outline_in_another_size_is_not_told_twice() -> None:
     first, second, third = (Path(smooth(each), fill="red") for each in (points, larger, other))
     assert packed(first, second)[1] == [AGAIN, 0, 1250, 300, 200]
     assert packed(first, third)[1][0] == PATH
-    # Nor is a path that is moved without growing, which has no point that stays.
+    # Nor is one that has a line of its own, which could not be told then,
+    drawn = Path(smooth(larger), fill="red", stroke="red")
+    assert packed(first, drawn)[1][0] == PATH
+    # nor a path that is moved without growing, which has no point that stays.
     moved = Path(smooth([(x + 1, y) for x, y in points]), fill="red")
     assert packed(first, moved)[1][0] == PATH
+
+
+def test_all_sizes_of_an_outline_are_told_by_the_one_that_stands_there() -> None:
+    # Whoever paints them has no other outline than that of the path.
+    sizes = [
+        [(30 + size * math.cos(turn), 20 + size * math.sin(turn)) for turn in range(6)]
+        for size in (20, 16, 10)
+    ]
+    _, second, third = packed(*(Path(smooth(points), fill="red") for points in sizes))
+    assert second == [AGAIN, 0, 800, 300, 200]
+    assert third == [AGAIN, 0, 500, 300, 200]
 
 
 def test_what_is_alike_in_two_cells_is_written_alike() -> None:

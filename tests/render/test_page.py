@@ -16,7 +16,7 @@ from babyrobot_levels.actions import Action
 from babyrobot_levels.catalogue import load
 from babyrobot_levels.reading import from_mapping
 from babyrobot_levels.render.page import embedded_json, to_html
-from babyrobot_levels.render.pagedata import Guide
+from babyrobot_levels.render.pagedata import Guide, facts
 from babyrobot_levels.render.playable import CHEER, EVENTS, POSES, playable
 from babyrobot_levels.scene.overlays import Overlay
 from babyrobot_levels.scene.pose import Mood, Pose, pose_of
@@ -32,6 +32,21 @@ def level(**fields: Any) -> Any:
 
 ROW = level(size=[3, 1], title="A row")
 GUIDE = Guide([2, 2, -1], Overlay(values=[[-1.0, 0.0, None]], actions=[[(2,), (2,), ()]]), -1.0)
+
+
+def test_the_facts_of_a_level_are_told_with_their_names() -> None:
+    told = {"name": "lair", "author": "Ada", "source": "A book", "license": "CC0"}
+    lair = level(size=[3, 2], max_steps=7, **told)
+    assert list(facts(lair)) == [
+        ("Level", "lair"),
+        ("Size", "3 × 2"),
+        ("Author", "Ada"),
+        ("Source", "A book"),
+        ("License", "CC0"),
+        ("Time limit", "7 steps"),
+        ("Digest", lair.digest),
+    ]
+    assert [name for name, _ in facts(ROW)] == ["Size", "Digest"]
 
 
 class Reader(HTMLParser):
