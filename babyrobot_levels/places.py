@@ -79,16 +79,29 @@ def gallery_folder() -> Path:
     return inside if inside.is_dir() else package.parent / "levels"
 
 
-def yaml_files(folder: Path) -> Iterator[Path]:
-    """Yield the YAML files below a folder, sorted; not those of themes, nor hidden ones."""
-    for here, folders, names in os.walk(folder):
+def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
+    """Yield the YAML files below a folder, sorted; not those of themes, nor hidden ones.
+
+    Args:
+        folder: the folder.
+        all_of_them: whether none may be left out. Otherwise, what lies too deep and what may not
+            be looked into is passed over.
+
+    Raises:
+        OSError: none may be left out, and a folder may not be looked into.
+    """
+    for here, folders, names in os.walk(folder, onerror=_refuse if all_of_them else None):
         depth = len(Path(here).relative_to(folder).parts)
         folders[:] = sorted(
             name
             for name in folders
-            if name != "themes" and not name.startswith(".") and depth < MAX_DEPTH
+            if name != "themes" and not name.startswith(".") and (all_of_them or depth < MAX_DEPTH)
         )
         for name in sorted(names):
             path = Path(here, name)
             if path.suffix in SUFFIXES and not name.startswith(".") and name != PACK_FILE:
                 yield path
+
+
+def _refuse(error: OSError) -> None:
+    raise error

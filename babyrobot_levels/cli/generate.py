@@ -267,7 +267,7 @@ def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
     for folder in folders:
         if not folder.is_dir():
             fail(f"--exclude: {folder} is no folder")
-    files = [path for folder in folders for path in yaml_files(folder)]
+    files = [path for folder in folders for path in yaml_files(folder, all_of_them=True)]
     found = map_all(digest_of, files, jobs, "reading")
     return frozenset(digest for digest in found if digest is not None)
 

@@ -97,7 +97,7 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     files: dict[Path, None] = {}
     for path in paths or [DEFAULT_FOLDER]:
         if is_folder(path):
-            found = list(yaml_files(path))
+            found = list(yaml_files(path, all_of_them=True))
             if not found:
                 note(f"there are no level files (.yaml) in {path}")
             files.update(dict.fromkeys(found))

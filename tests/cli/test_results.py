@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import shlex
 import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -53,6 +55,26 @@ def test_the_whole_gallery_is_valid_and_listed() -> None:
     paths = [entry["path"] for entry in told]
     result = babyrobot("validate", *paths)
     assert result.out == f"{len(paths)} files checked, all valid\n"
+
+
+@pytest.mark.parametrize("command", ["validate", "lint", "format"])
+def test_no_file_is_left_out(command: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    deep = folder.joinpath("levels", *"abcdefghij")
+    deep.mkdir(parents=True)
+    (deep / "bad.yaml").write_text("version: 1\nnonsense: 1\n", encoding="utf-8")
+    assert "no field `nonsense`" in babyrobot(command, status=1).out
+    look = os.scandir
+
+    def refuse(path: Any) -> Any:
+        if Path(path).name == "d":
+            raise PermissionError(13, "Permission denied", str(path))
+        return look(path)
+
+    monkeypatch.setattr(os, "scandir", refuse)
+    refused = babyrobot(command, status=2)
+    assert (refused.out, refused.err) == (
+        "", f"error: Permission denied: {Path('levels', *'abcd')}\n",
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("command", ["validate", "lint", "format"])
