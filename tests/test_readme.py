@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.svg import to_svg
@@ -35,8 +36,14 @@ def test_the_levels_of_the_readme_are_valid(text: str) -> None:
         for block in blocks(text, "python")
     ],
 )
-def test_the_python_examples_run(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
+def test_the_python_examples_run(
+    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    # What the README's reader has made by then.
+    order = "new-level first --maze-seed 7 --puddles 3"
+    assert any(f"babyrobot {order}" in block for block in blocks(README, "sh"))
+    run_here(order.split(), environment(tmp_path))
     exec(compile(code, "example", "exec"), {})
 
 
