@@ -43,6 +43,18 @@ class Level(LevelFields):
         """Note the text and the folder that the level is from, and the theme that it names."""
         self._origin, self._folder, self._theme = origin, folder, theme
 
+    def __hash__(self) -> int:
+        # Some fields are mappings, which have none; equal levels are alike in these.
+        return hash((self.name, self.title, self.size, self.start))
+
+    def __repr__(self) -> str:
+        """Return the level in short; `to_yaml` and `draw` tell all of it."""
+        name = "" if self.name is None else f" {self.name!r}"
+        width, height = self.size
+        return f"<Level{name}: {width}x{height}>"
+
+    __str__ = __repr__
+
     # -- what it comes to ------------------------------------------------------------------
 
     def grid(self) -> Grid:

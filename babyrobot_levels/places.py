@@ -58,10 +58,14 @@ def _candidates() -> Iterator[Place]:
     yield Place(gallery_folder())
     yield Place(user_folder() / "levels")
     yield Place(Path("levels"))
-    for name in os.environ.get(PATH_VARIABLE, "").split(os.pathsep):
-        if name:
-            yield Place(Path(name))
+    yield from map(Place, path_folders())
     yield from pack_places()
+
+
+def path_folders() -> list[Path]:
+    """Return what the variable `BABYROBOT_LEVELS` names."""
+    names = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
+    return [Path(name) for name in names if name]
 
 
 def _real(folder: Path) -> Path | None:

@@ -72,15 +72,17 @@ class LevelVecEnv(VecEnv):
         Raises:
             ValueError: the options are not the same for all robots, or cannot be.
         """
-        options = self._options[0]
-        if any(each != options for each in self._options):
+        told = self._options
+        # Options are for one reset, also if that is refused.
+        self._reset_options()
+        options = told[0]
+        if any(each != options for each in told):
             raise ValueError("all robots begin with the same options: set_options({...})")
         seeds = None if self._seeds[0] is None else self._seeds
         observations: NDArray[Any]
         observations, info = self.envs.reset(seed=seeds, options=options)
         self.reset_infos = _rows(info, slice(None))
         self._reset_seeds()
-        self._reset_options()
         return observations
 
     def step_async(self, actions: Any) -> None:

@@ -15,6 +15,7 @@ from typing import Any
 
 import pytest
 from support.playing import GALLERY
+from support.sessions import run_here
 from support.subprocesses import run
 
 import babyrobot_levels as brl
@@ -344,6 +345,16 @@ def test_folders_that_hold_themselves_do_not_hang(here: Path) -> None:
     found, broken = catalogue()
     assert [info.name for info in found if info.name not in GALLERY] == ["mine"]
     assert [path.name for path in broken] == ["gone.yaml", "loop.yaml"]
+
+
+def test_places_that_are_no_folders_are_told(here: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write("file.yaml")
+    monkeypatch.setenv("BABYROBOT_LEVELS", os.pathsep.join(["file.yaml", "nowhere", str(here)]))
+    told = run_here(["list", "--tag", "no-such"], dict(os.environ)).err.splitlines()
+    assert told[1:] == [
+        f"BABYROBOT_LEVELS names {name}, which is no folder that can be read"
+        for name in ("file.yaml", "nowhere")
+    ]
 
 
 def test_a_place_that_is_a_loop_is_none(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -547,3 +547,24 @@ def test_writing_through_a_link_keeps_the_link(tmp_path: Path) -> None:
     files.write_text(tmp_path / "link.yaml", "new\n")
     assert (tmp_path / "link.yaml").is_symlink()
     assert (tmp_path / "real.yaml").read_text() == "new\n"
+
+
+# -- as a value ------------------------------------------------------------------------------
+
+
+def test_levels_are_keys_of_dictionaries() -> None:
+    names = {brl.load(name): name for name in ("garden", "maze", "random-maze", "four-corners")}
+    assert [names[brl.load(name)] for name in ("maze", "garden")] == ["maze", "garden"]
+    assert len({brl.load("maze"), brl.load("maze"), brl.loads("version: 1\n")}) == 2
+
+
+def test_in_a_line() -> None:
+    assert (
+        repr(brl.load("final-maze")) == str(brl.load("final-maze")) == "<Level 'final-maze': 8x5>"
+    )
+    assert repr(brl.loads("version: 1\n")) == "<Level: 3x3>"
+
+
+def test_a_text_is_a_text() -> None:
+    with pytest.raises(TypeError, match="the text of a level is a str, not bytes"):
+        brl.loads(b"version: 1")  # type: ignore[arg-type]

@@ -56,7 +56,7 @@ app = typer.Typer(
     cls=_Commands,
     help="Grid worlds as files: make, check, preview and play levels.",
     epilog="A LEVEL is a name (`babyrobot list` shows them), pack/name, the path of a "
-    "file, or a share code.",
+    "file, a share code, or `-` for standard input.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,

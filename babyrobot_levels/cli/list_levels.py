@@ -47,6 +47,7 @@ def list_levels(
     """
     from babyrobot_levels.catalogue import catalogue, suite_files
     from babyrobot_levels.packs.known import unusable_packs
+    from babyrobot_levels.places import PATH_VARIABLE, path_folders
 
     if packs:
         from babyrobot_levels.cli.list_packs import list_packs
@@ -71,6 +72,11 @@ def list_levels(
     _tell_of(
         f"{path} has errors and is left out (`babyrobot validate {path}` shows them)"
         for path in broken
+    )
+    _tell_of(
+        f"{PATH_VARIABLE} names {folder}, which is no folder that can be read"
+        for folder in path_folders()
+        if not folder.is_dir()
     )
     _tell_of(unusable_packs())
 

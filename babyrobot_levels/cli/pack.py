@@ -73,6 +73,10 @@ def pack(
 
     if not folder.is_dir():
         fail(f"{folder} is not a folder" if folder.exists() else f"there is no folder {folder}")
+    if (folder / PACK_FILE).is_dir():
+        fail(
+            f"{folder / PACK_FILE} is a folder", "it has to be a file, which says what the pack is"
+        )
     if not (folder / PACK_FILE).exists():
         other = (folder / PACK_FILE).with_suffix(".yml")
         fail(

@@ -194,6 +194,8 @@ class _Game:
             keys = [f"{arrows} or WASD move", "space stays", *keys]
         facts = [f"step {self._steps}{self._limit}", f"reward {self._reward:g}",
                  f"return {self._return:g}"]  # fmt: skip
+        if len(dot.join(keys)) > room.columns - 2:
+            keys = [*([] if self._end else [f"{arrows} move"]), "r anew", "q quits"]
         above = [self._styled(self._heading, _BOLD, room)]
         below = [
             self._styled("   ".join(facts), "", room),

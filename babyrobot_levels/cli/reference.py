@@ -23,8 +23,8 @@ _HEAD = """\
 
 `babyrobot COMMAND --help` says the same in the terminal. Every command ends with status 0 if all is
 well, 1 if a level has findings, and 2 if the call itself is wrong. Output to a pipe has no colour,
-and `NO_COLOR` is honoured. A LEVEL is a name (`babyrobot list` shows them), `pack/name`, or the
-path of a file.
+and `NO_COLOR` is honoured. A LEVEL is a name (`babyrobot list` shows them), `pack/name`, the
+path of a file, a share code, or `-` for standard input.
 """
 
 

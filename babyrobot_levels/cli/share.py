@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -80,13 +81,15 @@ def _fragment(level: Level) -> str:
     if level.has_random_maze:
         note("each reset grows another maze; the page plays the one of seed 0 (see `resolve`)")
         game = level.with_maze_seed(0)
-    if (guide := guide_of(game, needed=False)) is not None:
-        try:
+    guide = guide_of(game, needed=False)
+    if guide is not None:
+        with suppress(TooLargeError):
             return link_fragment(level, game, guide)
-        except TooLargeError:
-            note("the page shows no best moves: with them, the link would be too long")
     try:
-        return link_fragment(level, game)
+        fragment = link_fragment(level, game)
+        if guide is not None:
+            note("the page shows no best moves: with them, the link would be too long")
+        return fragment
     except TooLargeError as error:
         fail(
             str(error),

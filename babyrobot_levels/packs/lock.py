@@ -36,7 +36,9 @@ def _opened(path: Path) -> int:
     while True:
         path.parent.mkdir(parents=True, exist_ok=True)
         with suppress(FileNotFoundError):
-            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+            # A link that leads nowhere would never be there.
+            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+            descriptor = os.open(path, flags, 0o666)
             try:
                 _wait(descriptor)
                 # Whoever had it may have taken the file away, and others a new one.

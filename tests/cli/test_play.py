@@ -297,6 +297,7 @@ def test_a_large_level_is_seen_through_a_window(tmp_path: Path) -> None:
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
     with Game(tmp_path, "large.yaml", size=(40, 15)) as game:
         lines = game.until("Find").splitlines()
+        assert lines[-1].strip() == "←↑↓→ move · r anew · q quits"
         assert len(lines) <= 15
         assert max(map(len, lines)) <= 40
         row = next(n for n, line in enumerate(lines) if "☻" in line)

@@ -74,6 +74,7 @@ def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> Non
     for side, what in ((125, "too large for a link"), (200, "too large for a page")):
         refused = babyrobot("share", f"{side}.yaml", "--link", "play.html", status=2)
         assert what in refused.err
+        assert "no best moves" not in refused.err
         assert "send the file; up to 16,384 cells, there is `babyrobot preview" in refused.err
         assert refused.out == ""
 

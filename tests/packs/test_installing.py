@@ -216,6 +216,16 @@ def test_a_link_put_there_by_hand_is_not_followed(tmp_path: Path) -> None:
     assert (home() / "zoo").is_symlink()
 
 
+@needs_posix
+def test_a_lock_that_is_a_link_is_refused(tmp_path: Path) -> None:
+    archive = packed()
+    home().mkdir(parents=True)
+    (home() / ".lock").symlink_to(tmp_path / "nowhere" / "lock")
+    result = babyrobot("install", archive)
+    assert (result.status, result.out) == (2, "")
+    assert str(home() / ".lock") in result.err
+
+
 # -- what `current` says ---------------------------------------------------------------------
 
 

@@ -400,3 +400,10 @@ def test_a_folder_with_a_hundred_thousand_files() -> None:
     assert (result.status, result.out) == (1, "")
     assert f"it holds more than {MAX_FILES:,} files" in result.err
     assert time.perf_counter() - begin < 20
+
+
+def test_a_folder_in_the_place_of_the_packs_file(here: Path) -> None:
+    (here / "pack.yaml").mkdir()
+    result = babyrobot("pack")
+    assert (result.status, result.out) == (2, "")
+    assert "pack.yaml is a folder" in result.err

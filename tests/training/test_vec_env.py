@@ -166,6 +166,10 @@ def test_options_are_used_once_and_are_the_same_for_all() -> None:
     envs.set_options([{"start": [3, 2]}, *[{}] * 4])
     with pytest.raises(ValueError, match="same options"):
         envs.reset()
+    envs.set_options({"start": [9, 9]})
+    with pytest.raises(ValueError, match="start"):
+        envs.reset()
+    assert envs.reset().tolist() == [[0, 0]] * 5
 
 
 @needs_sb3

@@ -53,7 +53,7 @@ def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | N
             only one.
     """
     if (level is None) == (levels is None):
-        raise ValueError("give a level, or a list of levels, and not both")
+        raise ValueError("give `level`, or `levels`, and not both")
     if levels is not None and (isinstance(levels, str) or not isinstance(levels, Sequence)):
         raise ValueError(f"levels must be a list of levels or a suite, not {levels!r}")
     if levels is not None and not len(levels):
