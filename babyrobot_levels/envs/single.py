@@ -282,11 +282,14 @@ class LevelEnv(RenderedEnv):
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
-        level = spec.kwargs.get("level") if spec is not None else None
-        if spec is not None and level is not None and not isinstance(level, str):
-            # A model or a path is not JSON; what the level says is.
-            spec.kwargs["level"] = self._given.to_dict(whole=True)
+        if spec is not None:
+            self._spell_out(spec.kwargs)
         self._spec = spec
+
+    def _spell_out(self, given: dict[str, Any]) -> None:
+        """Put what is JSON into the place of arguments that are not, and say the same."""
+        if not isinstance(given.get("level"), str | None):
+            given["level"] = self._given.to_dict(whole=True)
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_cells": None, "_table": None}

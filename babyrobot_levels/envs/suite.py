@@ -5,7 +5,7 @@ from __future__ import annotations
 import operator
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import gymnasium
 from gymnasium.wrappers import TimeLimit
@@ -16,9 +16,6 @@ from babyrobot_levels.envs.padding import make_padded_observer
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.level import Level
 from babyrobot_levels.suites import Suite, load_suite
-
-if TYPE_CHECKING:
-    from gymnasium.envs.registration import EnvSpec
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
@@ -88,16 +85,8 @@ class SuiteEnv(LevelEnv):
         info["level_index"], info["level_digest"] = index, level.digest
         return observation, info
 
-    @property
-    def spec(self) -> EnvSpec | None:
-        """The spec by which Gymnasium made the environment."""
-        return self._spec
-
-    @spec.setter
-    def spec(self, spec: EnvSpec | None) -> None:
-        if spec is not None:
-            spell_out_suite(spec.kwargs, self._given_suite)
-        self._spec = spec
+    def _spell_out(self, given: dict[str, Any]) -> None:
+        spell_out_suite(given, self._given_suite)
 
 
 def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
