@@ -40,9 +40,12 @@ MAX_WAY = 20_000
 every_level = pytest.mark.parametrize("name", [*GALLERY, *CORNERS])
 
 
-@pytest.mark.parametrize("actions", ACTION_SETS)
+def with_actions(*actions: str) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("actions", actions)
+
+
 class EnvContract:
-    """The checks. Heirs say of which levels, which observation, and with what arguments."""
+    """The checks. Heirs say of which levels, which observation and actions, what arguments."""
 
     arguments: dict[str, Any]
 
@@ -257,26 +260,31 @@ def mask_of(env: Env) -> list[int]:
 
 
 @every_level
+@with_actions(*ACTION_SETS)
 class TestPositions(EnvContract):
     arguments = {"observation": "position"}  # noqa: RUF012
 
 
 @every_level
+@with_actions("moves")
 class TestIndices(EnvContract):
     arguments = {"observation": "index"}  # noqa: RUF012
 
 
 @every_level
+@with_actions("all")
 class TestWalls(EnvContract):
     arguments = {"observation": "walls"}  # noqa: RUF012
 
 
 @every_level
+@with_actions("valid")
 class TestImages(EnvContract):
     arguments = {"observation": "image", "image_size": (12, 15)}  # noqa: RUF012
 
 
 @pytest.mark.parametrize("name", ["lion", "ape"])
+@with_actions("valid", "moves")
 class TestPacks(EnvContract):
     arguments = {"observation": "position"}  # noqa: RUF012
 

@@ -120,7 +120,7 @@ def test_the_spec_as_json_makes_the_same_game() -> None:
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({}, "a level, or a list of levels"),
+        ({}, "give `level`, or `levels`"),
         ({"level": "maze", "levels": ["maze"]}, "and not both"),
         ({"levels": "maze"}, "must be a list of levels or a suite, not 'maze'"),
         ({"levels": []}, "at least one level"),
