@@ -231,7 +231,7 @@ def test_the_installed_environments(installed: Path, tmp_path: Path) -> None:
 def test_the_step_for_stable_baselines_runs_all_its_tests() -> None:
     """It names where they are, so that not all others are collected."""
     script = (ROOT / "scripts" / "check.sh").read_text("utf-8")
-    named = tuple(script.partition("pytest -m sb3 ")[2].splitlines()[0].split())
+    named = tuple(script.partition("pytest -m sb3 -n 2 ")[2].splitlines()[0].split())
     mark = "pytest.mark." + "sb3"
     marked = [
         path.relative_to(ROOT).as_posix()
