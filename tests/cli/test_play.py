@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import os
 import re
 import select
@@ -54,6 +55,7 @@ class Game:
         self.resize(*size)
         self.before = termios.tcgetattr(self.inner)
         self.sent = ""
+        self.decode = codecs.getincrementaldecoder("utf-8")().decode
         self.process = subprocess.Popen(
             [*COMMAND, *arguments],
             cwd=folder,
@@ -93,7 +95,8 @@ class Game:
 
     def listen(self, seconds: float = 0.1) -> None:
         while select.select([self.outer], [], [], seconds)[0]:
-            self.sent += os.read(self.outer, 1 << 16).decode()
+            # What is there may end in the middle of a character.
+            self.sent += self.decode(os.read(self.outer, 1 << 16))
 
     def until(self, text: str) -> str:
         """Wait until a text is on the screen, and return the screen without its colours."""
