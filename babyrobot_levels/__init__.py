@@ -11,111 +11,111 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels import _gymnasium_hook
+from babyrobot_levels.envs import gymnasium_hook
 
 if TYPE_CHECKING:
-    from babyrobot_levels.actions import Action as Action
-    from babyrobot_levels.catalogue import LevelInfo as LevelInfo
-    from babyrobot_levels.catalogue import levels as levels
-    from babyrobot_levels.catalogue import load as load
-    from babyrobot_levels.certificate import Certificate as Certificate
-    from babyrobot_levels.certificate import compare as compare
+    from babyrobot_levels.analysis.compare import Certificate as Certificate
+    from babyrobot_levels.analysis.compare import compare as compare
+    from babyrobot_levels.analysis.diff.levels import Difference as Difference
+    from babyrobot_levels.analysis.diff.levels import diff as diff
+    from babyrobot_levels.analysis.learning.monte_carlo import monte_carlo as monte_carlo
+    from babyrobot_levels.analysis.learning.results import Sweep as Sweep
+    from babyrobot_levels.analysis.learning.results import Trials as Trials
+    from babyrobot_levels.analysis.learning.sweeps import policy_evaluation as policy_evaluation
+    from babyrobot_levels.analysis.learning.sweeps import policy_iteration as policy_iteration
+    from babyrobot_levels.analysis.learning.sweeps import value_iteration as value_iteration
+    from babyrobot_levels.analysis.learning.temporal_difference import q_learning as q_learning
+    from babyrobot_levels.analysis.learning.temporal_difference import sarsa as sarsa
+    from babyrobot_levels.analysis.metrics import Metrics as Metrics
+    from babyrobot_levels.analysis.metrics import metrics as metrics
+    from babyrobot_levels.analysis.solver.errors import NoTotalError as NoTotalError
+    from babyrobot_levels.analysis.solver.errors import TooLongError as TooLongError
+    from babyrobot_levels.analysis.solver.evaluation import evaluate as evaluate
+    from babyrobot_levels.analysis.solver.optimum import solve as solve
+    from babyrobot_levels.analysis.solver.results import Evaluation as Evaluation
+    from babyrobot_levels.analysis.solver.results import Simulation as Simulation
+    from babyrobot_levels.analysis.solver.results import Solution as Solution
+    from babyrobot_levels.analysis.solver.simulation import simulate as simulate
+    from babyrobot_levels.analysis.solver.simulation import success_within as success_within
+    from babyrobot_levels.analysis.transition_tables import ComparisonError as ComparisonError
     from babyrobot_levels.convert.babyrobot.reading import from_setup as from_setup
     from babyrobot_levels.convert.conversion import ConversionWarning as ConversionWarning
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
-    from babyrobot_levels.diagnostics import Diagnostic as Diagnostic
-    from babyrobot_levels.diagnostics import Severity as Severity
-    from babyrobot_levels.difference.levels import Difference as Difference
-    from babyrobot_levels.difference.levels import diff as diff
-    from babyrobot_levels.engine.rollout import Rollout as Rollout
-    from babyrobot_levels.engine.rollout import rollout as rollout
+    from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
+    from babyrobot_levels.envs.engine.rollout import rollout as rollout
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
-    from babyrobot_levels.errors import BabyRobotError as BabyRobotError
-    from babyrobot_levels.errors import LevelError as LevelError
-    from babyrobot_levels.errors import LevelNotFoundError as LevelNotFoundError
-    from babyrobot_levels.errors import SuiteNotFoundError as SuiteNotFoundError
-    from babyrobot_levels.formatting.formatter import format_text as format_text
-    from babyrobot_levels.games import ComparisonError as ComparisonError
     from babyrobot_levels.generate.search import StarvedError as StarvedError
-    from babyrobot_levels.grid import Grid as Grid
-    from babyrobot_levels.learning.monte_carlo import monte_carlo as monte_carlo
-    from babyrobot_levels.learning.results import Sweep as Sweep
-    from babyrobot_levels.learning.results import Trials as Trials
-    from babyrobot_levels.learning.sweeps import policy_evaluation as policy_evaluation
-    from babyrobot_levels.learning.sweeps import policy_iteration as policy_iteration
-    from babyrobot_levels.learning.sweeps import value_iteration as value_iteration
-    from babyrobot_levels.learning.temporal_difference import q_learning as q_learning
-    from babyrobot_levels.learning.temporal_difference import sarsa as sarsa
-    from babyrobot_levels.level import Level as Level
+    from babyrobot_levels.generate.suites import Suite as Suite
+    from babyrobot_levels.generate.suites import load_suite as load_suite
+    from babyrobot_levels.language.formatting.formatter import format_text as format_text
+    from babyrobot_levels.library.catalogue import LevelInfo as LevelInfo
+    from babyrobot_levels.library.catalogue import levels as levels
+    from babyrobot_levels.library.catalogue import load as load
+    from babyrobot_levels.library.level import Level as Level
+    from babyrobot_levels.library.reading import loads as loads
     from babyrobot_levels.lint.check import check as check
-    from babyrobot_levels.mdp import Mdp as Mdp
-    from babyrobot_levels.measures.metrics import Metrics as Metrics
-    from babyrobot_levels.measures.metrics import metrics as metrics
-    from babyrobot_levels.reading import loads as loads
-    from babyrobot_levels.solver.errors import NoTotalError as NoTotalError
-    from babyrobot_levels.solver.errors import TooLongError as TooLongError
-    from babyrobot_levels.solver.evaluation import evaluate as evaluate
-    from babyrobot_levels.solver.optimum import solve as solve
-    from babyrobot_levels.solver.results import Evaluation as Evaluation
-    from babyrobot_levels.solver.results import Simulation as Simulation
-    from babyrobot_levels.solver.results import Solution as Solution
-    from babyrobot_levels.solver.simulation import simulate as simulate
-    from babyrobot_levels.solver.simulation import success_within as success_within
-    from babyrobot_levels.suites import Suite as Suite
-    from babyrobot_levels.suites import load_suite as load_suite
+    from babyrobot_levels.mdp.actions import Action as Action
+    from babyrobot_levels.mdp.grid import Grid as Grid
+    from babyrobot_levels.mdp.tables import Mdp as Mdp
+    from babyrobot_levels.text.diagnostics import Diagnostic as Diagnostic
+    from babyrobot_levels.text.diagnostics import Severity as Severity
+    from babyrobot_levels.text.errors import BabyRobotError as BabyRobotError
+    from babyrobot_levels.text.errors import LevelError as LevelError
+    from babyrobot_levels.text.errors import LevelNotFoundError as LevelNotFoundError
+    from babyrobot_levels.text.errors import SuiteNotFoundError as SuiteNotFoundError
 
 __version__ = "0.1.0"
 
 _HOMES = {
-    "Action": "actions",
-    "BabyRobotError": "errors",
-    "Certificate": "certificate",
-    "ComparisonError": "games",
+    "Action": "mdp.actions",
+    "BabyRobotError": "text.errors",
+    "Certificate": "analysis.compare",
+    "ComparisonError": "analysis.transition_tables",
     "ConversionWarning": "convert.conversion",
-    "Diagnostic": "diagnostics",
-    "Difference": "difference.levels",
-    "Evaluation": "solver.results",
-    "Grid": "grid",
-    "Level": "level",
-    "LevelError": "errors",
-    "LevelInfo": "catalogue",
-    "LevelNotFoundError": "errors",
+    "Diagnostic": "text.diagnostics",
+    "Difference": "analysis.diff.levels",
+    "Evaluation": "analysis.solver.results",
+    "Grid": "mdp.grid",
+    "Level": "library.level",
+    "LevelError": "text.errors",
+    "LevelInfo": "library.catalogue",
+    "LevelNotFoundError": "text.errors",
     "LevelVectorEnv": "envs.vector.env",
-    "Mdp": "mdp",
-    "Metrics": "measures.metrics",
-    "NoTotalError": "solver.errors",
-    "Rollout": "engine.rollout",
-    "Severity": "diagnostics",
-    "Simulation": "solver.results",
-    "Solution": "solver.results",
+    "Mdp": "mdp.tables",
+    "Metrics": "analysis.metrics",
+    "NoTotalError": "analysis.solver.errors",
+    "Rollout": "envs.engine.rollout",
+    "Severity": "text.diagnostics",
+    "Simulation": "analysis.solver.results",
+    "Solution": "analysis.solver.results",
     "StarvedError": "generate.search",
-    "Suite": "suites",
-    "SuiteNotFoundError": "errors",
-    "Sweep": "learning.results",
-    "TooLongError": "solver.errors",
-    "Trials": "learning.results",
+    "Suite": "generate.suites",
+    "SuiteNotFoundError": "text.errors",
+    "Sweep": "analysis.learning.results",
+    "TooLongError": "analysis.solver.errors",
+    "Trials": "analysis.learning.results",
     "check": "lint.check",
-    "compare": "certificate",
-    "diff": "difference.levels",
-    "evaluate": "solver.evaluation",
-    "format_text": "formatting.formatter",
+    "compare": "analysis.compare",
+    "diff": "analysis.diff.levels",
+    "evaluate": "analysis.solver.evaluation",
+    "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
-    "levels": "catalogue",
-    "load": "catalogue",
-    "load_suite": "suites",
-    "loads": "reading",
-    "metrics": "measures.metrics",
-    "monte_carlo": "learning.monte_carlo",
-    "policy_evaluation": "learning.sweeps",
-    "policy_iteration": "learning.sweeps",
-    "q_learning": "learning.temporal_difference",
+    "levels": "library.catalogue",
+    "load": "library.catalogue",
+    "load_suite": "generate.suites",
+    "loads": "library.reading",
+    "metrics": "analysis.metrics",
+    "monte_carlo": "analysis.learning.monte_carlo",
+    "policy_evaluation": "analysis.learning.sweeps",
+    "policy_iteration": "analysis.learning.sweeps",
+    "q_learning": "analysis.learning.temporal_difference",
     "register_babyrobot": "convert.registration",
-    "rollout": "engine.rollout",
-    "sarsa": "learning.temporal_difference",
-    "simulate": "solver.simulation",
-    "solve": "solver.optimum",
-    "success_within": "solver.simulation",
-    "value_iteration": "learning.sweeps",
+    "rollout": "envs.engine.rollout",
+    "sarsa": "analysis.learning.temporal_difference",
+    "simulate": "analysis.solver.simulation",
+    "solve": "analysis.solver.optimum",
+    "success_within": "analysis.solver.simulation",
+    "value_iteration": "analysis.learning.sweeps",
 }
 
 __all__ = sorted([*_HOMES, "__version__"])
@@ -133,4 +133,4 @@ def __dir__() -> list[str]:
     return __all__
 
 
-_gymnasium_hook.install()
+gymnasium_hook.install()

@@ -21,7 +21,7 @@ import report
 from timing import Comparison, Measure, compare_in_turns, installed
 
 import babyrobot_levels as brl
-from babyrobot_levels.maze import compiled
+from babyrobot_levels.mdp.mazes import compiled
 
 RESETS = 1_000
 COUNT = 10_000

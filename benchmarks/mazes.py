@@ -18,7 +18,7 @@ import report
 from peers import Peer
 from timing import Comparison, Measure, compare_in_turns, installed, with_fast
 
-from babyrobot_levels.maze import ALGORITHMS, carve, carve_many, compiled
+from babyrobot_levels.mdp.mazes import ALGORITHMS, carve, carve_many, compiled
 
 SIZES = {(8, 8): (300, 1.5), (32, 32): (15, 4.0)}
 """For each size, how many mazes the peers grow in a round, and how many times as fast ours are to

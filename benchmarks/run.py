@@ -21,7 +21,7 @@ from pathlib import Path
 from page import Result, page, remarks, result_table
 from timing import FEW, ROUNDS, Comparison
 
-from babyrobot_levels.files import write_text
+from babyrobot_levels.text.files import write_text
 
 BENCHMARKS = ("step", "vector", "frames", "solve", "validate", "lint", "mazes", "generate")
 RESULTS = Path(__file__).with_name("RESULTS.md")

@@ -114,7 +114,7 @@ def bare(num_envs: int) -> Measure:
     """Return a measure of a compiled loop that does nothing but walk."""
     import numba
 
-    from babyrobot_levels.engine.tables import build_tables, masks_at
+    from babyrobot_levels.envs.engine.tables import build_tables, masks_at
 
     level = brl.load(LEVEL)
     tables = build_tables([level.compile()], [2**62], 0)

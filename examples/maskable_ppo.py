@@ -19,7 +19,7 @@ from sb3_contrib.common.maskable.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
 import babyrobot_levels as brl
-from babyrobot_levels.sb3 import LevelVecEnv
+from babyrobot_levels.envs.sb3 import LevelVecEnv
 
 NUM_ENVS = 64
 NUM_EPISODES = 100

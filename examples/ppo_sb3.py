@@ -18,7 +18,7 @@ from stable_baselines3.common.evaluation import evaluate_policy
 from stable_baselines3.common.monitor import Monitor
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
-from babyrobot_levels.sb3 import LevelVecEnv
+from babyrobot_levels.envs.sb3 import LevelVecEnv
 
 NUM_ENVS = 64
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Sets up the headless browser that tests/browser drives; done at once where there is one.
+# Sets up the headless browser that tests/e2e/browser drives; done at once where there is one.
 # Usage: bash scripts/browser.sh [PYTHON]    PYTHON is one that has Playwright (default: python3)
 #
 # Where apt-get is at hand and allowed, it installs the distribution's Chromium. Elsewhere, and

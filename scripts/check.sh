@@ -13,7 +13,7 @@ if [ "${1:-}" = sb3 ]; then
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-sb3/bin/pip install "${options[@]}" torch==2.13.0
     .venv-sb3/bin/pip install "${options[@]}" --editable ".[test,sb3]"
-    exec .venv-sb3/bin/python -m pytest -m sb3 -n 2 tests/test_sb3.py tests/training
+    exec .venv-sb3/bin/python -m pytest -m sb3 -n 2 tests/envs tests/e2e/test_examples.py tests/docs/test_training.py
 fi
 make_venv .venv
 .venv/bin/pip install "${options[@]}" --editable ".[test]"

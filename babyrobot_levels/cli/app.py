@@ -106,7 +106,7 @@ def root(
 
 def main() -> None:
     """Run the command line. Nothing that a user types or feeds it ends in a traceback."""
-    from babyrobot_levels.errors import BabyRobotError, LevelError
+    from babyrobot_levels.text.errors import BabyRobotError, LevelError
 
     _prepare_streams()
     # Levels make many small matrices, over which the threads of BLAS only wait for each other.

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli.console import fail, write, write_json
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 _NAME = re.compile(r"[a-z0-9-]+/[a-z0-9-]+")
 
@@ -51,8 +51,8 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
 
 def _pack_in(argument: str) -> tuple[str, str | None] | None:
     """Return name and version of the pack that an argument names; a folder may have no version."""
-    from babyrobot_levels.packs.installed import fields
-    from babyrobot_levels.places import pack_places
+    from babyrobot_levels.library.packs.installed import fields
+    from babyrobot_levels.library.search_path import pack_places
 
     # A file of that very name is meant where there is one.
     if not _NAME.fullmatch(argument) or Path(argument).is_file():

@@ -19,11 +19,11 @@ from babyrobot_levels.cli.console import (
 )
 from babyrobot_levels.cli.preview import LevelArgument, load_level, load_two
 from babyrobot_levels.cli.reporting import shown_name
-from babyrobot_levels.source import printable
+from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.certificate import Certificate
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.analysis.compare import Certificate
+    from babyrobot_levels.library.level import Level
 
 
 def compare(
@@ -61,8 +61,8 @@ def compare(
 
       babyrobot compare frozen-lake-dry gymnasium:FrozenLake-v1 --kwargs '{"is_slippery": false}'
     """
-    from babyrobot_levels.certificate import compare as compared
-    from babyrobot_levels.games import GYMNASIUM
+    from babyrobot_levels.analysis.compare import compare as compared
+    from babyrobot_levels.analysis.transition_tables import GYMNASIUM
 
     given = None if actions is None else _numbers(actions)
     keywords = None if kwargs is None else _mapping(kwargs)
@@ -100,7 +100,7 @@ def _mapping(text: str) -> dict[str, Any]:
 
 
 def _told(loaded: Level, certificate: Certificate, level: str, other: str) -> str:
-    from babyrobot_levels.actions import Action
+    from babyrobot_levels.mdp.actions import Action
 
     if not certificate.equal:
         return f"{level} and {other} are different games\n\n{certificate.difference}\n"

@@ -10,10 +10,10 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from babyrobot_levels.diagnostics import one_line
 from babyrobot_levels.render.terminal import speaks_unicode as speaks_unicode
 from babyrobot_levels.render.terminal import wants_color as wants_color
-from babyrobot_levels.source import printable
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.source import printable
 
 FINDINGS = 1
 """Exit status: the level or levels have findings."""
@@ -82,7 +82,7 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
 
 def save(path: Path, data: str | bytes, *, force: bool) -> None:
     """Write a file whole, but never over one that is there without `--force`."""
-    from babyrobot_levels.files import write_bytes
+    from babyrobot_levels.text.files import write_bytes
 
     if path == STANDARD_OUTPUT:
         fail("this is not written to standard output", "name a file")

@@ -21,7 +21,7 @@ from babyrobot_levels.cli.preview import load_two
 from babyrobot_levels.cli.reporting import shown_name
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 
 def diff(
@@ -71,8 +71,8 @@ def diff(
     names = [shown_name(text) for text in levels]
     if maze_seed is None and (before.has_random_maze or after.has_random_maze):
         note("each reset grows another maze; those of seed 0 are compared (see --maze-seed)")
+    from babyrobot_levels.analysis.diff.levels import diff as difference_of
     from babyrobot_levels.cli.differences import difference_data, difference_text
-    from babyrobot_levels.difference.levels import diff as difference_of
 
     difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
     if report_format is ReportFormat.JSON:
@@ -86,7 +86,7 @@ def diff(
 
 def _loaded(before: str, after: str) -> tuple[Level, Level]:
     """Return two levels; one that is not valid is no difference, but cannot be compared."""
-    from babyrobot_levels.errors import LevelError
+    from babyrobot_levels.text.errors import LevelError
 
     try:
         return load_two(before, after)

@@ -8,12 +8,12 @@ from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.cli.console import wants_color
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.syntax.emitter import flow
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.emitter import flow
 
 if TYPE_CHECKING:
-    from babyrobot_levels.difference.changes import Change, Changes
-    from babyrobot_levels.difference.levels import Difference
+    from babyrobot_levels.analysis.diff.changes import Change, Changes
+    from babyrobot_levels.analysis.diff.levels import Difference
 
 WIDEST = 60
 """The most characters that are told of a value."""

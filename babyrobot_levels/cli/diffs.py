@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.source import printable
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.source import printable
 
 _RESET = "\x1b[0m"
 _STYLES = {"---": "\x1b[1m", "+++": "\x1b[1m", "@@": "\x1b[36m", "-": "\x1b[31m", "+": "\x1b[32m"}

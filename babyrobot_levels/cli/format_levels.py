@@ -18,10 +18,10 @@ from babyrobot_levels.cli.reporting import (
     read_path,
     shown_name,
 )
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.diagnostics import Diagnostic
+    from babyrobot_levels.text.diagnostics import Diagnostic
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,7 +67,7 @@ def format_levels(
 
       babyrobot format --check levels/first.yaml
     """
-    from babyrobot_levels.report import text
+    from babyrobot_levels.lint.reporters import text
 
     files = level_paths(paths)
     if STANDARD_INPUT in files and len(files) > 1:
@@ -98,9 +98,9 @@ def format_levels(
 
 def work_on(path: Path) -> Outcome:
     """Format a file, or standard input for `-`. Nothing is written."""
-    from babyrobot_levels.errors import LevelError
-    from babyrobot_levels.files import ReadFault
-    from babyrobot_levels.formatting.formatter import format_source
+    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.text.errors import LevelError
+    from babyrobot_levels.text.files import ReadFault
 
     try:
         source = read_path(path)
@@ -126,7 +126,7 @@ def _has_mark(path: Path) -> bool:
 
 def _write(path: Path, outcome: Outcome) -> bool:
     """Write a file's canonical form where it differs. Return whether that went well."""
-    from babyrobot_levels.files import write_text
+    from babyrobot_levels.text.files import write_text
 
     if path == STANDARD_INPUT:
         # A level is UTF-8 whatever the terminal is.

@@ -15,15 +15,15 @@ from babyrobot_levels.cli.new_level import Algorithm
 from babyrobot_levels.cli.orders import Words, option, suite_of
 from babyrobot_levels.cli.parallel import MAX_JOBS, WORTH_IT, JobsOption, map_all
 from babyrobot_levels.cli.progress import track
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from babyrobot_levels.generate.folder import Target
     from babyrobot_levels.generate.order import Order
     from babyrobot_levels.generate.search import StarvedError
-    from babyrobot_levels.spec.looks import Theme
-    from babyrobot_levels.spec.suite import SuiteFields
-    from babyrobot_levels.suites import Suite
+    from babyrobot_levels.generate.suites import Suite
+    from babyrobot_levels.language.looks import Theme
+    from babyrobot_levels.language.suite import SuiteFields
 
 INTERRUPTED = 130
 """Exit status: somebody pressed Ctrl-C."""
@@ -203,8 +203,8 @@ def generate(
 
 
 def _order(suite: str | None, words: Words, names: str | None, excluded: frozenset[str]) -> Order:
-    from babyrobot_levels.errors import LevelError
     from babyrobot_levels.generate.order import DEFAULT_NAMES, Order, is_pattern
+    from babyrobot_levels.text.errors import LevelError
 
     if suite is None:
         if words.count is None:
@@ -231,9 +231,9 @@ def _order(suite: str | None, words: Words, names: str | None, excluded: frozens
 
 def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the count if one is given, and what its levels are called."""
-    from babyrobot_levels.plain import plain
-    from babyrobot_levels.reading import suite_from_mapping
-    from babyrobot_levels.suites import load_suite, name_pattern
+    from babyrobot_levels.generate.suites import load_suite, name_pattern
+    from babyrobot_levels.language.plain_data import plain
+    from babyrobot_levels.library.reading import suite_from_mapping
 
     given = [name for name in words.given() if name != "--count"]
     if given:
@@ -251,8 +251,8 @@ def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
 
 def _theme_beside(suite: Suite) -> Theme | None:
     """Return the theme that stands beside a suite's file: its levels carry it with them."""
-    from babyrobot_levels.spec.looks import BUILTIN_THEMES
-    from babyrobot_levels.themes import read_theme, theme_folders
+    from babyrobot_levels.language.looks import BUILTIN_THEMES
+    from babyrobot_levels.language.themes import read_theme, theme_folders
 
     name, folder = suite.fields.theme, suite.folder
     if not isinstance(name, str) or name in BUILTIN_THEMES or folder is None:
@@ -262,7 +262,7 @@ def _theme_beside(suite: Suite) -> Theme | None:
 
 def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
     """Return the digests of all levels in some folders."""
-    from babyrobot_levels.places import yaml_files
+    from babyrobot_levels.library.search_path import yaml_files
 
     for folder in folders:
         if not folder.is_dir():
@@ -274,7 +274,7 @@ def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
 
 def digest_of(path: Path) -> str | None:
     """Return the digest of a file's level, None for suites, faulty levels, and random mazes."""
-    from babyrobot_levels.reading import read_file
+    from babyrobot_levels.library.reading import read_file
 
     level = read_file(path)[0]
     return None if level is None or level.has_random_maze else level.digest
@@ -306,7 +306,7 @@ def _write(target: Target, jobs: int | None) -> None:
 
 def _starved(error: StarvedError, *, from_options: bool) -> str:
     """Return why an order cannot be met, in the words in which it was given."""
-    from babyrobot_levels.spec.suite import SuiteFields
+    from babyrobot_levels.language.suite import SuiteFields
 
     told = str(error)
     if not from_options:

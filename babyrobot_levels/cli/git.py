@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.cli.console import wants_color
 from babyrobot_levels.cli.differences import difference_text
 from babyrobot_levels.cli.diffs import unified
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 _NO_FILES = ("/dev/null", "nul")
 
@@ -36,7 +36,7 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
 
     What cannot be compared is told as well: git takes a driver that fails for a crash.
     """
-    from babyrobot_levels.files import ReadFault
+    from babyrobot_levels.text.files import ReadFault
 
     path = arguments[0]
     if len(arguments) == 1:
@@ -61,8 +61,8 @@ class Version:
 
 def _read(file: str, path: str) -> Version | None:
     """Return a version, None for no file."""
-    from babyrobot_levels.files import read_source
-    from babyrobot_levels.reading import read_level
+    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.text.files import read_source
 
     if file in _NO_FILES:
         return None
@@ -74,7 +74,7 @@ def _read(file: str, path: str) -> Version | None:
 
 
 def _told(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
-    from babyrobot_levels.difference.levels import diff
+    from babyrobot_levels.analysis.diff.levels import diff
 
     if before is None or after is None:
         return _told_alone(title, before, after)

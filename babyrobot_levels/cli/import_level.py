@@ -20,8 +20,8 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
 from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.cli.reporting import read_path
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
     from babyrobot_levels.convert.conversion import World
@@ -78,7 +78,7 @@ def import_level(
     """
     from babyrobot_levels.convert.conversion import ConversionError
     from babyrobot_levels.convert.file_text import file_text
-    from babyrobot_levels.level import slug
+    from babyrobot_levels.library.level import slug
 
     if name is not None and slug(name) != name:
         good = slug(name)
@@ -112,8 +112,8 @@ def import_level(
 
 
 def _source(file: Path) -> SourceFile:
-    from babyrobot_levels.errors import LevelError
-    from babyrobot_levels.files import ReadFault
+    from babyrobot_levels.text.errors import LevelError
+    from babyrobot_levels.text.files import ReadFault
 
     try:
         return read_path(file)
@@ -130,7 +130,7 @@ def _source(file: Path) -> SourceFile:
 
 def _guessed(source: SourceFile) -> WorldFormat:
     from babyrobot_levels.convert.formats import FORMATS, guess
-    from babyrobot_levels.files import SUFFIXES
+    from babyrobot_levels.text.files import SUFFIXES
 
     if source.name.lower().endswith(SUFFIXES):
         fail(

@@ -16,11 +16,11 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.packs.archive import Archive
-    from babyrobot_levels.packs.store import Installation
+    from babyrobot_levels.library.packs.archive import Archive
+    from babyrobot_levels.library.packs.store import Installation
 
 MAX_SHOWN = 20
 """So many levels are named."""
@@ -51,8 +51,8 @@ def install(
 
       babyrobot preview zoo/lion
     """
-    from babyrobot_levels.packs import archive, store
-    from babyrobot_levels.packs.errors import PackConflictError, PackError
+    from babyrobot_levels.library.packs import archive, store
+    from babyrobot_levels.library.packs.errors import PackConflictError, PackError
 
     try:
         read = archive.read_archive(file)
@@ -86,9 +86,9 @@ def uninstall(
 
       babyrobot uninstall zoo
     """
-    from babyrobot_levels.packs import store
-    from babyrobot_levels.packs.carried import carried_packs
-    from babyrobot_levels.packs.errors import PackConflictError, PackNotFoundError
+    from babyrobot_levels.library.packs import store
+    from babyrobot_levels.library.packs.carried import carried_packs
+    from babyrobot_levels.library.packs.errors import PackConflictError, PackNotFoundError
 
     try:
         gone = store.uninstall(name)

@@ -25,8 +25,8 @@ from babyrobot_levels.cli.reporting import (
 )
 
 if TYPE_CHECKING:
-    from babyrobot_levels.diagnostics import Diagnostic, Fix
     from babyrobot_levels.lint.rule import Rule
+    from babyrobot_levels.text.diagnostics import Diagnostic, Fix
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,7 +144,7 @@ def _run(
 ) -> bool:
     """Lint files once. Return whether something was found, or with `diff` would change."""
     from babyrobot_levels.lint.across import same_games
-    from babyrobot_levels.source import SourceFile
+    from babyrobot_levels.text.source import SourceFile
 
     outcomes = dict(
         zip(files, map_all(partial(work_on, order), files, jobs, "linting"), strict=True)
@@ -174,11 +174,11 @@ def _run(
 
 def work_on(order: Order, path: Path) -> Outcome:
     """Lint a file, and fix its text if that is wanted. Nothing is written."""
-    from babyrobot_levels.files import ReadFault
     from babyrobot_levels.lint.across import likeness
     from babyrobot_levels.lint.fixer import fix
     from babyrobot_levels.lint.rules.same_game import CODE
     from babyrobot_levels.lint.runner import lint_source
+    from babyrobot_levels.text.files import ReadFault
 
     rules = order.rules_for(path)
     try:
@@ -201,7 +201,7 @@ def work_on(order: Order, path: Path) -> Outcome:
 
 def _write_fixed(path: Path, outcome: Outcome) -> None:
     """Write what fixes made of a file; of standard input, to standard output in any case."""
-    from babyrobot_levels.files import write_text
+    from babyrobot_levels.text.files import write_text
 
     if path == STANDARD_INPUT:
         write(outcome.text or outcome.before or "")

@@ -17,10 +17,10 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.table import table
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.catalogue import LevelInfo
+    from babyrobot_levels.library.catalogue import LevelInfo
 
 
 def list_levels(
@@ -45,9 +45,9 @@ def list_levels(
 
       babyrobot list --packs
     """
-    from babyrobot_levels.catalogue import catalogue, suite_files
-    from babyrobot_levels.packs.known import unusable_packs
-    from babyrobot_levels.places import PATH_VARIABLE, path_folders
+    from babyrobot_levels.library.catalogue import catalogue, suite_files
+    from babyrobot_levels.library.packs.known import unusable_packs
+    from babyrobot_levels.library.search_path import PATH_VARIABLE, path_folders
 
     if packs:
         from babyrobot_levels.cli.list_packs import list_packs

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.catalogue import files_in, is_suite_file
 from babyrobot_levels.cli.console import ReportFormat, note, write, write_json
 from babyrobot_levels.cli.table import table
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.packs.installed import fields
-from babyrobot_levels.packs.known import KnownPack, known_packs
-from babyrobot_levels.places import Place
+from babyrobot_levels.library.catalogue import files_in, is_suite_file
+from babyrobot_levels.library.packs.installed import fields
+from babyrobot_levels.library.packs.known import KnownPack, known_packs
+from babyrobot_levels.library.search_path import Place
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.spec.pack import PackFields
+    from babyrobot_levels.language.pack import PackFields
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 MAX_PUDDLES = 10_000
 SCHEMA_PATH = Path("schemas", "level.schema.json")
@@ -88,9 +88,9 @@ def new_level(
 
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
-    from babyrobot_levels.level import slug
-    from babyrobot_levels.places import gallery_folder, yaml_files
-    from babyrobot_levels.starter import Order, starter
+    from babyrobot_levels.generate.starter import Order, starter
+    from babyrobot_levels.library.level import slug
+    from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
     if slug(name) != name:
         good = slug(name)
@@ -148,7 +148,7 @@ def _quoted(word: str) -> str:
 
 
 def _size(text: str) -> tuple[int, int]:
-    from babyrobot_levels.spec.base import MAX_SIZE
+    from babyrobot_levels.language.base import MAX_SIZE
 
     match = re.fullmatch(r"([0-9]{1,5})[x,]([0-9]{1,5})", text)
     if not match:
@@ -163,7 +163,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def schema_for(path: Path) -> str:
     """Return where editors find the schema: in the project around the file, or as installed."""
-    from babyrobot_levels.files import is_file
+    from babyrobot_levels.text.files import is_file
 
     folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
     for parent in (folder, *folder.parents):
@@ -176,8 +176,8 @@ def schema_for(path: Path) -> str:
 
 def _check(text: str, path: Path) -> None:
     """Make sure that the file is valid before it is written: a theme may not be known."""
-    from babyrobot_levels.files import ReadFault, decode
-    from babyrobot_levels.reading import read_level
+    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.text.files import ReadFault, decode
 
     try:
         _, diagnostics = read_level(decode(text.encode("utf-8"), str(path)), path)

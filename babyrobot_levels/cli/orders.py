@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.cli.console import fail
 
 if TYPE_CHECKING:
-    from babyrobot_levels.spec.suite import SuiteFields
+    from babyrobot_levels.language.suite import SuiteFields
 
 _NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
 _SIZE = re.compile(r"([0-9]{1,5})[x,]([0-9]{1,5})")
@@ -61,8 +61,8 @@ def option(field: str) -> str:
 
 def suite_of(words: Words) -> SuiteFields:
     """Return the suite that a call asks for; if it asks for what cannot be, say so and end."""
-    from babyrobot_levels.loader import validate
-    from babyrobot_levels.spec.suite import SuiteFields
+    from babyrobot_levels.language.suite import SuiteFields
+    from babyrobot_levels.language.validation import validate
 
     data: dict[str, Any] = {"version": 1, "kind": "suite", "count": words.count}
     maze: dict[str, Any] = {}

@@ -20,10 +20,10 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.diagnostics import one_line
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.packing import Packed
+    from babyrobot_levels.library.packs.build import Packed
 
 MAX_SHOWN = 10
 """So many of some files are named."""
@@ -66,10 +66,10 @@ def pack(
 
       babyrobot pack zoo -o zoo.brlpack
     """
-    from babyrobot_levels import packing
-    from babyrobot_levels.files import PACK_FILE
-    from babyrobot_levels.packs.archive import SUFFIX
-    from babyrobot_levels.packs.errors import PackError
+    from babyrobot_levels.library.packs import build as packing
+    from babyrobot_levels.library.packs.archive import SUFFIX
+    from babyrobot_levels.library.packs.errors import PackError
+    from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
         fail(f"{folder} is not a folder" if folder.exists() else f"there is no folder {folder}")

@@ -10,9 +10,9 @@ from babyrobot_levels.cli.answers import guide_of, overlay_of, policy_of, soluti
 from babyrobot_levels.cli.console import fail, note
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.animation import Step
-    from babyrobot_levels.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlays import Overlay
 
 MAX_STEPS = 500
 """Films of episodes that do not end are cut after so many steps."""
@@ -46,7 +46,7 @@ class Wishes:
 
 def picture(level: Level, wishes: Wishes, *, svg: bool) -> str | bytes:
     """Return a still picture: an SVG document, or a PNG file."""
-    from babyrobot_levels.scene.build import build_scene
+    from babyrobot_levels.render.scene.build import build_scene
 
     if wishes.policy is Walker.RANDOM:
         fail(

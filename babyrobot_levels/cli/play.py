@@ -11,17 +11,17 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.actions import Action
 from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
-from babyrobot_levels.source import printable
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
     import os
 
     from babyrobot_levels.cli.keyboard import NextKey
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 _ACTIONS = {
     **dict.fromkeys(("up", "w"), Action.NORTH),

@@ -26,7 +26,7 @@ from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 
 class PictureFormat(StrEnum):
@@ -182,9 +182,9 @@ def preview(
 
 def load_level(text: str) -> Level:
     """Return the level that an argument names."""
-    from babyrobot_levels.catalogue import load
-    from babyrobot_levels.errors import LevelNotFoundError
-    from babyrobot_levels.share import is_code
+    from babyrobot_levels.language.share_code import is_code
+    from babyrobot_levels.library.catalogue import load
+    from babyrobot_levels.text.errors import LevelNotFoundError
 
     if text == str(STANDARD_INPUT):
         return _read_level()
@@ -202,9 +202,9 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
 
 def _read_level() -> Level:
     """Return the level that standard input holds."""
-    from babyrobot_levels.errors import LevelError
-    from babyrobot_levels.files import ReadFault
-    from babyrobot_levels.reading import read_level
+    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.text.errors import LevelError
+    from babyrobot_levels.text.files import ReadFault
 
     try:
         level, diagnostics = read_level(read_path(STANDARD_INPUT))
@@ -231,7 +231,7 @@ def _chosen_format(picture_format: PictureFormat | None, output: Path | None) ->
 
 def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> float | None:
     """Return how many times larger than usual a picture is to be."""
-    from babyrobot_levels.scene.layout import CELL
+    from babyrobot_levels.render.scene.layout import CELL
 
     if scale is None and cell is None:
         return None
@@ -251,7 +251,7 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
 
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level as it is to be shown."""
-    from babyrobot_levels.errors import LevelError
+    from babyrobot_levels.text.errors import LevelError
 
     if theme is not None:
         try:

@@ -42,6 +42,6 @@ def print_schema(
 
 def schema_text(name: str) -> str:
     """Return a schema as it stands in a file."""
-    from babyrobot_levels.schema import SCHEMAS
+    from babyrobot_levels.language.json_schema import SCHEMAS
 
     return json.dumps(SCHEMAS[name](), indent=2, ensure_ascii=False) + "\n"

@@ -14,9 +14,9 @@ import typer
 from babyrobot_levels.cli.console import fail, note, wants_color, write
 
 if TYPE_CHECKING:
-    from babyrobot_levels.diagnostics import Diagnostic
-    from babyrobot_levels.report import MachineFormat
-    from babyrobot_levels.source import SourceFile
+    from babyrobot_levels.lint.reporters import MachineFormat
+    from babyrobot_levels.text.diagnostics import Diagnostic
+    from babyrobot_levels.text.source import SourceFile
 
 DEFAULT_FOLDER = Path("levels")
 STANDARD_INPUT = Path("-")
@@ -69,13 +69,13 @@ def write_report(
         ending: a last line of the text format.
     """
     if kind is FindingsFormat.TEXT:
-        from babyrobot_levels.report import text
+        from babyrobot_levels.lint.reporters import text
 
         report = text.render(diagnostics, color=wants_color(sys.stdout))
         summary = text.summary(diagnostics, len(files), praise)
         write(report + ("\n" if report else "") + summary + "\n" + (ending and ending + "\n"))
         return
-    from babyrobot_levels.report import render
+    from babyrobot_levels.lint.reporters import render
 
     # Only these two say what codes mean.
     named = kind in (FindingsFormat.GITHUB, FindingsFormat.SARIF)
@@ -91,8 +91,8 @@ def _titles() -> dict[str, str]:
 
 def level_paths(paths: Sequence[Path] | None) -> list[Path]:
     """Return the files that are meant: those named, and all below the folders named."""
-    from babyrobot_levels.files import is_folder
-    from babyrobot_levels.places import yaml_files
+    from babyrobot_levels.library.search_path import yaml_files
+    from babyrobot_levels.text.files import is_folder
 
     files: dict[Path, None] = {}
     for path in paths or [DEFAULT_FOLDER]:
@@ -113,9 +113,9 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
 
 def _tell_file_of(path: Path) -> None:
     """Where other commands know a level by what is no file, say which file that is."""
-    from babyrobot_levels.catalogue import find
-    from babyrobot_levels.errors import LevelNotFoundError
-    from babyrobot_levels.files import is_file
+    from babyrobot_levels.library.catalogue import find
+    from babyrobot_levels.text.errors import LevelNotFoundError
+    from babyrobot_levels.text.files import is_file
 
     if path == STANDARD_INPUT or path.suffix or is_file(path):
         return
@@ -135,8 +135,8 @@ def read_path(path: Path) -> SourceFile:
     Raises:
         ReadFault: it cannot be read.
     """
-    from babyrobot_levels.files import decode, read_source
-    from babyrobot_levels.syntax.reader import MAX_BYTES
+    from babyrobot_levels.text.files import decode, read_source
+    from babyrobot_levels.text.reader import MAX_BYTES
 
     if path != STANDARD_INPUT:
         return read_source(path)

@@ -13,7 +13,7 @@ from babyrobot_levels.cli.new_level import schema_for
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 _RELATIVE_SCHEMA = re.compile(
     r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+", re.M
@@ -42,7 +42,7 @@ def resolve(
 
       babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
     """
-    from babyrobot_levels.syntax.reader import MAX_BYTES
+    from babyrobot_levels.text.reader import MAX_BYTES
 
     loaded = with_seed(load_level(level), maze_seed)
     if loaded.maze is None:
@@ -72,9 +72,9 @@ def with_seed(level: Level, maze_seed: int | None) -> Level:
 
 def _text_for(level: Level, text: str, path: Path) -> str:
     """Return the text for a file: away from its folder, a level carries its theme with it."""
-    from babyrobot_levels.reading import read_level
-    from babyrobot_levels.source import SourceFile
-    from babyrobot_levels.spec.looks import BUILTIN_THEMES
+    from babyrobot_levels.language.looks import BUILTIN_THEMES
+    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.text.source import SourceFile
 
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
         found, _ = read_level(SourceFile(str(path), text), path)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from babyrobot_levels.files import write_text
 from babyrobot_levels.lint.pages import all_pages, as_markdown, index
+from babyrobot_levels.text.files import write_text
 
 
 def documents() -> dict[str, str]:

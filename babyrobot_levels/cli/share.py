@@ -13,7 +13,7 @@ from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
 from babyrobot_levels.cli.preview import LevelArgument, load_level
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 
 def share(
@@ -62,7 +62,7 @@ def share(
         fail(f"{link!r} cannot be the beginning of a link", "it has no blanks, and no `#` yet")
     loaded = load_level(level)
     if output is not None:
-        from babyrobot_levels.syntax.emitter import emit
+        from babyrobot_levels.text.emitter import emit
 
         save(output, emit(loaded.to_dict(whole=True)), force=force)
     elif link is not None:

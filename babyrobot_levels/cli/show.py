@@ -18,10 +18,10 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.preview import LevelArgument, load_level, text_picture
-from babyrobot_levels.source import printable
+from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 
 def show(
@@ -104,8 +104,8 @@ def _facts(level: Level) -> dict[str, Any]:
 
 def _metrics(level: Level) -> dict[str, Any]:
     """Return the metrics as JSON can hold them: texts for inf, null for what cannot be told."""
+    from babyrobot_levels.analysis.metrics import metrics
     from babyrobot_levels.lint.best import MAX_SOLVED
-    from babyrobot_levels.measures.metrics import metrics
 
     found = metrics(level)
     numbers = found.to_dict(solve=found.cells <= MAX_SOLVED)

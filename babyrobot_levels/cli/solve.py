@@ -22,8 +22,8 @@ from babyrobot_levels.cli.preview import LevelArgument, load_level
 from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
-    from babyrobot_levels.solver.results import Solution
+    from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.library.level import Level
 
 
 def solve(

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from babyrobot_levels.cli.console import wants_color
-from babyrobot_levels.source import columns
+from babyrobot_levels.text.source import columns
 
 
 def table(rows: Sequence[Sequence[str]]) -> str:

@@ -20,7 +20,7 @@ from babyrobot_levels.cli.reporting import (
 )
 
 if TYPE_CHECKING:
-    from babyrobot_levels.diagnostics import Diagnostic
+    from babyrobot_levels.text.diagnostics import Diagnostic
 
 
 def validate(
@@ -47,8 +47,8 @@ def validate(
 
 def errors_of(path: Path) -> list[Diagnostic]:
     """Return the errors of a file, or of standard input for `-`."""
-    from babyrobot_levels import reading
-    from babyrobot_levels.files import ReadFault
+    from babyrobot_levels.library import reading
+    from babyrobot_levels.text.files import ReadFault
 
     try:
         source = read_path(path)

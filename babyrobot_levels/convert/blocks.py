@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.grid import BIT, Grid
-from babyrobot_levels.source import Position, SourceFile
-from babyrobot_levels.spec.base import MAX_SIZE
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.text.source import Position, SourceFile
 
 Rows = tuple[str, ...]
 """Cells row by row, each as the character that stands for it in a drawing of the language."""

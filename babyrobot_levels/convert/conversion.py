@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.errors import LevelError
-from babyrobot_levels.source import Position, SourceFile, Span
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.source import Position, SourceFile, Span
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 _NOT_LOST = frozenset({"version", "name", "map", "legend"})
 """Fields that are the file's own, or whose meaning stands in others as well."""

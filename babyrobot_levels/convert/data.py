@@ -8,7 +8,7 @@ import warnings
 from typing import Any, NoReturn
 
 from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.source import START, Position, SourceFile
+from babyrobot_levels.text.source import START, Position, SourceFile
 
 MAX_DEPTH = 32
 """Lists and mappings inside one another. No format has more than a few."""

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.grid import BIT, Grid
-from babyrobot_levels.spec.level import LevelFields
-from babyrobot_levels.spec.walls import sides_of
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.mdp.grid import BIT, Grid
 
 Edge = tuple[int, int, str]
 """The cell to the west or to the north of an edge, and its side there: `E` or `S`.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from babyrobot_levels.convert.conversion import ConversionError, World
-from babyrobot_levels.files import ReadFault, decode
-from babyrobot_levels.formatting.formatter import format_source
+from babyrobot_levels.language.formatting.formatter import format_source
+from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.lint.fixer import fix
 from babyrobot_levels.lint.registry import select
-from babyrobot_levels.reading import read_level
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.syntax.emitter import emit_field
+from babyrobot_levels.text.emitter import emit_field
+from babyrobot_levels.text.files import ReadFault, decode
+from babyrobot_levels.text.source import SourceFile
 
 
 def file_text(world: World, *, schema: str, name: str | None, title: str) -> str:

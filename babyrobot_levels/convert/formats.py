@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from babyrobot_levels.certificate import compare
+from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.convert.babyrobot.reading import KEYWORDS as SETUP_KEYWORDS
 from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import write_setup
@@ -22,9 +22,9 @@ from babyrobot_levels.convert.minigrid import read_minigrid, write_minigrid
 from babyrobot_levels.convert.sokoban import read_sokoban, write_sokoban
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
-from babyrobot_levels.level import Level
-from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.text.source import SourceFile
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.blocks import drawn, has_walls, text_rows, translated
 from babyrobot_levels.convert.checked import number, probability, sequence
 from babyrobot_levels.convert.conversion import (
@@ -18,9 +17,10 @@ from babyrobot_levels.convert.conversion import (
 )
 from babyrobot_levels.convert.data import looks_like_data, read_data
 from babyrobot_levels.convert.marks import ENDS, HOLE_COLOR, SPATIAL, UNLIKE, lost_areas, marked
-from babyrobot_levels.level import Level
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.spec.cells import as_skid
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.cells import as_skid
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
 
 LETTERS = {"S": d.START, "F": d.PLAIN, "H": "H", "G": d.EXIT}
 PLACE = "a Frozen Lake"

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.blocks import Rows, as_blocks, has_walls
 from babyrobot_levels.convert.conversion import Lost, fields_lost
-from babyrobot_levels.spec.geometry import painted
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.geometry import painted
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
-    from babyrobot_levels.spec.moves import Rewards
+    from babyrobot_levels.language.moves import Rewards
+    from babyrobot_levels.library.level import Level
 
 ENDS = "x"
 """The mark of a cell whose area ends the episode."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.blocks import (
     Rows,
     as_blocks,
@@ -20,8 +19,9 @@ from babyrobot_levels.convert.conversion import (
     fields_lost,
 )
 from babyrobot_levels.convert.marks import ENDS, SPATIAL, lost_areas, marked
-from babyrobot_levels.level import Level
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
 
 PLACE = "a maze of maze-dataset"
 PATH = "X"

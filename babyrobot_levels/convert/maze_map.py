@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.blocks import drawn, without_ring
 from babyrobot_levels.convert.checked import sequence
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World, shown
 from babyrobot_levels.convert.data import read_data
 from babyrobot_levels.convert.marks import block_map
-from babyrobot_levels.level import Level
-from babyrobot_levels.plain import plain
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.spec.moves import Rewards
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
 
 PLACE = "a maze_map"
 REWARDS = Rewards(step=0, exit=1)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.blocks import drawn, text_rows, without_ring, without_surroundings
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
 from babyrobot_levels.convert.marks import ENDS, LAVA_COLOR, block_map
-from babyrobot_levels.level import Level
-from babyrobot_levels.source import Position, SourceFile
-from babyrobot_levels.spec.moves import Rewards
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import Position, SourceFile
 
 PLACE = "a MiniGrid text"
 REWARDS = Rewards(step=0, exit=1)

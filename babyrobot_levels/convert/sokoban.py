@@ -6,7 +6,6 @@ import re
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels import drawing as d
 from babyrobot_levels.convert.blocks import (
     drawn,
     text_rows,
@@ -16,9 +15,10 @@ from babyrobot_levels.convert.blocks import (
 )
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
 from babyrobot_levels.convert.marks import block_map
-from babyrobot_levels.level import Level
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.spec.moves import Rewards
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
 
 PLACE = "a Sokoban map"
 BOXES = "$*"

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from gymnasium import spaces
 
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 
 OBSERVATIONS = ("position", "index", "image", "walls")
 

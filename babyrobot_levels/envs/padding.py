@@ -12,7 +12,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.observations import Observer, make_observer
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,20 +7,20 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.scene.pose import STANDING, pose_of
-from babyrobot_levels.suggest import did_you_mean
+from babyrobot_levels.render.scene.pose import STANDING, pose_of
+from babyrobot_levels.text.suggest import did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from babyrobot_levels.level import Level
-    from babyrobot_levels.notebook.view import LevelView
+    from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.frames import FramePainter
+    from babyrobot_levels.render.notebook.view import LevelView
+    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.shapes import Scene
     from babyrobot_levels.render.terminal import Terminal
     from babyrobot_levels.render.textframes import TextPainter
-    from babyrobot_levels.scene.overlays import Overlay
-    from babyrobot_levels.scene.shapes import Scene
 
 RENDER_MODES = ("human", "rgb_array", "ansi", "svg", "canvas")
 RENDER_FPS = 4
@@ -99,7 +99,7 @@ class Pictures:
         Raises:
             ValueError: the info is not understood, or does not fit the level.
         """
-        from babyrobot_levels.scene.info import overlay_from
+        from babyrobot_levels.render.scene.info import overlay_from
 
         self._overlay = None if info is None else overlay_from(info, self._level)
         self._forget_painters()
@@ -136,7 +136,7 @@ class Pictures:
         return None
 
     def _show(self) -> None:
-        from babyrobot_levels.notebook.frontend import in_notebook
+        from babyrobot_levels.render.notebook.frontend import in_notebook
 
         if self._view is None and in_notebook():
             self._canvas().show()
@@ -153,7 +153,7 @@ class Pictures:
 
     def _canvas(self) -> LevelView:
         if self._view is None:
-            from babyrobot_levels.notebook.view import LevelView
+            from babyrobot_levels.render.notebook.view import LevelView
 
             self._view = LevelView(self._level)
             self._view.set_overlay(self._overlay)
@@ -175,7 +175,7 @@ class Pictures:
         return self._texts[plain]
 
     def _scene(self) -> Scene:
-        from babyrobot_levels.scene.build import build_scene
+        from babyrobot_levels.render.scene.build import build_scene
 
         return build_scene(self._level, state=self._state, pose=self._pose, overlay=self._overlay)
 
@@ -193,7 +193,11 @@ class Pictures:
         """Return what a notebook shows as the last line of a cell."""
         if self._view is not None:
             return self._view.mimebundle()
-        from babyrobot_levels.notebook.bundle import MAX_CELLS, level_mimebundle, picture_mimebundle
+        from babyrobot_levels.render.notebook.bundle import (
+            MAX_CELLS,
+            level_mimebundle,
+            picture_mimebundle,
+        )
 
         columns, rows = self._level.size
         if columns * rows > MAX_CELLS:
@@ -208,7 +212,7 @@ class Pictures:
             ValueError: the suffix is not one of `SUFFIXES`.
             OSError: the file cannot be written.
         """
-        from babyrobot_levels.files import write_bytes
+        from babyrobot_levels.text.files import write_bytes
 
         file = Path(path)
         match file.suffix.lower():

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.catalogue import files_in, is_suite_file
-from babyrobot_levels.places import Place, gallery_folder, pack_places
+from babyrobot_levels.library.catalogue import files_in, is_suite_file
+from babyrobot_levels.library.search_path import Place, gallery_folder, pack_places
 
 NAMESPACE = "babyrobot"
 LEVEL_ID = f"{NAMESPACE}/Level-v0"

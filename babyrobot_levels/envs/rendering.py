@@ -13,7 +13,7 @@ from babyrobot_levels.envs.pictures import RENDER_FPS, RENDER_MODES, Pictures
 from babyrobot_levels.envs.spaces import keys_of_actions
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 
 class RenderedEnv(gymnasium.Env[Any, Any]):

@@ -12,8 +12,6 @@ from gymnasium import error
 from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
-from babyrobot_levels.actions import NUM_ACTIONS
-from babyrobot_levels.catalogue import load
 from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_action,
@@ -27,13 +25,15 @@ from babyrobot_levels.envs.observations import OBSERVATIONS, Observer, make_obse
 from babyrobot_levels.envs.pictures import RENDER_MODES
 from babyrobot_levels.envs.rendering import RenderedEnv
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
-from babyrobot_levels.level import Level
-from babyrobot_levels.mdp import GLASS, REFUSED
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.tables import GLASS, REFUSED
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
 
-    from babyrobot_levels.mdp import Mdp, Outcome
+    from babyrobot_levels.mdp.tables import Mdp, Outcome
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 

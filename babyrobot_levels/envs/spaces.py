@@ -8,7 +8,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 
 ACTION_SETS = ("valid", "all", "moves")
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from gymnasium import error
 from gymnasium.envs.registration import EnvSpec, parse_env_id
 
-from babyrobot_levels.catalogue import find
-from babyrobot_levels.errors import LevelNotFoundError
-from babyrobot_levels.files import ReadFault, read_source
-from babyrobot_levels.syntax.document import YamlFault
-from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.library.catalogue import find
+from babyrobot_levels.text.document import YamlFault
+from babyrobot_levels.text.errors import LevelNotFoundError
+from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.reader import read
 
 SINGLE = "babyrobot_levels.envs.single:LevelEnv"
 VECTOR = "babyrobot_levels.envs.vector.env:LevelVectorEnv"

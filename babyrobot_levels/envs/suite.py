@@ -14,8 +14,8 @@ from babyrobot_levels.envs.arguments import checked_options, checked_start
 from babyrobot_levels.envs.observations import Observer
 from babyrobot_levels.envs.padding import make_padded_observer
 from babyrobot_levels.envs.single import LevelEnv
-from babyrobot_levels.level import Level
-from babyrobot_levels.suites import Suite, load_suite
+from babyrobot_levels.generate.suites import Suite, load_suite
+from babyrobot_levels.library.level import Level
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 

@@ -9,16 +9,16 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.level import Level
-from babyrobot_levels.maze.draws import below
-from babyrobot_levels.measures.metrics import Metrics
-from babyrobot_levels.measures.walks import Ahead, distances, neighbours
-from babyrobot_levels.plain import plain
-from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.spec.cells import Puddle
-from babyrobot_levels.spec.ranges import bounds
-from babyrobot_levels.spec.suite import SuiteFields, split_ranges
-from babyrobot_levels.spec.walls import Maze
+from babyrobot_levels.analysis.metrics import Metrics
+from babyrobot_levels.analysis.walks import Ahead, distances, neighbours
+from babyrobot_levels.language.cells import Puddle
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.language.ranges import bounds
+from babyrobot_levels.language.suite import SuiteFields, split_ranges
+from babyrobot_levels.language.walls import Maze
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.mazes.draws import below
 
 SEED_BITS = 48
 """Mazes have seeds of so many bits: too many for two levels to draw the same one."""

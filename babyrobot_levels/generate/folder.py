@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from babyrobot_levels.errors import BabyRobotError
-from babyrobot_levels.files import SUFFIXES, write_text
 from babyrobot_levels.generate.order import Order, origin_of
 from babyrobot_levels.generate.workers import Task, made_levels
-from babyrobot_levels.spec.suite import split_ranges
+from babyrobot_levels.language.suite import split_ranges
+from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.files import SUFFIXES, write_text
 
 HEAD = 200
 """So many characters at the beginning of a file say of which order it is."""

@@ -9,10 +9,10 @@ from functools import cached_property
 from hashlib import sha256
 
 from babyrobot_levels.generate.candidates import Maker
-from babyrobot_levels.level import Level
-from babyrobot_levels.plain import plain
-from babyrobot_levels.spec.base import SLUG
-from babyrobot_levels.spec.suite import SuiteFields
+from babyrobot_levels.language.base import SLUG
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.library.level import Level
 
 FORMAT_VERSION = 1
 """Counts up when the same order would give other files."""

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
-from babyrobot_levels.errors import BabyRobotError
 from babyrobot_levels.generate.candidates import Candidate, Maker
-from babyrobot_levels.level import Level
-from babyrobot_levels.spec.ranges import bounds, shown
-from babyrobot_levels.spec.suite import SuiteFields
+from babyrobot_levels.language.ranges import bounds, shown
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.errors import BabyRobotError
 
 MOST_TRIES, MOST_CELLS = 10_000, 10_000_000
 """The search for one level ends after so many tries, or when so many cells were drawn."""

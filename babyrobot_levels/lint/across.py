@@ -7,16 +7,16 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from zlib import crc32
 
-from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import read_document
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.registry import rule_of
 from babyrobot_levels.lint.rule import Finding, Rule
 from babyrobot_levels.lint.rules import same_game
 from babyrobot_levels.lint.runner import diagnostic_of, is_silenced
-from babyrobot_levels.reading import read_document
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
 
 
 def likeness(level: Level) -> int:

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.grid import BIT, Grid
-from babyrobot_levels.level import Level
+from babyrobot_levels.language.walls import Opening, Wall
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.drawn import count_drawn
-from babyrobot_levels.spec.walls import Opening, Wall
+from babyrobot_levels.mdp.grid import BIT, Grid
 
 Flags = NDArray[np.bool_]
 Numbers = NDArray[np.int32]

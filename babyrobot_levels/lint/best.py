@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from babyrobot_levels.lint.reach import Ways
-from babyrobot_levels.solver.errors import NoTotalError, TooLongError
-from babyrobot_levels.solver.optimum import solve
+from babyrobot_levels.analysis.solver.errors import NoTotalError, TooLongError
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.mdp.reachability import Ways
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
-    from babyrobot_levels.lint.reach import Reach
-    from babyrobot_levels.mdp import Mdp
-    from babyrobot_levels.solver.results import Solution
+    from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.reachability import Reach
+    from babyrobot_levels.mdp.tables import Mdp
 
 MAX_SOLVED = 5_000
 """Levels of more cells are not solved: that could take seconds."""

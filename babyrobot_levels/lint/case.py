@@ -7,25 +7,25 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.grid import Grid, build_grid
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.drawn import Mark, cell_mark
 from babyrobot_levels.lint.rule import Route, Rule
 from babyrobot_levels.lint.silence import MARK, Silence, silences
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.syntax.comments import Comment, comments
-from babyrobot_levels.syntax.document import Document
+from babyrobot_levels.mdp.grid import Grid, build_grid
+from babyrobot_levels.text.comments import Comment, comments
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.lint.barriers import Barriers
     from babyrobot_levels.lint.effects import AreaEffect
     from babyrobot_levels.lint.ground import Ground
-    from babyrobot_levels.lint.reach import Reach
-    from babyrobot_levels.mdp import Mdp
-    from babyrobot_levels.solver.results import Solution
+    from babyrobot_levels.mdp.reachability import Reach
+    from babyrobot_levels.mdp.tables import Mdp
 
 
 class Case:
@@ -88,7 +88,7 @@ class Case:
     @cached_property
     def reach(self) -> Reach:
         """Which cells can be reached, and from which cells the end can be."""
-        from babyrobot_levels.lint.reach import reach_of
+        from babyrobot_levels.mdp.reachability import reach_of
 
         return reach_of(self.level, self.mdp)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.files import ReadFault, read_source
+from babyrobot_levels.library.reading import errors_of
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import lint_file, lint_source
 from babyrobot_levels.lint.settings import settings_for
-from babyrobot_levels.reading import errors_of
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.source import SourceFile
 
 
 def check(path_or_text: str | Path, *, lint: bool = False) -> list[Diagnostic]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 
 Mark = tuple[int, int, int]
 """Line and character of the drawing's text (from 0), and how many characters."""

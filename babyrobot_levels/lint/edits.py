@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from babyrobot_levels.diagnostics import Edit, Fix
 from babyrobot_levels.lint.rule import Route
-from babyrobot_levels.source import Position, SourceFile, Span
-from babyrobot_levels.syntax.document import Document, Node
-from babyrobot_levels.syntax.emitter import flow
+from babyrobot_levels.text.diagnostics import Edit, Fix
+from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.emitter import flow
+from babyrobot_levels.text.source import Position, SourceFile, Span
 
 
 def replace(document: Document, route: Route, text: str) -> Edit:

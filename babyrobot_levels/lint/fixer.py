@@ -6,10 +6,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.diagnostics import Diagnostic, Edit, Fix
 from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.lint.runner import Report, lint_source
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix
+from babyrobot_levels.text.source import SourceFile
 
 MAX_ROUNDS = 20
 """A fix may lay bare another; rules that undo each other's fixes would never end."""

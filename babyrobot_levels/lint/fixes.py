@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Sequence
 
-from babyrobot_levels.diagnostics import Edit, Fix
 from babyrobot_levels.lint.edits import remove
 from babyrobot_levels.lint.rule import Route
-from babyrobot_levels.source import Position, Span
-from babyrobot_levels.syntax.document import Document, Node
+from babyrobot_levels.text.diagnostics import Edit, Fix
+from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.source import Position, Span
 
 
 def removal(document: Document, message: str, *routes: Route, safe: bool = True) -> Fix | None:

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.language.cells import Area, SkidLike, as_skid
 from babyrobot_levels.lint.drawn import count_drawn
 from babyrobot_levels.lint.effects import AreaEffect, Effect
-from babyrobot_levels.spec.cells import Area, SkidLike, as_skid
 
 if TYPE_CHECKING:
     from babyrobot_levels.lint.case import Case

@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.rule import Needs, Rule
+from babyrobot_levels.text.diagnostics import Severity
 
 
 @cache

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from enum import Enum, auto
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.diagnostics import Fix, Severity
-from babyrobot_levels.source import Span
+from babyrobot_levels.text.diagnostics import Fix, Severity
+from babyrobot_levels.text.source import Span
 
 if TYPE_CHECKING:
     from babyrobot_levels.lint.case import Case

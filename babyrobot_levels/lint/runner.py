@@ -7,17 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.diagnostics import Diagnostic, Severity
-from babyrobot_levels.files import ReadFault, read_source
-from babyrobot_levels.level import Level
+from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.language.validation import diagnostic, from_yaml
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import is_suite, read_document, read_suite
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs, Rule
-from babyrobot_levels.loader import diagnostic, from_yaml
-from babyrobot_levels.reading import is_suite, read_document, read_suite
-from babyrobot_levels.source import SourceFile, Span
-from babyrobot_levels.spec.problem import Problem
-from babyrobot_levels.syntax.document import YamlFault
-from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.text.diagnostics import Diagnostic, Severity
+from babyrobot_levels.text.document import YamlFault
+from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile, Span
 
 
 @dataclass(frozen=True, slots=True)

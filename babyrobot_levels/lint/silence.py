@@ -7,9 +7,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from babyrobot_levels.lint.rule import Rule
-from babyrobot_levels.source import Span
-from babyrobot_levels.syntax.comments import Comment
-from babyrobot_levels.syntax.document import Document
+from babyrobot_levels.text.comments import Comment
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.source import Span
 
 MARK = "babyrobot:"
 """What every silencing comment has in it."""

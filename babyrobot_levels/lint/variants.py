@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.compiler import compile_mdp
-from babyrobot_levels.digest import digest
-from babyrobot_levels.level import Level
-from babyrobot_levels.mdp import Mdp
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.compiler import compile_mdp
+from babyrobot_levels.mdp.digest import digest
+from babyrobot_levels.mdp.tables import Mdp
 
 MAX_VARIANTS = 50
 """A rule compiles no more variants of a level than this."""

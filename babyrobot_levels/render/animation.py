@@ -7,22 +7,22 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.actions import Action
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.film import film_of, laid
 from babyrobot_levels.render.gif import Frame, Patch, encoded
 from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.scene.build import build_base
+from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
+from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlays.notes import panel_texts
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import number
-from babyrobot_levels.scene.build import build_base
-from babyrobot_levels.scene.layout import CELL, Layout, layout_of, panel_width
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.overlays.notes import panel_texts
-from babyrobot_levels.scene.panels import compass_shapes, panel_shapes
-from babyrobot_levels.scene.pose import STANDING, Pose, pose_of
-from babyrobot_levels.scene.robot import robot_shapes
-from babyrobot_levels.scene.shapes import Scene
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.film import Film
 
 MAX_SIDE = 800

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.grid import Grid
+from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.render.colors import Rgb, over
-from babyrobot_levels.scene.walls import GLASS
+from babyrobot_levels.render.scene.walls import GLASS
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 Style = tuple[Rgb, Rgb]
 """The colours of a character and of its ground."""

@@ -11,8 +11,8 @@ from typing import Any
 from ipycanvas import Canvas, MultiCanvas, hold_canvas  # type: ignore[import-untyped]
 
 from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.render.svg import FONT
-from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
 
 _ALIGN = {"start": "left", "middle": "center", "end": "right"}
 _SPACES = re.compile("[ \t\r\n]+")

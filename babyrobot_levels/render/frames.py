@@ -11,17 +11,17 @@ import numpy as np
 
 from babyrobot_levels.render.film import film_of, laid
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_layers
-from babyrobot_levels.scene.layout import CELL, Layout, layout_of
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.pose import STANDING, Pose
-from babyrobot_levels.scene.robot import robot_shapes
-from babyrobot_levels.scene.shapes import Scene
+from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
+from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.pose import STANDING, Pose
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Scene
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.film import Film
 
     _Patch = tuple[slice, slice, NDArray[np.uint8]]

@@ -13,12 +13,12 @@ import json
 import zlib
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.share_code import PLAY_MARK, share_code
+from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.render.pagedata import Guide, TooLargeError, page_data
-from babyrobot_levels.share import PLAY_MARK, share_code
-from babyrobot_levels.share_dictionary import PLAY_DICTIONARY_1
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 PLAY_VERSION = 1
 """The version of play parts: a page reads those of its own."""

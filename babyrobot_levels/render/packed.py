@@ -23,9 +23,9 @@ from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.scene.layout import CELL
-from babyrobot_levels.scene.paths import Point, smooth
-from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.paths import Point, smooth
+from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
 
 RECT, ELLIPSE, PATH, TEXT, AGAIN = range(5)
 """The kinds of shapes."""

@@ -15,6 +15,8 @@ from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.share_code import VERSION
+from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.render.link import MAX_UNPACKED, PLAY_VERSION
 from babyrobot_levels.render.pagedata import (
     LAYERS,
@@ -26,16 +28,14 @@ from babyrobot_levels.render.pagedata import (
     title_of,
     without_panels,
 )
+from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
-from babyrobot_levels.scene.build import build_layers
-from babyrobot_levels.scene.layout import CELL
-from babyrobot_levels.scene.robot import robot_shapes
-from babyrobot_levels.scene.shapes import Scene
-from babyrobot_levels.share import VERSION
-from babyrobot_levels.share_dictionary import PLAY_DICTIONARY_1
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
 """The page's script, in the order in which its parts need each other."""

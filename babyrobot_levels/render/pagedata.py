@@ -11,18 +11,18 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.render.packed import Palette, hexadecimal, pack
 from babyrobot_levels.render.playable import CHEER, EVENTS, PHASES, POSES, playable
+from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.layout import CELL, layout_of
+from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.pose import Pose
+from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.svg import number
-from babyrobot_levels.scene.build import build_layers
-from babyrobot_levels.scene.layout import CELL, layout_of
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.pose import Pose
-from babyrobot_levels.scene.robot import robot_shapes
-from babyrobot_levels.spec.looks import Colors, Theme
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.actions import NUM_ACTIONS, Action
-from babyrobot_levels.mdp import GLASS, REFUSED
-from babyrobot_levels.scene.layout import layout_of
-from babyrobot_levels.scene.pose import STANDING, Mood, Pose, pose_of
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.tables import GLASS, REFUSED
+from babyrobot_levels.render.scene.layout import layout_of
+from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
-    from babyrobot_levels.mdp import Mdp
+    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.tables import Mdp
 
 EVENTS = ("stay", "move", "carried", "bump", "skid", "bounce")
 """What a step can come to: warps and wind carry the robot, walls bump him, glass bounces him."""

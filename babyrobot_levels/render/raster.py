@@ -12,7 +12,7 @@ from PIL import Image, ImageDraw
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.flatten import Polyline, dashes, polylines
 from babyrobot_levels.render.pen import Pen
-from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
 
 if TYPE_CHECKING:
     from collections.abc import Callable

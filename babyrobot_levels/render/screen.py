@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.scene.shapes import Scene
+from babyrobot_levels.render.scene.shapes import Scene
 
 MAX_SIDE = 2048
 """A picture is shown at most this many pixels wide and high; larger ones are made smaller."""

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from xml.sax.saxutils import escape, quoteattr
 
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
 
 FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

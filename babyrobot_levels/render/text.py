@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from babyrobot_levels import drawing as d
-from babyrobot_levels.grid import BIT, Grid
-from babyrobot_levels.spec.moves import shifts
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.mdp.grid import BIT, Grid
 
 if TYPE_CHECKING:
-    from babyrobot_levels.level import Level
-    from babyrobot_levels.spec.level import LevelFields
+    from babyrobot_levels.language.level import LevelFields
+    from babyrobot_levels.library.level import Level
 
 ROBOT = "☻"
 TO_START = "↻"

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from support.sessions import Result, environment, run_here, run_there
 
-from babyrobot_levels import files
+from babyrobot_levels.text import files
 
 UNTIDY = "size: [3,3]\nversion: 1 # one\n"
 TIDY = "version: 1  # one\nsize: [3, 3]\n"

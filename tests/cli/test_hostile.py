@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from support.sessions import Result, environment, run_here, run_there
 
-from babyrobot_levels import files, reading
+from babyrobot_levels.library import reading
+from babyrobot_levels.text import files
 
 LONG = "x" * 300 + ".yaml"
 ESCAPE = "\x1b]0;owned\x07\x1b[31m\x9b1m\u202e\r"

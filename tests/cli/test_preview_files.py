@@ -13,16 +13,16 @@ from typing import Any
 import numpy as np
 import pytest
 from PIL import Image, ImageSequence
+from support.places import DOCS
 from support.sessions import Result, environment, run_here
 
-from babyrobot_levels.catalogue import load
+from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.cli.pictures import MAX_STEPS
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.animation import Step, to_gif
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.solver.optimum import solve
 
-DOCS = Path(__file__).parents[2] / "docs"
 HEAD = "version: 1\nsize: [3, 1]\n"
 ENDLESS = HEAD + "exit: none\n"
 WITHOUT_ANSWER = (

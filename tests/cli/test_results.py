@@ -16,10 +16,10 @@ import pytest
 from PIL import Image
 from support.sessions import Result, environment, prepared_folder, run_here
 
-from babyrobot_levels.catalogue import levels, load
 from babyrobot_levels.cli.print_schema import schema_text
-from babyrobot_levels.maze import ALGORITHMS
-from babyrobot_levels.reading import load_file
+from babyrobot_levels.library.catalogue import levels, load
+from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.mdp.mazes import ALGORITHMS
 
 GALLERY = [info.name for info in levels() if not load(info.name).has_random_maze]
 

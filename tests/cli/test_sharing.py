@@ -10,8 +10,8 @@ from urllib.request import url2pathname
 import pytest
 from support.sessions import Result, environment, run_here
 
-from babyrobot_levels.catalogue import levels, load
-from babyrobot_levels.reading import load_file
+from babyrobot_levels.library.catalogue import levels, load
+from babyrobot_levels.library.reading import load_file
 
 NAMES = [info.name for info in levels()]
 

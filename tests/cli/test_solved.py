@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from support.sessions import Result, environment, run_here
 
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.solver.optimum import solve
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.library.catalogue import load
 
 HEAD = "version: 1\nsize: [3, 1]\n"
 CANCELLING = (

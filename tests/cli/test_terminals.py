@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from support.sessions import FILES, environment
 
-from babyrobot_levels.catalogue import load
+from babyrobot_levels.library.catalogue import load
 
 pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
 

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.conversions import level_of_world, world_of
+from support.places import TESTS
 from support.worlds import level_of
 
 import babyrobot_levels as brl
@@ -20,9 +21,7 @@ from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import setup_of, write_setup
 from babyrobot_levels.convert.conversion import ConversionError
 
-RECORD = json.loads(
-    (Path(__file__).parents[1] / "oracles" / "babyrobot.json").read_text(encoding="utf-8")
-)["levels"]
+RECORD = json.loads((TESTS / "oracles" / "babyrobot.json").read_text(encoding="utf-8"))["levels"]
 
 Setup = dict[str, Any]
 

@@ -19,9 +19,9 @@ from babyrobot_levels.cli.export_level import ExportFormat
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, fields_lost
 from babyrobot_levels.convert.file_text import file_text
 from babyrobot_levels.convert.formats import FORMATS, export, guess
-from babyrobot_levels.formatting.formatter import format_text
-from babyrobot_levels.level import Level
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.language.formatting.formatter import format_text
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
 
 each_format = pytest.mark.parametrize("name", FORMATS)
 

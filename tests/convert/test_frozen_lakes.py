@@ -14,7 +14,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
 from babyrobot_levels.convert.formats import export, guess
 from babyrobot_levels.convert.frozen_lake import read_frozen_lake
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.source import SourceFile
 
 LAKES: dict[str, list[str]] = {
     **MAPS,

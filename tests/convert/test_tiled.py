@@ -23,7 +23,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
 from babyrobot_levels.convert.formats import export
 from babyrobot_levels.convert.tiled.reading import read_tiled
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.source import SourceFile
 
 SAVED = (SAMPLES / "saved-by-tiled.tmj").read_text(encoding="utf-8")
 

@@ -10,10 +10,10 @@ import pytest
 from support.subprocesses import python
 
 import babyrobot_levels as brl
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.svg import to_svg
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.scene.info import overlay_from
-from babyrobot_levels.scene.pose import Pose
 
 RUNNER = """
 import json, sys

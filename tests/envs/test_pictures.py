@@ -15,11 +15,11 @@ from support.playing import level_named, plain
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.frames import FramePainter
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
 from babyrobot_levels.render.text import unicode_drawing
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.scene.info import overlay_from
-from babyrobot_levels.scene.pose import Mood, Pose
 
 N, E, S, W = brl.Action.NORTH, brl.Action.EAST, brl.Action.SOUTH, brl.Action.WEST
 

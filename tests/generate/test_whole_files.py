@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from babyrobot_levels.files import write_text
+from babyrobot_levels.text.files import write_text
 
 
 def test_ctrl_c_waits_until_the_file_is_whole(

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 
-from babyrobot_levels.diagnostics import Edit, Fix, Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.edits import remove, replace
 from babyrobot_levels.lint.fixer import apply, fix
 from babyrobot_levels.lint.rule import Finding, Needs, Rule
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.syntax.reader import read
+from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
 
 Route = tuple[str | int, ...]
 

@@ -9,12 +9,12 @@ import pytest
 
 import babyrobot_levels
 from babyrobot_levels.cli.rule_pages import documents
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.pages import all_pages, page_of, titles
 from babyrobot_levels.lint.registry import all_rules, select
 from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.lint.runner import lint_source
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import Severity
+from babyrobot_levels.text.source import SourceFile
 
 PACKAGE = Path(babyrobot_levels.__file__).parent
 DOCS = PACKAGE.parent / "docs" / "rules"

@@ -6,13 +6,13 @@ import re
 
 import pytest
 
-from babyrobot_levels.diagnostics import Diagnostic, Fix
 from babyrobot_levels.lint.fixer import apply
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.rule import Needs, Rule
 from babyrobot_levels.lint.rules import same_game
 from babyrobot_levels.lint.runner import lint_source
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import Diagnostic, Fix
+from babyrobot_levels.text.source import SourceFile
 
 RULES = all_rules()
 PLAY = [rule for rule in RULES if rule.code < "BR6"]

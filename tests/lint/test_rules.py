@@ -5,15 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from support.places import GALLERY_FOLDER
 from support.reports import GOOD, LINT_BAD, LINT_GOOD, RULES, lint_report, linted
 
-from babyrobot_levels.files import read_source
 from babyrobot_levels.lint.fixer import apply, fix
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.runner import lint_source
+from babyrobot_levels.text.files import read_source
 
 PLAY = [rule for rule in all_rules() if rule.code < "BR6" and rule.check is not None]
-GALLERY = sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
+GALLERY = sorted(GALLERY_FOLDER.rglob("*.yaml"))
 
 
 def name(path: Path) -> str:

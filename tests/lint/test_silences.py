@@ -8,7 +8,7 @@ import pytest
 
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import lint_source
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.source import SourceFile
 
 
 def codes(text: str, rules: list[str]) -> list[str]:

@@ -11,14 +11,14 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image, ImageSequence
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.animation import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_base, build_scene
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.pose import STANDING, pose_of
+from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.pose import STANDING, pose_of
 
 PER_STEP = 5
 """Frames of a step: four on the way, and the arrival."""

@@ -9,14 +9,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render import frames
 from babyrobot_levels.render.frames import FramePainter, default_image_size
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.scene.overlays import Note, Overlay
-from babyrobot_levels.scene.pose import Mood, Pose
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.pose import Mood, Pose
 
 
 def level(**fields: Any) -> Any:

@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.actions import Action
-from babyrobot_levels.learning import value_iteration
-from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.scene.info import overlay_from
-from babyrobot_levels.scene.overlays import Note, Overlay
-from babyrobot_levels.scene.shapes import Text
+from babyrobot_levels.analysis.learning import value_iteration
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.shapes import Text
 
 N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
 

@@ -14,14 +14,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.worlds import World, decorated_worlds, level_of
 
-from babyrobot_levels.catalogue import levels, load
 from babyrobot_levels.cli.answers import guide_of
-from babyrobot_levels.errors import LevelError, LevelNotFoundError
-from babyrobot_levels.level import Level
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
+from babyrobot_levels.library.catalogue import levels, load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.link import MAX_LINK, link_fragment
 from babyrobot_levels.render.pagedata import TooLargeError, page_data
-from babyrobot_levels.share_dictionary import PLAY_DICTIONARY_1
+from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 
 NAMES = [info.name for info in levels()]
 SMALL = 25

@@ -19,18 +19,19 @@ import numpy as np
 import pytest
 import resvg_py
 from PIL import Image, ImageFont
+from support.places import GALLERY_FOLDER
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.level import Level
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.pose import Mood, Pose
+from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import to_svg
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.scene.info import overlay_from
-from babyrobot_levels.scene.pose import Mood, Pose
-from babyrobot_levels.scene.shapes import Scene
-from babyrobot_levels.spec.looks import BUILTIN_THEMES
 
 BOLD = re.compile(r'font-size="([\d.]+)" font-weight="bold"(.*?)fill="(.*?)"')
 
@@ -39,7 +40,7 @@ SHARE = 0.02
 
 GALLERY = [
     path
-    for path in sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
+    for path in sorted(GALLERY_FOLDER.rglob("*.yaml"))
     if path.parent.name not in ("themes", "suites")
 ]
 

@@ -8,18 +8,18 @@ from typing import Any
 
 import pytest
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.flatten import polylines
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_layers, build_scene
-from babyrobot_levels.scene.layout import CELL, COMPASS, layout_of
-from babyrobot_levels.scene.overlays import Note, Overlay
-from babyrobot_levels.scene.overlays.draw import overlay_shapes
-from babyrobot_levels.scene.overlays.numbers import short
-from babyrobot_levels.scene.shapes import Path, Rect, Shape, Text
-from babyrobot_levels.scene.texts import coordinate_texts, end_texts, label_shapes
-from babyrobot_levels.spec.looks import BUILTIN_THEMES
+from babyrobot_levels.render.scene.build import build_layers, build_scene
+from babyrobot_levels.render.scene.layout import CELL, COMPASS, layout_of
+from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
+from babyrobot_levels.render.scene.overlays.numbers import short
+from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 
 N, E, S, W = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST
 EVERY = tuple(Action)

@@ -12,15 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import embedded_json, to_html
 from babyrobot_levels.render.pagedata import Guide, facts
 from babyrobot_levels.render.playable import CHEER, EVENTS, POSES, playable
-from babyrobot_levels.scene.overlays import Overlay
-from babyrobot_levels.scene.pose import Mood, Pose, pose_of
-from babyrobot_levels.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
+from babyrobot_levels.render.scene.robot import robot_shapes
 
 VOID = {"meta", "link", "input"}
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"

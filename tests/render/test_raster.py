@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.language.color import NAMES
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
-from babyrobot_levels.scene.build import build_base, build_scene
-from babyrobot_levels.scene.paths import curve, polyline
-from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
-from babyrobot_levels.spec.color import NAMES
-from babyrobot_levels.spec.looks import BUILTIN_THEMES
+from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.paths import curve, polyline
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
 
 WHITE = (255, 255, 255)
 

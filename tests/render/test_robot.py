@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.flatten import polylines
 from babyrobot_levels.render.raster import to_rgb
-from babyrobot_levels.scene.build import build_base, build_scene
-from babyrobot_levels.scene.layout import CELL
-from babyrobot_levels.scene.pose import STANDING, Mood, Pose, pose_of
-from babyrobot_levels.scene.robot import robot_shapes
-from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
-from babyrobot_levels.spec.looks import BUILTIN_THEMES, Theme
+from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
 
 POSES = [Pose(facing, mood) for mood in Mood for facing in Action]
 WIDTH = 5

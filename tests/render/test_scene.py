@@ -8,16 +8,16 @@ from typing import Any
 
 import pytest
 
-from babyrobot_levels.actions import Action
-from babyrobot_levels.errors import LevelError
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.flatten import polylines
-from babyrobot_levels.scene.build import build_base, build_layers, build_scene
-from babyrobot_levels.scene.layout import CELL, COMPASS
-from babyrobot_levels.scene.overlays import Note, Overlay
-from babyrobot_levels.scene.pose import Pose
-from babyrobot_levels.scene.runs import rectangles, runs
-from babyrobot_levels.scene.shapes import Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.build import build_base, build_layers, build_scene
+from babyrobot_levels.render.scene.layout import CELL, COMPASS
+from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.pose import Pose
+from babyrobot_levels.render.scene.runs import rectangles, runs
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.text.errors import LevelError
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""

@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from renew_golden import FOLDER, pictures, svg
+from renew.golden import FOLDER, pictures, svg
+from support.places import GALLERY_FOLDER
 
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
 from babyrobot_levels.render.svg import number, to_svg
-from babyrobot_levels.scene.build import build_base, build_scene
-from babyrobot_levels.scene.shapes import Rect, Scene, Text
 
 SVG = "{http://www.w3.org/2000/svg}"
 SHAPES = {"rect", "ellipse", "path", "text"}
@@ -33,7 +34,7 @@ def level(**fields: Any) -> Any:
 @pytest.mark.parametrize("name", pictures())
 def test_the_picture_is_the_one_that_was_looked_at(name: str) -> None:
     expected = (FOLDER / f"{name}.svg").read_text(encoding="utf-8")
-    assert svg(name) == expected, "if that is meant: python tests/render/renew_golden.py"
+    assert svg(name) == expected, "if that is meant: PYTHONPATH=tests python -m renew.golden"
 
 
 def test_every_picture_that_was_looked_at_is_compared() -> None:
@@ -101,7 +102,7 @@ def test_no_number_has_more_than_two_decimals() -> None:
 
 LEVELS = [
     path
-    for path in sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
+    for path in sorted(GALLERY_FOLDER.rglob("*.yaml"))
     if path.parent.name not in ("themes", "suites")
 ]
 
@@ -125,9 +126,9 @@ def test_the_base_lacks_the_robot_and_nothing_else() -> None:
 def test_painting_svg_loads_neither_numpy_nor_pillow() -> None:
     code = (
         "import sys\n"
-        "from babyrobot_levels.reading import from_mapping\n"
+        "from babyrobot_levels.library.reading import from_mapping\n"
         "from babyrobot_levels.render.svg import to_svg\n"
-        "from babyrobot_levels.scene.build import build_scene\n"
+        "from babyrobot_levels.render.scene.build import build_scene\n"
         "to_svg(build_scene(from_mapping({'version': 1, 'maze': {'seed': 1}})))\n"
         "print(sorted({'numpy', 'PIL', 'gymnasium', 'ipycanvas'} & sys.modules.keys()))\n"
     )

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.text import unicode_drawing
 
 ESCAPE = re.compile(r"\x1b\[[\d;]*m")

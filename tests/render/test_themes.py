@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
 from babyrobot_levels.render.colors import Rgb, over, rgba
-from babyrobot_levels.spec.looks import BUILTIN_THEMES, Colors
 
 GRAPHICS = 3.0
 TEXT = 4.5

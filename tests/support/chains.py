@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.mdp import Mdp
+from babyrobot_levels.mdp.tables import Mdp
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.convert.conversion import World
 from babyrobot_levels.convert.formats import FORMATS
-from babyrobot_levels.level import Level
-from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.text.source import SourceFile
+from support.places import TESTS
 
-SAMPLES = Path(__file__).parents[1] / "convert" / "samples"
+SAMPLES = TESTS / "convert" / "samples"
 
 
 def sample(name: str) -> dict[str, Any]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.diagnostics import Diagnostic, Edit, Fix, Severity
-from babyrobot_levels.source import Position, SourceFile, Span
+from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix, Severity
+from babyrobot_levels.text.source import Position, SourceFile, Span
 from support.reports import BAD, read
 
 REAL = [diagnostic for path in BAD for diagnostic in read(path)[1]]

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 from support.worlds import level_of, worlds
 
 ENGINES = ("numpy", "compiled")

@@ -6,7 +6,7 @@ import random
 import re
 from typing import Any
 
-from babyrobot_levels.syntax.emitter import scalar
+from babyrobot_levels.text.emitter import scalar
 
 COMMENTS = ("# {}", "#{}", "#  {}  ", "#: {}", "## {}", '# {} "it\'s" [1, {{', "# {}: - x", "#\t{}")
 

@@ -16,6 +16,7 @@ from typing import Any
 from jupyter_client.kernelspec import KernelSpecManager
 from jupyter_client.manager import KernelManager
 
+from support.places import TESTS
 from support.subprocesses import HOME
 
 Message = tuple[str, dict[str, Any]]
@@ -38,7 +39,7 @@ def run_cells(*cells: str, person: bool, home: Path) -> list[list[Message]]:
             **os.environ,
             "HOME": str(home),
             "IPYTHONDIR": str(home),
-            "PYTHONPATH": os.pathsep.join([str(HOME), str(Path(__file__).parents[1])]),
+            "PYTHONPATH": os.pathsep.join([str(HOME), str(TESTS)]),
         },
         capture_output=True,
         text=True,

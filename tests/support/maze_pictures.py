@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from statistics import mean
 
-from babyrobot_levels.level import Level
-from babyrobot_levels.maze import ALGORITHMS, carve_many
-from babyrobot_levels.measures.metrics import metrics
+from babyrobot_levels.analysis.metrics import metrics
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.mazes import ALGORITHMS, carve_many
+from support.places import DOCS
 
-DOCUMENT = Path(__file__).parents[2] / "docs" / "mazes.md"
+DOCUMENT = DOCS / "mazes.md"
 FOLDER = DOCUMENT.parent / "images" / "mazes"
 
 THEME = {

@@ -5,15 +5,11 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
+from support.places import GALLERY_FOLDER
 from support.reports import BAD, GOOD
 
-GALLERY = sorted(
-    path
-    for path in (Path(__file__).parents[2] / "levels").rglob("*.yaml")
-    if path.parent.name != "suites"
-)
+GALLERY = sorted(path for path in GALLERY_FOLDER.rglob("*.yaml") if path.parent.name != "suites")
 
 WHOLE, BROKEN = (
     [path.read_bytes() for path in paths if path.stat().st_size < 2000]

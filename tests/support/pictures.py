@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import FloatRect, Locator
 
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.colors import Rgb, over, rgba
-from babyrobot_levels.scene.layout import CELL, Layout, layout_of
+from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
 
 Pixels = NDArray[np.uint8]
 Cell = tuple[int, int]

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import gymnasium
 import numpy as np
 
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from support.places import GALLERY_FOLDER
 
 Env = gymnasium.Env[Any, Any]
 Table = dict[int, dict[int, list[tuple[float, int, float, bool]]]]
@@ -19,7 +19,7 @@ Step = tuple[Any, ...]
 
 GALLERY = {
     path.stem: path
-    for path in sorted((Path(__file__).parents[2] / "levels").rglob("*.yaml"))
+    for path in sorted(GALLERY_FOLDER.rglob("*.yaml"))
     if path.parent.name not in ("themes", "suites")
 }
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from babyrobot_levels.diagnostics import Diagnostic
-from babyrobot_levels.files import ReadFault, read_source
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.lint.registry import find
 from babyrobot_levels.lint.runner import lint_source
-from babyrobot_levels.reading import read_level
+from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.files import ReadFault, read_source
+from support.places import TESTS
 
-LEVELS = Path(__file__).parents[1] / "levels"
+LEVELS = TESTS / "levels"
 GOOD = sorted((LEVELS / "good").glob("*.yaml"))
 BAD = sorted((LEVELS / "bad").glob("*.yaml"))
-RULES = Path(__file__).parents[1] / "lint" / "rules"
+RULES = TESTS / "lint" / "rules"
 LINT_GOOD = sorted(RULES.glob("*/good-*.yaml"))
 LINT_BAD = sorted(RULES.glob("*/bad-*.yaml"))
 

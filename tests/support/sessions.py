@@ -27,11 +27,12 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-from babyrobot_levels.places import gallery_folder
+from babyrobot_levels.library.search_path import gallery_folder
+from support.places import ROOT, TESTS
 
-FOLDER = Path(__file__).parents[1] / "cli" / "expected"
-FILES = Path(__file__).parents[1] / "cli" / "files"
-USER = Path(__file__).parents[1] / "cli" / "user"
+FOLDER = TESTS / "cli" / "expected"
+FILES = TESTS / "cli" / "files"
+USER = TESTS / "cli" / "user"
 HOME = Path(gallery_folder().parent)
 MODULE = "python -m babyrobot_levels"
 
@@ -57,7 +58,7 @@ def environment(folder: Path, **more: str) -> dict[str, str]:
         and name not in ("NO_COLOR", "FORCE_COLOR", "TERM", "COLUMNS", "PYTHONIOENCODING")
     }
     nobody = str(folder / "nobody")
-    package = str(Path(__file__).parents[2])
+    package = str(ROOT)
     return {
         **kept,
         "HOME": nobody,

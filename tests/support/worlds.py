@@ -7,11 +7,11 @@ from typing import Any
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 
-from babyrobot_levels import drawing as d
-from babyrobot_levels.level import Level
-from babyrobot_levels.loader import parse as parse_text
-from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.validation import parse as parse_text
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.text.source import SourceFile
 
 World = dict[str, Any]
 Cell = tuple[int, int]

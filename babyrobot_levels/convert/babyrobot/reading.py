@@ -24,11 +24,11 @@ from babyrobot_levels.convert.conversion import (
     World,
     shown,
 )
-from babyrobot_levels.level import Level
-from babyrobot_levels.plain import plain
-from babyrobot_levels.reading import from_mapping
-from babyrobot_levels.spec.base import MAX_SIZE
-from babyrobot_levels.suggest import did_you_mean
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.text.suggest import did_you_mean
 
 Cell = tuple[int, int]
 

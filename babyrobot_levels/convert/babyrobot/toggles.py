@@ -9,8 +9,8 @@ from typing import Any
 from babyrobot_levels.convert.checked import color, integers, mapping, number, probability, sequence
 from babyrobot_levels.convert.conversion import ConversionError, Lost, shown
 from babyrobot_levels.convert.edges import Edge, edge_of, in_rows, is_inner
-from babyrobot_levels.grid import BIT
-from babyrobot_levels.maze import carve
+from babyrobot_levels.mdp.grid import BIT
+from babyrobot_levels.mdp.mazes import carve
 
 Place = tuple[int, int, str, Edge]
 """A cell, the side of it, and the edge that this is."""

@@ -25,9 +25,9 @@ from babyrobot_levels.convert.edges import (
     wall_looks,
 )
 from babyrobot_levels.convert.marks import SPATIAL, UNLIKE
-from babyrobot_levels.level import Level
-from babyrobot_levels.spec.cells import as_skid
-from babyrobot_levels.spec.looks import BUILTIN_THEMES, Panel
+from babyrobot_levels.language.cells import as_skid
+from babyrobot_levels.language.looks import BUILTIN_THEMES, Panel
+from babyrobot_levels.library.level import Level
 
 DEFAULT = BUILTIN_THEMES["default"]
 PLACE = "a setup of the package"

@@ -13,11 +13,11 @@ from babyrobot_levels.convert.data import read_data
 from babyrobot_levels.convert.edges import Edge, edge_of, in_rows
 from babyrobot_levels.convert.tiled.tiles import FAR, MAX_TILES, TileLayer, tile_layer
 from babyrobot_levels.convert.tiled.tilesets import CLASSES, Tilesets
-from babyrobot_levels.source import SourceFile
-from babyrobot_levels.spec.base import MAX_SIZE
-from babyrobot_levels.spec.level import LevelFields
-from babyrobot_levels.syntax.document import YamlFault
-from babyrobot_levels.syntax.reader import MAX_BYTES, read
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.text.document import YamlFault
+from babyrobot_levels.text.reader import MAX_BYTES, read
+from babyrobot_levels.text.source import SourceFile
 
 TEXTS = ("title", "description", "author", "license", "source")
 SPATIAL = frozenset(

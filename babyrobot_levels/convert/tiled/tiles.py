@@ -11,7 +11,7 @@ from typing import Any
 
 from babyrobot_levels.convert.checked import integer, mapping, sequence
 from babyrobot_levels.convert.conversion import ConversionError, shown
-from babyrobot_levels.spec.base import MAX_SIZE
+from babyrobot_levels.language.base import MAX_SIZE
 
 MAX_TILES = 4 * MAX_SIZE**2
 """As many tiles as four layers of the largest map have."""

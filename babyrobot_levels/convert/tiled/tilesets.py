@@ -11,9 +11,9 @@ from xml.parsers import expat
 from babyrobot_levels.convert.checked import integer, mapping, sequence
 from babyrobot_levels.convert.conversion import ConversionError, Lost, shown
 from babyrobot_levels.convert.data import MAX_DEPTH, read_data
-from babyrobot_levels.diagnostics import one_line
-from babyrobot_levels.files import ReadFault, read_source
-from babyrobot_levels.source import SourceFile
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.source import SourceFile
 
 CLASSES = ("start", "exit", "small-puddle", "large-puddle", "blocked")
 """The classes by which tiles say what they are, in the order of the tileset."""

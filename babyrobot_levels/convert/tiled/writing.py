@@ -10,13 +10,13 @@ from babyrobot_levels.convert.conversion import Conversion, Lost
 from babyrobot_levels.convert.edges import Edge, free_edges, in_rows, wall_at, wall_looks
 from babyrobot_levels.convert.tiled.reading import SPATIAL, TEXTS
 from babyrobot_levels.convert.tiled.tilesets import CLASSES
-from babyrobot_levels.level import Level
-from babyrobot_levels.plain import plain
-from babyrobot_levels.reading import from_mapping
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.raster import to_png
-from babyrobot_levels.scene.build import build_scene
-from babyrobot_levels.syntax.emitter import flow
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.text.emitter import flow
 
 PIXELS = 64
 """How wide and high a tile is."""

@@ -11,12 +11,12 @@ from gymnasium import error
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
-from babyrobot_levels.catalogue import load
-from babyrobot_levels.engine.arguments import whole_number
+from babyrobot_levels.envs.engine.arguments import whole_number
 from babyrobot_levels.envs.vector.families import Family, GrownMazes, SuiteLevels
 from babyrobot_levels.envs.vector.observations import largest_of
-from babyrobot_levels.level import Level
-from babyrobot_levels.suites import Suite
+from babyrobot_levels.generate.suites import Suite
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
 
 _INT = np.dtype(np.intp)
 _MOST = np.iinfo(np.int64).max

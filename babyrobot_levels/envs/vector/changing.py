@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.engine.arguments import limits_of
-from babyrobot_levels.engine.choice import make_engine
-from babyrobot_levels.engine.tables import build_tables
 from babyrobot_levels.envs.arguments import checked_start
+from babyrobot_levels.envs.engine.arguments import limits_of
+from babyrobot_levels.envs.engine.choice import make_engine
+from babyrobot_levels.envs.engine.tables import build_tables
 from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
 from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
 from babyrobot_levels.envs.vector.slots import Slots
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.robots import Engine
-    from babyrobot_levels.engine.tables import Ints, Tables
+    from babyrobot_levels.envs.engine.robots import Engine
+    from babyrobot_levels.envs.engine.tables import Ints, Tables
     from babyrobot_levels.envs.vector.arguments import Played
     from babyrobot_levels.envs.vector.observations import BatchObserver
     from babyrobot_levels.envs.vector.spaces import BatchActions

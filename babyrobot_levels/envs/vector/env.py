@@ -11,16 +11,16 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from babyrobot_levels.engine.arguments import checked_count
-from babyrobot_levels.engine.plain import begin
-from babyrobot_levels.engine.robots import Layout, Results, Robots
-from babyrobot_levels.engine.tables import masks_at, signs_of
 from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_image_size,
     checked_options,
     checked_start,
 )
+from babyrobot_levels.envs.engine.arguments import checked_count
+from babyrobot_levels.envs.engine.plain import begin
+from babyrobot_levels.envs.engine.robots import Layout, Results, Robots
+from babyrobot_levels.envs.engine.tables import masks_at, signs_of
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.pictures import RENDER_FPS
 from babyrobot_levels.envs.spaces import ACTION_SETS, make_action_space
@@ -36,7 +36,7 @@ from babyrobot_levels.envs.vector.observations import make_batch_observer
 from babyrobot_levels.envs.vector.spaces import BatchActions
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.tables import Ints, Tables
+    from babyrobot_levels.envs.engine.tables import Ints, Tables
     from babyrobot_levels.envs.single import LevelLike
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]

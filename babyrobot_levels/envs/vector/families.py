@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
-from babyrobot_levels.level import Level
-from babyrobot_levels.suites import Suite
+from babyrobot_levels.generate.suites import Suite
+from babyrobot_levels.library.level import Level
 
 
 class Family(Protocol):

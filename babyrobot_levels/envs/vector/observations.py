@@ -11,11 +11,11 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.padding import PaddedImageObserver, padded_space
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.robots import Results
-    from babyrobot_levels.engine.tables import Ints
+    from babyrobot_levels.envs.engine.robots import Results
+    from babyrobot_levels.envs.engine.tables import Ints
 
 _Thing = TypeVar("_Thing")
 

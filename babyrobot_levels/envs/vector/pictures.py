@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.vector.observations import LastOnes
-from babyrobot_levels.level import Level
+from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
     from babyrobot_levels.render.frames import FramePainter

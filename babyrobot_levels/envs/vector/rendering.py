@@ -15,10 +15,10 @@ from babyrobot_levels.envs.vector.pictures import Tiles
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
 
-    from babyrobot_levels.engine.robots import Robots
-    from babyrobot_levels.engine.tables import Tables
+    from babyrobot_levels.envs.engine.robots import Robots
+    from babyrobot_levels.envs.engine.tables import Tables
     from babyrobot_levels.envs.vector.slots import Slots
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 
 SETTABLE = ("np_random", "render_mode")

@@ -8,12 +8,12 @@ import numpy as np
 from gymnasium.utils import seeding
 from gymnasium.vector import VectorEnv
 
-from babyrobot_levels.engine.draws import OwnDraws, SharedDraws
+from babyrobot_levels.envs.engine.draws import OwnDraws, SharedDraws
 from babyrobot_levels.envs.vector.arguments import checked_seeds
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.draws import Draws
-    from babyrobot_levels.engine.tables import Ints
+    from babyrobot_levels.envs.engine.draws import Draws
+    from babyrobot_levels.envs.engine.tables import Ints
 
 
 class SeededVectorEnv(VectorEnv[Any, Any, Any]):

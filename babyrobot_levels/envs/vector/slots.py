@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.engine.slots import Room, Span, empty_tables, needed, write_level
-from babyrobot_levels.engine.tables import outcomes_of
+from babyrobot_levels.envs.engine.slots import Room, Span, empty_tables, needed, write_level
+from babyrobot_levels.envs.engine.tables import outcomes_of
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.tables import Ints, Outcomes, Tables
+    from babyrobot_levels.envs.engine.tables import Ints, Outcomes, Tables
     from babyrobot_levels.envs.vector.families import Family
     from babyrobot_levels.envs.vector.observations import BatchObserver
-    from babyrobot_levels.level import Level
+    from babyrobot_levels.library.level import Level
 
 KEPT_STATES = 2**19
 """Levels that may come again are kept as long as they have no more states than this together."""

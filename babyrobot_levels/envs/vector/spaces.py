@@ -8,12 +8,12 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.actions import NUM_ACTIONS
-from babyrobot_levels.engine.tables import masks_at
+from babyrobot_levels.envs.engine.tables import masks_at
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 
 if TYPE_CHECKING:
-    from babyrobot_levels.engine.robots import Robots
-    from babyrobot_levels.engine.tables import Words
+    from babyrobot_levels.envs.engine.robots import Robots
+    from babyrobot_levels.envs.engine.tables import Words
 
 
 class BatchActions(spaces.MultiDiscrete[Any]):

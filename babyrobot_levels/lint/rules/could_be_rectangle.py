@@ -36,11 +36,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-from babyrobot_levels.diagnostics import Fix, Severity
+from babyrobot_levels.language.cells import Rectangle
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.edits import merge
 from babyrobot_levels.lint.rule import Finding, Needs
-from babyrobot_levels.spec.cells import Rectangle
+from babyrobot_levels.text.diagnostics import Fix, Severity
 
 CODE, SEVERITY, NEEDS = "BR606", Severity.INFO, Needs.LEVEL
 

@@ -27,10 +27,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Fix, Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.edits import remove
 from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.text.diagnostics import Fix, Severity
 
 CODE, SEVERITY, NEEDS = "BR609", Severity.INFO, Needs.LEVEL
 

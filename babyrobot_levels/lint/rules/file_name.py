@@ -17,10 +17,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
-from babyrobot_levels.level import slug
+from babyrobot_levels.library.level import slug
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR601", Severity.INFO, Needs.LEVEL
 

@@ -39,14 +39,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Fix, Severity
+from babyrobot_levels.language.geometry import blocked_cells
+from babyrobot_levels.language.map import GLASS_PASS
+from babyrobot_levels.language.walls import Opening, Wall, sides_of
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.drawn import count_drawn, side_mark
 from babyrobot_levels.lint.fixes import append
 from babyrobot_levels.lint.rule import Finding, Needs
-from babyrobot_levels.spec.geometry import blocked_cells
-from babyrobot_levels.spec.map import GLASS_PASS
-from babyrobot_levels.spec.walls import Opening, Wall, sides_of
+from babyrobot_levels.text.diagnostics import Fix, Severity
 
 CODE, SEVERITY, NEEDS = "BR516", Severity.WARNING, Needs.LEVEL
 

@@ -35,11 +35,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs
-from babyrobot_levels.source import Position, Span
-from babyrobot_levels.syntax.layout import WIDTH
+from babyrobot_levels.text.diagnostics import Severity
+from babyrobot_levels.text.layout import WIDTH
+from babyrobot_levels.text.source import Position, Span
 
 CODE, SEVERITY, NEEDS = "BR603", Severity.INFO, Needs.LEVEL
 

@@ -27,9 +27,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR602", Severity.INFO, Needs.LEVEL
 DEFAULT = False

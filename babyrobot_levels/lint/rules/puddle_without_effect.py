@@ -34,12 +34,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.effects import Effect
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import Finding, Needs
 from babyrobot_levels.lint.wording import cells_text
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR508", Severity.WARNING, Needs.TABLES
 

@@ -32,10 +32,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Fix, Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.edits import remove
 from babyrobot_levels.lint.rule import Finding, Needs, Route
+from babyrobot_levels.text.diagnostics import Fix, Severity
 
 CODE, SEVERITY, NEEDS = "BR610", Severity.INFO, Needs.LEVEL
 

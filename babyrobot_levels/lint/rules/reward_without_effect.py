@@ -31,10 +31,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR520", Severity.WARNING, Needs.TABLES
 
@@ -103,7 +103,7 @@ def _is_surely_given(case: Case, name: str) -> bool:
         return any(not exits.isdisjoint(others) for others in ahead)
     if name in ("bump", "stay"):
         # Only a warp has a say before them where the robot stays on a cell that is no exit.
-        from babyrobot_levels.mdp import REFUSED
+        from babyrobot_levels.mdp.tables import REFUSED
 
         can_be = name == "stay" or bool((case.mdp.hindered == REFUSED).any())
         return can_be and not level.warps and not level.wind

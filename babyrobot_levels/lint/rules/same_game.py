@@ -17,8 +17,8 @@ meant, say so at the head of the second file: `# babyrobot: ignore[BR515] why`.
 
 from __future__ import annotations
 
-from babyrobot_levels.diagnostics import Severity
 from babyrobot_levels.lint.rule import Needs
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR515", Severity.WARNING, Needs.TABLES
 

@@ -36,11 +36,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
-from babyrobot_levels.grid import BIT
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs
 from babyrobot_levels.lint.wording import cells_count
+from babyrobot_levels.mdp.grid import BIT
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR502", Severity.WARNING, Needs.TABLES
 
@@ -57,8 +57,8 @@ def check(case: Case) -> Iterator[Finding]:
     others = warps | {case.state(cell) for cell in level.exits}
     missed = [state for state in missed if state not in others]
     if missed and level.wind is not None:
-        from babyrobot_levels.lint.reach import reach_of
         from babyrobot_levels.lint.variants import variant
+        from babyrobot_levels.mdp.reachability import reach_of
 
         calm = reach_of(level, variant(level, wind=None))
         missed = [state for state in missed if not calm.reached(state)]

@@ -32,12 +32,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Edit, Fix, Severity
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.registry import find
 from babyrobot_levels.lint.rule import Finding, Needs
 from babyrobot_levels.lint.silence import Silence
-from babyrobot_levels.source import Position, Span
+from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
+from babyrobot_levels.text.source import Position, Span
 
 CODE, SEVERITY, NEEDS = "BR699", Severity.INFO, Needs.LEVEL
 

@@ -35,13 +35,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
-from babyrobot_levels.level import Level
+from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.drawn import count_drawn
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import Finding, Needs
-from babyrobot_levels.spec.walls import sides_of
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR506", Severity.WARNING, Needs.TABLES
 

@@ -36,11 +36,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.diagnostics import Severity
-from babyrobot_levels.grid import BIT
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import Finding, Needs
+from babyrobot_levels.mdp.grid import BIT
+from babyrobot_levels.text.diagnostics import Severity
 
 CODE, SEVERITY, NEEDS = "BR518", Severity.WARNING, Needs.TABLES
 

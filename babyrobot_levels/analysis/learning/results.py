@@ -1,0 +1,148 @@
+"""What the algorithms yield while they learn, and the problem that they all learn from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from babyrobot_levels.analysis.solver.evaluation import model_of, on_the_grid
+from babyrobot_levels.analysis.solver.model import Floats, Ints, Model
+from babyrobot_levels.analysis.solver.optimum import TOLERANCE
+from babyrobot_levels.analysis.solver.policies import Policy, read_policy
+from babyrobot_levels.analysis.solver.results import ReadOnly, check_actions, check_discount
+from babyrobot_levels.analysis.solver.simulation import MAX_STEPS
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(ReadOnly):
+    """What is known after a sweep, a round or some episodes. All arrays are read-only copies.
+
+    Attributes:
+        number: how many sweeps, rounds or episodes there were so far.
+        values: the estimated return from each cell, float64 `[height, width]`: 0 where the
+            episode is over, nan at blocked cells.
+        policy: the greedy action for each cell, int64 `[height, width]`, the first one of equally
+            good ones; -1 at blocked cells and where the episode is over. Actions are numbered as
+            in an environment made with the same `actions`.
+        delta: the largest change of an estimate since the sweep before; inf for number 0.
+        actions: `"all"` or `"moves"`.
+    """
+
+    number: int
+    values: Floats
+    policy: Ints
+    delta: float
+    actions: str
+
+    @property
+    def first_action(self) -> int:
+        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
+        return check_actions(self.actions)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} number={self.number} delta={self.delta:.6g}>"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Trials(Sweep):
+    """What a robot knows after some episodes in an environment: a `Sweep`, and more.
+
+    Attributes:
+        action_values: the estimated return if an action is taken first, float64
+            `[height, width, actions]`; `values` are the best of them.
+        returns: the (discounted) sum of the rewards of each episode so far, float64 `[number]`.
+    """
+
+    action_values: Floats
+    returns: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """A level as it is learnt: its model, the discount that counts, and the set of actions."""
+
+    level: Level
+    model: Model
+    discount: float
+    actions: str
+
+    @property
+    def max_steps(self) -> int:
+        """The number of steps after which an episode is cut off."""
+        return self.level.max_steps or MAX_STEPS
+
+    def weights(self, policy: Policy) -> Floats:
+        """Return a policy as probabilities, `[n, actions]`.
+
+        Raises:
+            ValueError: it is no policy, or does not fit the level.
+        """
+        return read_policy(policy, self.level.compile(), self.actions)[self.model.states]
+
+    def greedy(self, ahead: Floats) -> Ints:
+        """Return the best actions, `[n]`: the first of those that differ by rounding only."""
+        best = ahead.max(axis=1, keepdims=True)
+        size = np.where(np.isfinite(best), np.abs(best), 0.0)
+        first: Ints = (ahead >= best - TOLERANCE * np.maximum(1.0, size)).argmax(axis=1)
+        return first
+
+    def sweep(self, number: int, values: Floats, delta: float, policy: Ints | None = None) -> Sweep:
+        """Return what is known when states are worth `values`, `[n]`.
+
+        Args:
+            number: the sweep's number.
+            values: the finite values; infinite ones only with a policy.
+            delta: the largest change.
+            policy: an action for each state, `[n]`; by default, the greedy ones.
+        """
+        if policy is None:
+            policy = self.greedy(self.model.action_values(values, self.discount))
+        none = np.zeros((values.size, 1))
+        cells, _ = on_the_grid(self.level, self.model, values, none)
+        return Sweep(number, cells, self._policy(policy), delta, self.actions)
+
+    def trials(self, number: int, ahead: Floats, delta: float, returns: list[float]) -> Trials:
+        """Return what is known when actions are worth `ahead`, `[n, actions]`."""
+        cells, rows = on_the_grid(self.level, self.model, ahead.max(axis=1), ahead)
+        policy = self._policy(self.greedy(ahead))
+        return Trials(number, cells, policy, delta, self.actions, rows, np.array(returns))
+
+    def _policy(self, policy: Ints) -> Ints:
+        width, height = self.level.size
+        cells = np.full(width * height, -1)
+        cells[self.model.states] = policy
+        return cells.reshape(height, width)
+
+
+def read_problem(level: Any, discount: float | None, actions: str) -> Problem:
+    """Return the problem that a level poses.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+        ValueError: another argument has a value that it cannot have.
+    """
+    level = load(level)
+    model = model_of(level, check_actions(actions))
+    return Problem(level, model, check_discount(discount, level.discount), actions)
+
+
+def check_counts(**counts: int) -> None:
+    """Check numbers of sweeps or episodes.
+
+    Raises:
+        ValueError: one is not at least 1.
+    """
+    for name, count in counts.items():
+        if count < 1:
+            raise ValueError(f"{name} must be at least 1, not {count!r}")
+
+
+def largest_change(after: Floats, before: Floats) -> float:
+    """Return the largest change of an estimate; what stays infinite does not change."""
+    changed = after != before
+    return float(np.abs(after[changed] - before[changed]).max(initial=0.0))

@@ -1,0 +1,122 @@
+"""The linear systems of chains, solved directly: dense where small, sparse where large."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from babyrobot_levels.analysis.solver.errors import TooLongError
+from babyrobot_levels.analysis.solver.graphs import closed_classes
+from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model
+
+MAX_STEPS = 1e10
+"""Sums over more steps than this have lost too many digits: each step takes a part in 10^16."""
+
+DENSE_STATES = 150
+"""Up to so many states, dense elimination is faster than sparse, and needs no SciPy."""
+
+
+def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
+    """Return the expected discounted sum of what each step gives, until the end.
+
+    Args:
+        chain: a model with one action. Without a discount, each state must lead to the end with
+            probability one.
+        rewards: what a step from each state gives, `[n]`, or several such columns, `[n, columns]`.
+        discount: the factor by which each further step counts less.
+
+    Returns:
+        The sums, shaped as `rewards`.
+
+    Raises:
+        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
+    """
+    if chain.size == 0:
+        return rewards.copy()
+    if discount < 1:
+        return _solved(chain, rewards, discount)
+    columns = np.column_stack([rewards, np.ones(chain.size)])
+    try:
+        sums = _solved(chain, columns, 1.0)
+    except ArithmeticError:
+        raise TooLongError from None
+    if not ((sums[:, -1] > 0) & (sums[:, -1] < MAX_STEPS)).all():
+        raise TooLongError
+    return sums[:, :-1].reshape(rewards.shape)
+
+
+def _solved(chain: Model, rewards: Floats, discount: float) -> Floats:
+    """Return the solution of `x = rewards + discount * P x`.
+
+    Raises:
+        ArithmeticError: there is none, for all that floating point can tell.
+    """
+    size = chain.size
+    weights = discount * chain.probability[:, 0]
+    if size <= DENSE_STATES:
+        cells = np.arange(size)[:, None] * (size + 1) + chain.next_state[:, 0]
+        flat = np.bincount(cells.ravel(), weights.ravel(), size * (size + 1))
+        matrix = np.eye(size) - flat.reshape(size, size + 1)[:, :size]
+        try:
+            return np.asarray(np.linalg.solve(matrix, rewards), np.float64)
+        except np.linalg.LinAlgError as error:
+            raise ArithmeticError from error
+    return _sparse_sums(chain.next_state[:, 0], weights, rewards)
+
+
+def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
+    from scipy.sparse import csc_array, eye_array  # type: ignore[import-untyped]
+    from scipy.sparse.linalg import splu  # type: ignore[import-untyped]
+
+    size = next_state.shape[0]
+    source, outcome = np.nonzero((weights > 0) & (next_state < size))
+    target = next_state[source, outcome]
+    steps = csc_array((weights[source, outcome], (source, target)), shape=(size, size))
+    matrix = (eye_array(size, format="csc") - steps).tocsc()
+    try:
+        # No entry outweighs its diagonal, so elimination needs no pivots but those: it can keep to
+        # the order that fills in least, which in a maze is nothing at all.
+        factors = splu(
+            matrix,
+            permc_spec="MMD_AT_PLUS_A",
+            diag_pivot_thresh=0.0,
+            options={"SymmetricMode": True},
+        )
+    except RuntimeError as error:
+        raise ArithmeticError from error
+    sums: Floats = factors.solve(rewards)
+    # One step of refinement takes away most of the elimination's rounding.
+    sums += factors.solve(rewards - matrix @ sums)
+    return sums
+
+
+def cycles(chain: Model, homes: Flags) -> Floats:
+    """Return what happens on the way to the next visit of one of some states, the homes.
+
+    Args:
+        chain: a model with one action that gets to a home from each state, and never ends.
+        homes: the homes, `[n]`.
+
+    Returns:
+        The expected sum of rewards, and the expected number of steps, `[n, 2]`; from a home, until
+        the robot is back at one. Their ratio is a home's average reward.
+    """
+    columns = np.stack([chain.reward[:, 0], np.ones(chain.size)], axis=1)
+    ahead = np.zeros((chain.size + 1, 2))
+    others = np.flatnonzero(~homes)
+    ahead[others] = expected_sums(chain.restrict(~homes), columns[others], 1.0)
+    following = ahead[chain.next_state[:, 0]]
+    columns += np.einsum("so,soc->sc", chain.probability[:, 0], following)
+    return columns
+
+
+def class_averages(chain: Model) -> Floats:
+    """Return the average reward of each closed class of a chain, `[n]`; nan outside of them."""
+    label = closed_classes(chain)
+    found = np.full(chain.size, np.nan)
+    kept = label >= 0
+    _, first, number = np.unique(label[kept], return_index=True, return_inverse=True)
+    homes = np.zeros(number.size, bool)
+    homes[first] = True
+    total, steps = cycles(chain.restrict(kept), homes)[first].T
+    found[kept] = (total / steps)[number]
+    return found

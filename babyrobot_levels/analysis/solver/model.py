@@ -1,0 +1,160 @@
+"""What solving works on: the states in which an episode goes on, and one more for its end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.mdp.tables import Mdp
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.signedinteger[Any]]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A decision process over `n` states, numbered from 0; number `n` stands for the end.
+
+    The end has value 0. A model with a single action is a Markov chain.
+
+    Attributes:
+        states: the level's numbers of the states, `[n]`.
+        probability: `[n, actions, outcomes]`.
+        next_state: int32, `[n, actions, outcomes]`; outcomes of probability 0 lead to the end.
+        reward: the expected reward, `[n, actions]`; -inf for actions that may not be taken.
+        success: the probability that a step leads onto an exit, `[n, actions]`.
+    """
+
+    states: Ints
+    probability: Floats
+    next_state: NDArray[np.int32]
+    reward: Floats
+    success: Floats
+
+    @property
+    def size(self) -> int:
+        """The number of states, without the end."""
+        return self.states.size
+
+    @property
+    def allowed(self) -> Flags:
+        """Which actions may be taken, `[n, actions]`."""
+        return np.asarray(self.reward > -np.inf, bool)
+
+    @property
+    def end(self) -> Flags:
+        """Flags for states and the end, `[n + 1]`, of which only the end's is set."""
+        return np.append(np.zeros(self.size, bool), True)
+
+    def leads_to(self, goals: Flags) -> Flags:
+        """Return which actions have a chance to lead to one of the goals (`[n + 1]`)."""
+        found: Flags = np.any(goals[self.next_state] & (self.probability > 0), axis=-1)
+        return found
+
+    def action_values(self, values: Floats, discount: float) -> Floats:
+        """Return what actions are worth, `[n, actions]`, if states have finite values `[n]`."""
+        following = np.append(values, 0.0)[self.next_state]
+        ahead: Floats = np.einsum("sao,sao->sa", self.probability, following)
+        return self.reward + discount * ahead
+
+    def with_rewards(self, reward: Floats) -> Model:
+        """Return the model with other rewards, and so perhaps with fewer actions."""
+        return replace(self, reward=reward)
+
+    def with_stops(self, stops: Flags) -> Model:
+        """Return the model with one more, last action: to stop for nothing, in some states.
+
+        Where there are no such states, it is the model as it is.
+        """
+        if not stops.any():
+            return self
+        size, _, outcomes = self.probability.shape
+        stop = np.zeros((size, 1, outcomes))
+        stop[:, :, 0] = 1.0
+        return Model(
+            self.states,
+            np.concatenate([self.probability, stop], axis=1),
+            np.concatenate(
+                [self.next_state, np.full(stop.shape, size, self.next_state.dtype)], axis=1
+            ),
+            np.concatenate([self.reward, np.where(stops, 0.0, -np.inf)[:, None]], axis=1),
+            np.concatenate([self.success, np.zeros((size, 1))], axis=1),
+        )
+
+    def restrict(self, keep: Flags, rows: Flags | None = None) -> Model:
+        """Return the model of some of the states. What leads to others leads to the end.
+
+        Args:
+            keep: the states that are kept, `[n]`.
+            rows: the actions that may be taken, `[n, actions]`; by default, those that may be now.
+        """
+        if keep.all():
+            return self if rows is None else self.with_rewards(np.where(rows, self.reward, -np.inf))
+        count = int(keep.sum())
+        number = np.full(self.size + 1, count, self.next_state.dtype)
+        number[:-1][keep] = np.arange(count)
+        reward = self.reward if rows is None else np.where(rows, self.reward, -np.inf)
+        return Model(
+            self.states[keep],
+            self.probability[keep],
+            number[self.next_state[keep]],
+            reward[keep],
+            self.success[keep],
+        )
+
+    def under(self, policy: Ints) -> Model:
+        """Return the chain of a policy: an action for each state, `[n]`."""
+        rows = np.arange(self.size)[:, None], policy[:, None]
+        return Model(
+            self.states,
+            self.probability[rows],
+            self.next_state[rows],
+            self.reward[rows],
+            self.success[rows],
+        )
+
+    def mixed(self, weights: Floats) -> Model:
+        """Return the chain of a policy: a probability for each action, `[n, actions]`."""
+        probability = (weights[:, :, None] * self.probability).reshape(self.size, -1)
+        next_state = self.next_state.reshape(self.size, -1)
+        # The possible outcomes to the front: most policies leave few of them.
+        order = np.argsort(probability == 0, axis=1, kind="stable")
+        order = order[:, : int((probability > 0).sum(axis=1).max(initial=1))]
+        return Model(
+            self.states,
+            np.take_along_axis(probability, order, axis=1)[:, None],
+            np.take_along_axis(next_state, order, axis=1)[:, None],
+            (weights * self.reward).sum(axis=1, keepdims=True),
+            (weights * self.success).sum(axis=1, keepdims=True),
+        )
+
+
+def build_model(mdp: Mdp, exits: Ints, first_action: int) -> Model:
+    """Return the model of a level's tables.
+
+    Args:
+        mdp: the tables.
+        exits: the states that are exits.
+        first_action: the action that becomes number 0: 1 leaves `stay` out.
+    """
+    states = np.flatnonzero(~mdp.over)
+    number = np.full(mdp.num_states, states.size, np.int32)
+    number[states] = np.arange(states.size)
+    # Where nothing lies between them, the tables need no copy.
+    is_whole = states.size > 0 and states[-1] - states[0] + 1 == states.size
+    rows = slice(states[0], states[-1] + 1) if is_whole else states
+    probability = mdp.probability[rows, first_action:]
+    following = mdp.next_state[rows, first_action:]
+    is_exit = np.zeros(mdp.num_states, bool)
+    is_exit[exits] = True
+    return Model(
+        states,
+        probability,
+        np.where(probability > 0, number[following], np.int32(states.size)),
+        np.einsum("sao,sao->sa", probability, mdp.reward[rows, first_action:]),
+        np.einsum("sao,sao->sa", probability, is_exit[following].astype(np.float64)),
+    )

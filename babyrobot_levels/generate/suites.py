@@ -1,0 +1,189 @@
+"""Suites: families of levels, each of which is made when it is asked for."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, overload
+
+from babyrobot_levels.generate.candidates import Maker
+from babyrobot_levels.generate.search import find_level
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.validation import from_yaml
+from babyrobot_levels.library.catalogue import find_suite
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import from_mapping, read_suite, suite_from_mapping
+from babyrobot_levels.text.document import YamlFault
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.suggest import did_you_mean
+
+
+class Suite(Sequence[Level]):
+    """The levels of a suite, or some of them.
+
+    `suite[i]` is made from the suite's seed and the level's number alone, whatever was asked for
+    before, and is the same for ever. A slice is a suite too.
+
+    Args:
+        fields: what the suite states.
+        folder: where `themes/` may stand.
+        numbers: the numbers of the levels, all of them if left out.
+        split: the split that they are, if they are one.
+    """
+
+    def __init__(
+        self,
+        fields: SuiteFields,
+        folder: Path | None = None,
+        numbers: range | None = None,
+        split: str | None = None,
+    ) -> None:
+        self.fields, self.folder = fields, folder
+        self.numbers = range(fields.count) if numbers is None else numbers
+        self._split = split
+        self._maker = Maker(fields, name_pattern(fields), folder)
+
+    @property
+    def name(self) -> str | None:
+        """The suite's name."""
+        return self.fields.name
+
+    @property
+    def splits(self) -> tuple[str, ...]:
+        """The names of the splits, empty if there are none."""
+        return tuple(self.fields.splits)
+
+    @property
+    def largest(self) -> tuple[int, int]:
+        """The largest width and height that a level can have, in cells."""
+        return self.fields.largest
+
+    def __len__(self) -> int:
+        return len(self.numbers)
+
+    @overload
+    def __getitem__(self, index: int) -> Level: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Suite: ...
+
+    def __getitem__(self, index: int | slice) -> Level | Suite:
+        """Return a level, or for a slice a suite of these levels.
+
+        Raises:
+            IndexError: there is no such level.
+            StarvedError: no level meets the suite's conditions.
+        """
+        if isinstance(index, slice):
+            return Suite(self.fields, self.folder, self.numbers[index], self._split)
+        try:
+            number = self.numbers[index]
+        except IndexError:
+            raise IndexError(f"there is no level {index}: the suite has {len(self):,}") from None
+        return find_level(self._maker, number).level
+
+    def __iter__(self) -> Iterator[Level]:
+        return (self[index] for index in range(len(self)))
+
+    def split(self, name: str) -> Suite:
+        """Return the levels of a split. No maze is in two splits, not even with other puddles.
+
+        Raises:
+            ValueError: the suite has no such split.
+        """
+        parts = self._maker.splits
+        if name not in parts:
+            known = ", ".join(map(repr, parts)) or "none"
+            raise ValueError(
+                f"there is no split {name!r} (there are: {known}){did_you_mean(str(name), parts)}"
+            )
+        if not self._is_whole:
+            raise ValueError("a split is a part of the whole suite, not of a slice")
+        return Suite(self.fields, self.folder, parts[name], name)
+
+    @property
+    def _is_whole(self) -> bool:
+        return self.numbers == range(self.fields.count)
+
+    def to_arguments(self) -> dict[str, Any] | None:
+        """Return `suite` and, if it is one, `split` as plain data: what environments take.
+
+        None for a slice, which has no such form.
+        """
+        if self._is_whole:
+            return {"suite": self.to_dict(whole=True)}
+        if self._split is not None and self.numbers == self._maker.splits[self._split]:
+            return {"suite": self.to_dict(whole=True), "split": self._split}
+        return None
+
+    def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
+        """Return what the suite states as plain data, as a file would.
+
+        Args:
+            whole: whether to add a theme of its own that stands beside the file, so that the data
+                alone makes the same suite.
+        """
+        data: dict[str, Any] = plain(self.fields)
+        if whole and "theme" in data:
+            level = {"version": 1, "size": [2, 1], "theme": data["theme"]}
+            data["theme"] = from_mapping(level, folder=self.folder).to_dict(whole=True)["theme"]
+        return {name: data[name] for name in SuiteFields.model_fields if name in data}
+
+    def to_yaml(self) -> str:
+        """Return what the suite states as canonical YAML."""
+        return emit(self.to_dict())
+
+    def __repr__(self) -> str:
+        name = "" if self.name is None else f" {self.name!r}"
+        part = "" if self._split is None else f", split {self._split!r}"
+        return f"<Suite{name}: {len(self):,} levels{part}>"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Suite):
+            return NotImplemented
+        return (self.fields, self.numbers) == (other.fields, other.numbers)
+
+    def __reduce__(self) -> tuple[type[Suite], tuple[Any, ...]]:
+        return Suite, (self.fields, self.folder, self.numbers, self._split)
+
+
+def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Suite:
+    """Return a suite, however it is told.
+
+    Args:
+        suite: a name from the catalogue (`"small-mazes"`), the path of a file, a mapping of the
+            fields of a suite, or a suite, which is returned as it is.
+
+    Raises:
+        SuiteNotFoundError: nothing has that name; the error names the nearest ones.
+        LevelError: the suite is found, but not valid.
+    """
+    if isinstance(suite, Suite):
+        return suite
+    if isinstance(suite, Mapping):
+        return Suite(suite_from_mapping(suite))
+    if not isinstance(suite, str | os.PathLike):
+        raise TypeError(
+            f"a suite is a name, a path, a mapping or a Suite, not {type(suite).__name__}"
+        )
+    path = find_suite(suite)
+    try:
+        document = read(read_source(path))
+    except ReadFault as fault:
+        raise LevelError([fault.diagnostic]) from None
+    except YamlFault as fault:
+        raise LevelError([from_yaml(fault.problem, read_source(path))]) from None
+    fields, diagnostics = read_suite(document, path)
+    if fields is None:
+        raise LevelError(diagnostics)
+    return Suite(fields, path.parent)
+
+
+def name_pattern(fields: SuiteFields) -> str:
+    """Return what the levels of a suite are called: its name and their number."""
+    return f"{fields.name or 'level'}-{{index:05}}"

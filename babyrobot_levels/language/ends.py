@@ -1,0 +1,106 @@
+"""What must hold of starts and exits."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.geometry import (
+    Cell,
+    Route,
+    is_inside,
+    off_the_grid,
+    painted,
+    show_cell,
+)
+from babyrobot_levels.language.problem import Problem
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.level import LevelFields
+
+
+def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
+    """Return the cells of `start` or `exit`, each with its route."""
+    cells = level.starts if field == "start" else level.exits
+    value = getattr(level, field)
+    if isinstance(value[0], tuple):
+        return [(cell, (field, index)) for index, cell in enumerate(cells)]
+    return [(cell, (field,)) for cell in cells]
+
+
+def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Problem]:
+    """Yield the faults of starts and exits. `blocked` tells of a cell whether it is blocked."""
+    exits = set(level.exits)
+    left = {warp.at for warp in level.warps if warp.when == "enter"}
+    ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
+    for field in ("start", "exit"):
+        seen: set[Cell] = set()
+        for cell, route in _cells_of(level, field):
+            if not is_inside(level, cell):
+                yield off_the_grid(level, f"the {field}", cell, route)
+            elif blocked(cell):
+                code = "BR302" if field == "start" else "BR304"
+                given = field in level.model_fields_set
+                message = f"the {field} {show_cell(cell)} is on a blocked cell"
+                default = (
+                    f"{show_cell(cell)} is blocked, but where nothing is said the {field} is there"
+                )
+                yield Problem(
+                    code,
+                    route if given else _blocking(level, cell),
+                    message if given else default,
+                    f"put the {field} elsewhere, or leave the cell free",
+                )
+            elif cell in seen:
+                yield Problem("BR305", route, f"{show_cell(cell)} is listed twice")
+            elif field == "start" and cell in exits:
+                yield Problem(
+                    "BR303",
+                    _given(level, route, ("exit",)),
+                    _start_is_exit(level, cell),
+                    "move one of the two; a level without an exit says `exit: none`",
+                )
+            elif field == "start" and cell in left:
+                number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
+                yield Problem(
+                    "BR309",
+                    _given(level, route, ("warps", number, "at")),
+                    f"the start {show_cell(cell)} is a warp, and nobody can stand there",
+                    "start elsewhere, or let the warp act `when: leave`",
+                )
+            elif field == "start" and ends(cell):
+                yield Problem(
+                    "BR316",
+                    route,
+                    f"the start {show_cell(cell)} is on an area that ends the episode",
+                    "start elsewhere, or take `ends` away there",
+                )
+            seen.add(cell)
+
+
+def _given(level: LevelFields, route: Route, otherwise: Route) -> Route:
+    """Return the route of a start or an exit, or another where the file leaves it out."""
+    if level.map is not None:
+        return ("map",)
+    return route if route[0] in level.model_fields_set else otherwise
+
+
+def _blocking(level: LevelFields, cell: Cell) -> Route:
+    """Return the route of the rectangle that blocks a cell."""
+    for index, rectangle in enumerate(level.blocked):
+        (x, y), (columns, rows) = rectangle.at, rectangle.size
+        if x <= cell[0] < x + columns and y <= cell[1] < y + rows:
+            return ("blocked", index)
+    return ("blocked",)
+
+
+def _start_is_exit(level: LevelFields, cell: Cell) -> str:
+    start, exit_ = ("start" in level.model_fields_set, "exit" in level.model_fields_set)
+    if start and not exit_:
+        default = "where nothing is said, the exit is the bottom-right cell"
+        return f"the start {show_cell(cell)} is the exit too: {default}"
+    if exit_ and not start:
+        return f"the exit {show_cell(cell)} is the start too: where nothing is said, it is [0, 0]"
+    if not start:
+        return f"start and exit are both {show_cell(cell)} where nothing is said"
+    return f"the start {show_cell(cell)} is an exit too"

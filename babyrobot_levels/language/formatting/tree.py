@@ -1,0 +1,234 @@
+"""A document as a tree to lay out: each comment goes to the entry to which it belongs."""
+
+from __future__ import annotations
+
+import re
+
+from babyrobot_levels.language.formatting.fields import Fields
+from babyrobot_levels.language.formatting.kept import KeptAsIs
+from babyrobot_levels.language.formatting.scalars import canonical, canonical_key
+from babyrobot_levels.text.comments import Comment, comments
+from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.layout import Container, Entry, Value
+
+_PROPERTIES = re.compile(r"(?:[&!][^\s,\[\]{}]*\s*)*")
+_BLANK = r"(?:\s|#[^\r\n]*)*"
+_OPENS_FLOW = re.compile(_BLANK + r"[\[{]")
+_DASH = re.compile(_BLANK + "-")
+_PUNCTUATION = re.compile(r"(?:[\s,\[\]{}:?\-]|(?<![^\r\n])\.\.\.)*")
+_OF_THE_FILE = re.compile(r"# *(?:yaml-language-server|babyrobot):")
+
+
+def tree_of(document: Document, fields: Fields) -> Container:
+    """Return a document's root, which must be a mapping that is not empty.
+
+    `fields` says in which order its fields are to be written.
+
+    Raises:
+        KeptAsIs: the text is written in a way that is left alone.
+    """
+    return _Builder(document).build(fields)
+
+
+def tidy(comment: str) -> str:
+    """Return a comment with a blank behind its `#`, and none at its end."""
+    text = comment.rstrip()
+    return f"# {text[1:]}" if len(text) > 1 and text[1] not in " \t#!:'" else text
+
+
+class _Builder:
+    """Goes through a document once, and takes the comments on the way."""
+
+    def __init__(self, document: Document):
+        self.root = document.root
+        self.source = document.source
+        self.text = document.source.text
+        self.comments = comments(document)
+        self.taken = 0
+        self.line = 0
+        """The line on which what was read last ends."""
+        self.places = [self._place(comment) for comment in self.comments]
+        self.seen = [*self.places]
+        """Where comments, scalars, anchors and tags stand: all that is not punctuation."""
+        self.sorts = not _has_aliases(self.root, self.text)
+        """Whether fields change places: an anchor has to stay above its aliases."""
+
+    def build(self, fields: Fields) -> Container:
+        if any(mark in self.text for mark in "\x85\u2028\u2029"):
+            raise KeptAsIs("YAML ends lines in it where editors do not")
+        holder = Entry(Container(True, []))
+        root = self._container(self.root, fields, holder, -1, len(self.text))
+        while self._next(len(self.text)):
+            self._put(root.below)
+        self._check_rest()
+        if not root.entries or root.properties:
+            raise KeptAsIs("the file as a whole is written in an unusual way")
+        first = root.entries[0]
+        first.above[:0] = [*holder.above, *filter(None, [holder.behind])]
+        head = _head(first.above)
+        first.above = first.above[len(head) :]
+        self._sort(root, self.root, fields)
+        root.entries[0].above[:0] = head
+        return root
+
+    def _container(
+        self, node: Node, fields: Fields, holder: Entry, column: int, limit: int
+    ) -> Container:
+        """Return a container. `holder` is its entry, whose name or dash stands at `column`.
+
+        Comments that are not its own begin at `limit`.
+        """
+        match = _PROPERTIES.match(self.text, node.first)
+        start = match.end() if match else node.first
+        self.seen.append((node.first, start))
+        opening = _OPENS_FLOW.match(self.text, start)
+        if opening:
+            limit = node.last
+            self._take_before(opening.end() - 1, holder)
+            self.line = self._line(opening.end())
+        begins = self._begins(node, start, is_flow=opening is not None)
+        if self._is_behind(min(begins[0], limit)) and not holder.behind:
+            holder.behind = self._take()
+        result = Container(isinstance(node.data, dict), [])
+        result.properties = self.text[node.first : start].rstrip()
+        for number, (key, child) in enumerate(node.children.items()):
+            begin = begins[number]
+            entry = Entry(result, above=self._above(begin))
+            end = begin
+            if result.is_mapping:
+                entry.key = canonical_key(node.keys[key])
+                end = node.keys[key].last
+                self.seen.append((begin, end))
+            self.line = self._line(end)
+            inner = fields.of(key) if result.is_mapping else fields
+            stop = min(begins[number + 1], limit)
+            entry.value = self._value(child, inner, entry, self._column(begin), stop)
+            if self._is_behind(stop) and not entry.behind:
+                entry.behind = self._take()
+            result.entries.append(entry)
+        while (comment := self._next(limit)) and (
+            opening or (comment.is_alone and comment.span.start.column - 1 > column)
+        ):
+            self._put(result.below if result.entries else holder.above)
+        if opening:
+            self.line = self._line(node.last)
+        return result
+
+    def _begins(self, node: Node, start: int, *, is_flow: bool) -> list[int]:
+        """Return where each entry begins, with its name or its dash, and the end of the text."""
+        if isinstance(node.data, dict):
+            begins = [key.first for key in node.keys.values()]
+        elif is_flow:
+            begins = [child.first for child in node.children.values()]
+        else:
+            begins = []
+            for child in node.children.values():
+                dash = _DASH.match(self.text, start)
+                begins.append(dash.end() - 1 if dash else child.first)
+                start = child.last
+        return [*begins, len(self.text)]
+
+    def _value(self, node: Node, fields: Fields, entry: Entry, column: int, limit: int) -> Value:
+        is_alias = self.text[node.first : node.first + 1] == "*"
+        if isinstance(node.data, dict | list) and not is_alias:
+            container = self._container(node, fields, entry, column, limit)
+            self._sort(container, node, fields)
+            if entry.key is None and container.entries:
+                # Its first entry stands on the line of the dash.
+                first = container.entries[0]
+                entry.above += first.above
+                first.above = []
+            return container
+        self._take_before(node.first, entry)
+        if self.text[node.first : node.first + 1] in ("|", ">") and self._next(node.last):
+            entry.behind = entry.behind or self._take()
+        self.seen.append((node.first, node.last))
+        self.line = self._line(node.first + len(self.text[node.first : node.last].rstrip()))
+        return canonical(node)
+
+    def _sort(self, container: Container, node: Node, fields: Fields) -> None:
+        if container.is_mapping and self.sorts:
+            entries = dict(zip(node.children, container.entries, strict=True))
+            container.entries = [entries[key] for key in fields.order(entries)]
+
+    # -- comments --------------------------------------------------------------------------
+
+    def _next(self, limit: int) -> Comment | None:
+        """Return the next comment if it begins before `limit`."""
+        if self.taken == len(self.comments) or self.places[self.taken][0] >= limit:
+            return None
+        return self.comments[self.taken]
+
+    def _take(self) -> str:
+        comment = self.comments[self.taken]
+        self.taken += 1
+        self.line = comment.span.start.line
+        return tidy(comment.text)
+
+    def _put(self, lines: list[str]) -> None:
+        """Take the next comment for a line of its own, and the blank line above it."""
+        if self._has_gap(self.comments[self.taken].span.start.line):
+            lines.append("")
+        lines.append(self._take())
+
+    def _above(self, index: int) -> list[str]:
+        """Take what stands above the entry that begins at `index`."""
+        lines: list[str] = []
+        while self._next(index):
+            self._put(lines)
+        if self._has_gap(self._line(index)):
+            lines.append("")
+        return lines
+
+    def _take_before(self, index: int, entry: Entry) -> None:
+        """Take the comments between an entry's beginning and its value."""
+        while comment := self._next(index):
+            if comment.is_alone or entry.behind:
+                self._put(entry.above)
+            else:
+                entry.behind = self._take()
+
+    def _is_behind(self, limit: int) -> bool:
+        """Tell whether the next comment stands behind what was read last."""
+        comment = self._next(limit)
+        return comment is not None and not comment.is_alone and comment.span.start.line == self.line
+
+    # -- places ----------------------------------------------------------------------------
+
+    def _has_gap(self, line: int) -> bool:
+        """Tell whether a blank line stands between what was read last and a line."""
+        return any(not self.source.line(n).strip() for n in range(self.line + 1, line))
+
+    def _line(self, index: int) -> int:
+        return self.source.position(index).line
+
+    def _column(self, index: int) -> int:
+        return self.source.position(index).column - 1
+
+    def _place(self, comment: Comment) -> tuple[int, int]:
+        first = self.source.index(comment.span.start)
+        return first, first + len(comment.text)
+
+    def _check_rest(self) -> None:
+        """Make sure that nothing was overlooked that is more than punctuation."""
+        end = 0
+        for first, last in [*sorted(self.seen), (len(self.text), 0)]:
+            if first > end and not _PUNCTUATION.fullmatch(self.text, end, first):
+                raise KeptAsIs(f"line {self._line(end)} is written in an unusual way")
+            end = max(end, last)
+
+
+def _has_aliases(root: Node, text: str) -> bool:
+    waiting = [root] if "*" in text else []
+    while waiting:
+        node = waiting.pop()
+        if text[node.first : node.first + 1] == "*":
+            return True
+        waiting += node.children.values()
+    return False
+
+
+def _head(above: list[str]) -> list[str]:
+    """Return what stands above the first field, but speaks of the file as a whole."""
+    ends = [number for number, line in enumerate(above, 1) if not line or _OF_THE_FILE.match(line)]
+    return above[: max(ends, default=0)]

@@ -1,0 +1,145 @@
+"""The JSON schemas, generated from the models: the shape that the loader accepts, for editors.
+
+What a schema cannot say, such as a start that lies on a blocked cell, only the loader checks.
+"""
+
+from __future__ import annotations
+
+import ast
+import inspect
+from collections import ChainMap
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from babyrobot_levels.language.color import FORM_PATTERN, NAMES, PATTERN
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.language.map import DRAWN_FIELDS
+from babyrobot_levels.language.pack import PackFields
+from babyrobot_levels.language.suite import SuiteFields
+
+# Draft 7 is what the editors know best.
+DIALECT = "http://json-schema.org/draft-07/schema#"
+
+_BOUNDS = {
+    "ge": "minimum",
+    "gt": "exclusiveMinimum",
+    "le": "maximum",
+    "lt": "exclusiveMaximum",
+}
+
+
+def level_schema() -> dict[str, Any]:
+    """Return the JSON schema of level files."""
+    schema = _schema(LevelFields, "A level, version 1")
+    schema["properties"]["exit"]["default"] = "the bottom-right cell"
+    schema["dependencies"] = {
+        "legend": {"required": ["map"], "properties": {"map": {"type": "string"}}},
+        "map": {
+            "if": {"properties": {"map": {"type": "string"}}},
+            "then": {"not": {"anyOf": [{"required": [field]} for field in DRAWN_FIELDS]}},
+        },
+    }
+    return schema
+
+
+def theme_schema() -> dict[str, Any]:
+    """Return the JSON schema of theme files."""
+    return _schema(Theme, "A theme")
+
+
+def suite_schema() -> dict[str, Any]:
+    """Return the JSON schema of suite files."""
+    return _schema(SuiteFields, "A suite of levels, version 1")
+
+
+def pack_schema() -> dict[str, Any]:
+    """Return the JSON schema of the `pack.yaml` of a pack."""
+    return _schema(PackFields, "A pack of levels")
+
+
+SCHEMAS = {
+    "level": level_schema,
+    "pack": pack_schema,
+    "suite": suite_schema,
+    "theme": theme_schema,
+}
+"""The schemas by the name under which the command line knows them."""
+
+
+def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
+    schema = _tidy(model.model_json_schema(by_alias=True))
+    definitions = schema.pop("$defs", {})
+    if "#/$defs/Color" in str([schema, definitions]):
+        definitions["Color"] = _color()
+    for name, described in {model.__name__: schema, **definitions}.items():
+        for field, text in _descriptions().get(name, {}).items():
+            properties = described["properties"]
+            properties[field] = {"description": text, **properties[field]}
+    return {
+        "$schema": DIALECT,
+        "title": title,
+        **{key: value for key, value in schema.items() if key != "title"},
+        **({"$defs": dict(sorted(definitions.items()))} if definitions else {}),
+    }
+
+
+def _tidy(value: Any) -> Any:
+    """Say bounds in JSON Schema's words, colours once, and leave out what helps nobody."""
+    if isinstance(value, list):
+        return [_tidy(item) for item in value]
+    if not isinstance(value, dict):
+        return value
+    if value.get("pattern") == PATTERN:
+        texts = {key: value[key] for key in ("description", "default") if key in value}
+        return {"allOf": [{"$ref": "#/$defs/Color"}], **texts}
+    tidied = {}
+    for key, inner in value.items():
+        if key == "title" and isinstance(inner, str):
+            continue
+        if key == "default" and inner is None:
+            continue
+        is_bound = key in _BOUNDS and isinstance(inner, int | float)
+        tidied[_BOUNDS[key] if is_bound else key] = _tidy(inner)
+    if "patternProperties" in tidied:
+        tidied["additionalProperties"] = False
+    return tidied
+
+
+@cache
+def _descriptions() -> dict[str, dict[str, str]]:
+    """Return what the texts below the models' fields say, by model and field.
+
+    Pydantic could collect them, but would read the sources anew at every start.
+    """
+    found: dict[str, dict[str, str]] = {}
+    for path in sorted(Path(__file__).parent.glob("*.py")):
+        for model in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(model, ast.ClassDef):
+                bases = [base.id for base in model.bases if isinstance(base, ast.Name)]
+                inherited = [found.get(base, {}) for base in bases]
+                own = {**ChainMap(*inherited), **_field_texts(model)}
+                found[model.name] = own
+    return found
+
+
+def _field_texts(model: ast.ClassDef) -> dict[str, str]:
+    texts = {}
+    for field, below in pairwise(model.body):
+        if not isinstance(field, ast.AnnAssign) or not isinstance(field.target, ast.Name):
+            continue
+        if isinstance(below, ast.Expr) and isinstance(below.value, ast.Constant):
+            texts[field.target.id.rstrip("_")] = inspect.cleandoc(str(below.value.value))
+    return texts
+
+
+def _color() -> dict[str, Any]:
+    # The names as an enum, so that editors complete them.
+    return {
+        "description": "A CSS colour.",
+        "anyOf": [{"enum": list(NAMES)}, {"type": "string", "pattern": FORM_PATTERN}],
+    }

@@ -1,0 +1,226 @@
+"""How a level looks: themes and display."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, StrictStr, StringConstraints
+
+from babyrobot_levels.language.base import Flag, Model, Number, form, forms
+from babyrobot_levels.language.color import Color
+
+Pixels = Annotated[Number, Field(ge=0, le=1000)]
+Width = Annotated[Number, Field(ge=0, le=100)]
+
+THEME_NAME = r"^[a-z0-9]+([-_][a-z0-9]+)*$"
+ThemeName = Annotated[StrictStr, StringConstraints(pattern=THEME_NAME, max_length=100)]
+
+
+class Colors(Model):
+    """The colours of a theme. Those that are left out are those of the theme `default`."""
+
+    base: Color = "orange"
+    """The ground."""
+    lines: Color = "#777777"
+    """The dashed lines between the cells."""
+    start: Color = "#ed1818"
+    """The ground of a start."""
+    start_text: Color = "#ffffff"
+    """The text on a start."""
+    exit: Color = "green"
+    """The ground of an exit."""
+    exit_text: Color = "#ffffff"
+    """The text on an exit."""
+    border: Color = "black"
+    """The outer wall."""
+    walls: Color = "black"
+    """The walls."""
+    arrows: Color = "#00008b"
+    """Arrows: warps, wind, policies."""
+    text_bg: Color = "rgba(60,60,60,0.7)"
+    """The ground of a panel."""
+    text_fg: Color = "#ffffff"
+    """The text of a panel, and texts on the grid."""
+    blocked: Color = "#5b4a3f"
+    """Blocked cells."""
+    puddle: Color = "#1f63b0"
+    """Puddles."""
+    robot: Color = "#586370"
+    """The robot."""
+
+
+class Widths(Model):
+    """Widths in pixels, for cells of 64 pixels."""
+
+    padding: Width = 2.0
+    """The free space around the grid."""
+    walls: Width = 4.0
+    """The walls."""
+    border: Width = 5.0
+    """The outer wall."""
+
+
+class Theme(Model):
+    """Colours and widths."""
+
+    colors: Colors = Field(default_factory=Colors)
+    """The colours."""
+    widths: Widths = Field(default_factory=Widths)
+    """The widths."""
+
+
+class Panel(Model):
+    """A panel beside or below the grid."""
+
+    width: Pixels = 200.0
+    """Its width in pixels; of a bottom panel, its height."""
+    color: Color | None = None
+    """Its ground, if it is not the theme's."""
+    text_color: Color | None = None
+    """Its text, if it is not the theme's."""
+
+
+def _panel_form(value: Any) -> str:
+    if isinstance(value, dict | Panel):
+        return "mapping"
+    return "word" if isinstance(value, str) else "number"
+
+
+PanelLike = Annotated[
+    Annotated[Literal["none"], form("word")]
+    | Annotated[Pixels, form("number")]
+    | Annotated[Panel, form("mapping")],
+    forms(_panel_form),
+]
+
+
+class Robot(Model):
+    """How the robot is shown."""
+
+    show: Flag = True
+    """Whether it is shown where nobody plays."""
+    speed: Annotated[Number, Field(gt=0, le=100)] = 1.0
+    """How fast it glides: 1 is its usual speed."""
+
+
+class Display(Model):
+    """What is shown beside the level itself."""
+
+    compass: Flag = False
+    """Whether a compass is drawn."""
+    start_text: Flag = True
+    """Whether a start says so."""
+    exit_text: Flag = True
+    """Whether an exit says so."""
+    coordinates: Flag = False
+    """Whether each cell shows its coordinates."""
+    side_panel: PanelLike = "none"
+    """A panel to the right: `none`, a width, or a mapping."""
+    bottom_panel: PanelLike = "none"
+    """A panel below: `none`, a height, or a mapping."""
+    robot: Robot = Field(default_factory=Robot)
+    """The robot."""
+
+
+ThemeLike = Annotated[
+    Annotated[ThemeName, form("word")] | Annotated[Theme, form("mapping")],
+    forms(lambda value: "mapping" if isinstance(value, dict | Theme) else "word"),
+]
+
+
+def _theme(padding: float, wall_width: float, /, **colors: str) -> Theme:
+    return Theme(
+        colors=Colors.model_validate(colors),
+        widths=Widths(padding=padding, walls=wall_width, border=wall_width),
+    )
+
+
+BUILTIN_THEMES: dict[str, Theme] = {
+    "default": Theme(),
+    "black_orange": _theme(
+        3,
+        6,
+        base="#1e1e1e",
+        lines="#707070",
+        start="#007acc",
+        exit="#ff1d18",
+        border="#cc5500",
+        walls="#cc5500",
+        arrows="#cccccc",
+        text_bg="rgba(40,40,40,0.85)",
+        text_fg="#cccccc",
+        blocked="#3c3c3c",
+        puddle="#3b9ddd",
+        robot="#b9c4cf",
+    ),
+    "blue_green": _theme(
+        3,
+        6,
+        base="#beb8eb",
+        lines="#5e5c6c",
+        start="#5299d3",
+        exit="#0b5563",
+        border="#5e5c6c",
+        walls="#5e5c6c",
+        arrows="#0b5563",
+        text_bg="rgba(40,40,40,0.85)",
+        text_fg="#cccccc",
+        blocked="#7d7a94",
+        puddle="#38699d",
+        robot="#4a5568",
+    ),
+    "green": _theme(
+        3,
+        6,
+        base="#588157",
+        lines="#84a98c",
+        start="#a3b18a",
+        exit="#354f52",
+        border="#344e41",
+        walls="#344e41",
+        arrows="#354f52",
+        text_bg="rgba(40,40,40,0.85)",
+        text_fg="#cccccc",
+        blocked="#3a5a40",
+        puddle="#bfe3fa",
+        robot="#d5dbe1",
+    ),
+    "high_contrast": _theme(
+        4,
+        7,
+        base="#000000",
+        lines="#7f7f7f",
+        start="#ffb000",
+        start_text="#000000",
+        exit="#00d68f",
+        exit_text="#000000",
+        border="#8c8c8c",
+        walls="#ffffff",
+        arrows="#ffff00",
+        text_bg="#000000",
+        text_fg="#ffffff",
+        blocked="#7f7f7f",
+        puddle="#5ab0ff",
+        robot="#f2f2f2",
+    ),
+    "print": _theme(
+        3,
+        5,
+        base="#ffffff",
+        lines="#9a9a9a",
+        start="#949494",
+        start_text="#000000",
+        exit="#000000",
+        exit_text="#ffffff",
+        border="#000000",
+        walls="#000000",
+        arrows="#000000",
+        text_bg="#ffffff",
+        text_fg="#000000",
+        blocked="#595959",
+        puddle="#8e8e8e",
+        robot="#4d4d4d",
+    ),
+}
+"""The themes that come with the package: four in the ancestor's colours; one for projectors and for
+weak eyes; and one for paper, in greys alone."""

@@ -1,0 +1,160 @@
+"""What a drawing says, as fields: size, start, exit, walls, puddles, blocked, areas."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.cells import Area, Puddle, Rectangle
+from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.language.walls import Wall, sides_of
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.level import LevelFields
+
+DRAWN_FIELDS = ("size", "start", "exit", "puddles", "blocked")
+"""Fields that cannot stand beside a drawing, which says them already."""
+
+GLASS_PASS = 0.5
+"""The probability of getting through a drawn wall of glass of which no entry says more."""
+
+
+def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the fields that the level's drawing gives, or the faults that it has."""
+    if level.map is None:
+        return {}, [
+            Problem(
+                "BR206", ("legend",), "a `legend` explains a `map`, and there is none", key=True
+            )
+        ]
+    problems = [
+        Problem(
+            "BR206",
+            (field,),
+            f"`{field}` cannot stand beside `map`: the drawing says it already",
+            f"remove `{field}`, or draw it",
+            key=True,
+        )
+        for field in DRAWN_FIELDS
+        if field in level.model_fields_set
+    ]
+    if level.map.strip() and "\n" not in level.map.strip():
+        return {}, [
+            *problems,
+            Problem(
+                "BR312",
+                ("map",),
+                "the drawing is a single line",
+                "write `map: |`, and the drawing on the lines below it",
+            ),
+        ]
+    drawing, faults = d.parse(level.map, lambda character: character in level.legend, MAX_SIZE)
+    if drawing is None:
+        problems += [
+            Problem(
+                "BR312",
+                ("map",),
+                fault.message,
+                fault.help,
+                mark=(fault.row, fault.column, fault.length),
+            )
+            for fault in faults
+        ]
+        return {}, problems
+    starts, exits = drawing.find(d.START), drawing.find(d.EXIT)
+    if not starts:
+        problems.append(
+            Problem("BR313", ("map",), "the drawing has no start", "put an `S` into a cell")
+        )
+    problems += _check_wall_entries(level, drawing)
+    if problems:
+        return {}, problems
+    walls, areas = drawn_walls(drawing), legend_areas(level, drawing)
+    level.remember_drawn(walls=len(walls), areas=len(areas))
+    return {
+        "size": (drawing.width, drawing.height),
+        "start": starts[0] if len(starts) == 1 else tuple(starts),
+        "exit": "none" if not exits else exits[0] if len(exits) == 1 else tuple(exits),
+        "walls": (*walls, *level.walls),
+        "puddles": tuple(
+            Puddle(at=cell, size=size)
+            for character, size in ((d.SMALL, "small"), (d.LARGE, "large"))
+            for cell in drawing.find(character)
+        ),
+        "blocked": tuple(
+            Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)
+        ),
+        "areas": (*areas, *level.areas),
+    }, []
+
+
+def drawn_walls(drawing: d.Drawing) -> list[Wall]:
+    """Return the walls of a drawing, those in a line as one with a `length`."""
+    walls = [
+        Wall.model_validate({"at": cell, "side": side, "length": length})
+        for cell, side, length in drawing.runs(d.SOLID)
+    ]
+    walls += [
+        Wall.model_validate({"at": cell, "side": side, "length": length, "pass": GLASS_PASS})
+        for cell, side, length in drawing.runs(d.GLASS)
+    ]
+    return walls
+
+
+def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
+    """Return an area for each cell that shows a character of the legend."""
+    return [
+        Area.model_validate({"at": cell, **{name: getattr(traits, name) for name in given}})
+        for character, traits in level.legend.items()
+        for given in [sorted(traits.model_fields_set)]
+        for cell in drawing.find(character)
+    ]
+
+
+def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Problem]:
+    """Beside a drawing, `walls` only gives properties to walls that are drawn."""
+    problems = []
+    for index, wall in enumerate(level.walls):
+        marks = {_mark(drawing, x, y, wall.side) for x, y in sides_of(wall)}
+        route = ("walls", index)
+        if d.OPEN in marks:
+            problems.append(
+                Problem(
+                    "BR314",
+                    route,
+                    "no wall is drawn there",
+                    "beside a `map`, `walls` gives properties to walls that the map shows",
+                )
+            )
+        elif "pass_" in wall.model_fields_set and wall.pass_ > 0 and d.SOLID in marks:
+            problems.append(
+                Problem(
+                    "BR314",
+                    (*route, "pass"),
+                    "the wall is drawn solid there, so nobody gets through",
+                    "draw it as `- -` or `:`",
+                )
+            )
+        elif "pass_" in wall.model_fields_set and wall.pass_ == 0 and d.GLASS in marks:
+            problems.append(
+                Problem(
+                    "BR314",
+                    (*route, "pass"),
+                    "the wall is drawn as glass there, which lets the robot through",
+                    "draw it as `---` or `|`",
+                )
+            )
+    return problems
+
+
+def _mark(drawing: d.Drawing, x: int, y: int, side: str) -> str:
+    """Return the mark of a side; a side off the drawing counts as the solid outer wall."""
+    if side == "W":
+        x, side = x - 1, "E"
+    elif side == "N":
+        y, side = y - 1, "S"
+    rows = drawing.east if side == "E" else drawing.south
+    if 0 <= y < len(rows) and 0 <= x < len(rows[y]):
+        return rows[y][x]
+    return d.SOLID

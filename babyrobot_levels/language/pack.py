@@ -1,0 +1,53 @@
+"""The fields of a `pack.yaml`: what a pack is called, and whose it is."""
+
+from __future__ import annotations
+
+from typing import Annotated, ClassVar, Self
+
+from pydantic import StrictStr, StringConstraints, model_validator
+
+from babyrobot_levels.language.base import Model, Slug, Text
+from babyrobot_levels.language.problem import Problem, SpecProblems
+
+_NUMBER = r"(0|[1-9][0-9]{0,8})"
+VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
+Version = Annotated[StrictStr, StringConstraints(pattern=VERSION)]
+
+RESERVED = {
+    *("con", "prn", "aux", "nul"),
+    *(f"{device}{number}" for device in ("com", "lpt") for number in range(10)),
+}
+"""Names that no file can have on Windows, whatever stands behind a dot."""
+
+
+class PackFields(Model):
+    """A pack: a folder of levels, suites and themes that is passed on as a whole."""
+
+    BEGINNING: ClassVar[str] = (
+        "a pack.yaml has a `name`, a `version` such as `1.0.0`, and a `description`"
+    )
+
+    name: Slug
+    """What its levels are found under: `name/level`."""
+    version: Version
+    """The version of the pack, three numbers such as `1.0.0`; a later one takes its place."""
+    description: Text
+    """What the pack is, for people."""
+    author: Text | None = None
+    """Who made it."""
+    license: Text | None = None
+    """Under which licence it may be used."""
+    source: Text | None = None
+    """Where the worlds are from: a citation."""
+
+    @model_validator(mode="after")
+    def _portable(self) -> Self:
+        if self.name in RESERVED:
+            message = f"no folder can be called `{self.name}` on Windows"
+            raise SpecProblems([Problem("BR207", ("name",), message, "call the pack otherwise")])
+        return self
+
+
+def version_order(version: str) -> tuple[int, ...]:
+    """Return a version's numbers, by which versions are compared."""
+    return tuple(int(number) for number in version.split("."))

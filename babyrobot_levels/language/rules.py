@@ -1,0 +1,213 @@
+"""What must hold between the fields of a level: the geometry, checked without any table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.ends import check_ends
+from babyrobot_levels.language.geometry import (
+    Cell,
+    blocked_cells,
+    is_inside,
+    off_the_grid,
+    show_cell,
+)
+from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.language.walls import RECTANGULAR, Opening, sides_of
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.level import LevelFields
+
+MAX_COVERED = 1 << 24
+"""The most cells that all rectangles, walls and openings may cover, each counted for itself."""
+
+MAX_PROBLEMS = 200
+"""A file with more faults than this gets only so many told."""
+
+
+def problems_of(level: LevelFields) -> list[Problem]:
+    """Return the faults of a level whose fields are each valid for themselves."""
+    too_much = _check_covered(level)
+    if too_much:
+        return too_much
+    problems: list[Problem] = []
+    for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
+        _collect(problems, check(level))
+    blocked = blocked_cells(level)
+    for check_cells in (check_ends, _check_puddles, _check_warps):
+        _collect(problems, check_cells(level, blocked))
+    return problems
+
+
+def _collect(problems: list[Problem], found: Iterator[Problem]) -> None:
+    for problem in found:
+        if len(problems) >= MAX_PROBLEMS:
+            return
+        problems.append(problem)
+
+
+def _check_covered(level: LevelFields) -> list[Problem]:
+    cells = sum(area.size[0] * area.size[1] for area in (*level.areas, *level.blocked))
+    cells += sum(opening.length for opening in (*level.walls, *level.openings))
+    if cells <= MAX_COVERED:
+        return []
+    field = "areas" if level.areas else "blocked" if level.blocked else "walls"
+    return [
+        Problem(
+            "BR205",
+            (field,),
+            f"areas, blocked cells and walls cover {cells:,} cells, counted one by one; "
+            f"at most {MAX_COVERED:,} are allowed",
+        )
+    ]
+
+
+def _check_rectangles(level: LevelFields) -> Iterator[Problem]:
+    for field in ("areas", "blocked"):
+        for index, rectangle in level.written(field):
+            (x, y), (columns, rows) = rectangle.at, rectangle.size
+            first, last = (x, y), (x + columns - 1, y + rows - 1)
+            if not is_inside(level, first):
+                yield off_the_grid(level, "the cell", first, (field, index, "at"))
+            elif not is_inside(level, last):
+                yield off_the_grid(level, "the rectangle's last cell", last, (field, index))
+
+
+def _check_maze(level: LevelFields) -> Iterator[Problem]:
+    if level.maze is not None and level.maze.algorithm in RECTANGULAR and level.blocked:
+        yield Problem(
+            "BR317",
+            ("maze", "algorithm"),
+            f"`{level.maze.algorithm}` needs the whole rectangle, and cells of it are blocked",
+            "take another algorithm, say `wilson` or `kruskal`; or block no cells",
+        )
+
+
+def _check_sides(level: LevelFields) -> Iterator[Problem]:
+    for field in ("walls", "openings"):
+        for index, entry in level.written(field):
+            yield from _check_side(level, field, index, entry)
+
+
+def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> Iterator[Problem]:
+    what = "wall" if field == "walls" else "opening"
+    route = (field, index)
+    cells = sides_of(entry)
+    if not is_inside(level, entry.at):
+        yield off_the_grid(level, "the cell", entry.at, (*route, "at"))
+        return
+    if not is_inside(level, cells[-1]):
+        yield off_the_grid(level, f"the last cell of the {what}", cells[-1], (*route, "length"))
+        return
+    (x, y), (width, height) = entry.at, level.size
+    outer = {"N": y == 0, "W": x == 0, "S": y == height - 1, "E": x == width - 1}[entry.side]
+    if outer and field == "openings":
+        yield Problem(
+            "BR310",
+            (*route, "side"),
+            f"side {entry.side} of {show_cell(entry.at)} is the outer wall, which cannot be opened",
+        )
+    elif outer and getattr(entry, "pass_", 0) > 0:
+        yield Problem(
+            "BR311",
+            (*route, "pass"),
+            f"side {entry.side} of {show_cell(entry.at)} is the outer wall, "
+            "and there is nothing behind it",
+            "remove `pass`",
+        )
+
+
+def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Problem]:
+    seen: set[Cell] = set()
+    for index, puddle in enumerate(level.puddles):
+        route = ("puddles", index, "at")
+        if not is_inside(level, puddle.at):
+            yield off_the_grid(level, "the puddle", puddle.at, route)
+        elif blocked(puddle.at):
+            yield Problem("BR306", route, f"the puddle {show_cell(puddle.at)} is on a blocked cell")
+        elif puddle.at in seen:
+            yield Problem(
+                "BR307",
+                route,
+                f"there is a puddle on {show_cell(puddle.at)} already",
+                "one cell has one puddle",
+            )
+        seen.add(puddle.at)
+
+
+def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Problem]:
+    exits = set(level.exits)
+    seen: set[Cell] = set()
+    entered: dict[Cell, Cell] = {}
+    for index, warp in enumerate(level.warps):
+        at_is_good = True
+        for field, cell in (("at", warp.at), ("to", warp.to)):
+            if cell == "start" or isinstance(cell, str):
+                continue
+            route = ("warps", index, field)
+            if not is_inside(level, cell):
+                yield off_the_grid(level, "the warp's cell", cell, route)
+            elif blocked(cell):
+                yield Problem(
+                    "BR308",
+                    route,
+                    f"the warp's cell {show_cell(cell)} is blocked: it leads nowhere",
+                )
+            else:
+                continue
+            at_is_good = False
+        if warp.at in seen:
+            yield Problem(
+                "BR307", ("warps", index, "at"), f"there is a warp on {show_cell(warp.at)} already"
+            )
+        elif warp.at in exits:
+            yield Problem(
+                "BR308",
+                ("warps", index, "at"),
+                f"the warp {show_cell(warp.at)} is on an exit, where the episode is over",
+            )
+        elif at_is_good and warp.when == "enter" and not isinstance(warp.to, str):
+            entered[warp.at] = warp.to
+        seen.add(warp.at)
+    yield from _check_circles(level, entered)
+
+
+def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Problem]:
+    """Report the warps from which a robot is sent round for ever."""
+    index_of = {warp.at: index for index, warp in enumerate(level.warps)}
+    done: set[Cell] = set()
+    for first in entered:
+        path: dict[Cell, None] = {}
+        cell = first
+        while cell in entered and cell not in done and cell not in path:
+            path[cell] = None
+            cell = entered[cell]
+        if cell in path:
+            circle = [*path][[*path].index(cell) :]
+            way = " to ".join(show_cell(step) for step in [*circle[:8], cell])
+            yield Problem(
+                "BR308",
+                ("warps", index_of[cell], "to"),
+                f"the warp leads in a circle: {way}",
+                "let one of them lead elsewhere",
+            )
+        done.update(path)
+
+
+def _check_wind(level: LevelFields) -> Iterator[Problem]:
+    if level.wind is None:
+        return
+    for side in ("north", "east", "south", "west"):
+        strengths = getattr(level.wind, side)
+        vertical = side in ("north", "south")
+        count = level.size[0] if vertical else level.size[1]
+        if strengths is not None and len(strengths) != count:
+            line = "column" if vertical else "row"
+            yield Problem(
+                "BR315",
+                ("wind", side),
+                f"`{side}` gives {len(strengths)} strength{'s' * (len(strengths) != 1)} "
+                f"for {count} {line}{'s' * (count != 1)}",
+                f"give one for each {line}",
+            )

@@ -1,0 +1,183 @@
+"""Share codes: a level as a line of text that survives chats, links and papers.
+
+A code is `brl1.`, the number of characters that follow the next `.`, that `.`, and base64url
+without padding. Its bytes are the CRC-32 of the packed data, four bytes, big-endian, and the packed
+data: a raw deflate stream with a dictionary to begin with. What is packed is the level as JSON in
+UTF-8: the fields of a level file, read and checked as a file is.
+
+In a link, what a page needs to play the level may follow behind a `~`; it is no part of the code.
+"""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import json
+import re
+import zlib
+from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels.language.share_dictionary import DICTIONARY_1
+from babyrobot_levels.library.reading import read_level
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import ReadFault, decode
+from babyrobot_levels.text.reader import MAX_BYTES
+
+if TYPE_CHECKING:
+    from babyrobot_levels.library.level import Level
+
+VERSION = 1
+PREFIX = f"brl{VERSION}."
+NAME = "<share code>"
+"""What messages call a level whose code is read."""
+
+MAX_CHARACTERS = 2 * MAX_BYTES
+"""The most characters of a code: those of the largest level are fewer."""
+
+PLAY_MARK = "~"
+"""What stands between a code and the play part of a link."""
+
+_CODE = re.compile(r"\s*(?:[^\s#]+#)?(brl[0-9]{1,9}\..*)", re.DOTALL | re.IGNORECASE)
+_IS_FILE = re.compile(r"\.ya?ml\s*\Z")
+_PARTS = re.compile(r"brl([0-9]+)\.([0-9]{1,9})\.(.*)", re.IGNORECASE)
+_FOREIGN = re.compile(r"[^A-Za-z0-9_-]")
+_PLAY_PART = re.compile(rf"(?:{PLAY_MARK}|%7E).*", re.IGNORECASE)
+_CHECKSUM_BYTES = 4
+_NOT_IN_YAML = re.compile("[\x7f-\xa0\u2028\u2029\ufeff\ufffe\uffff]")
+"""Characters that JSON takes as they are, but YAML does not."""
+
+
+def is_code(text: str) -> bool:
+    """Tell whether a text is meant as a share code, or as a link that ends in one."""
+    return _CODE.fullmatch(text) is not None and _IS_FILE.search(text) is None
+
+
+def share_code(level: Level) -> str:
+    """Return the code of a level: one line of letters, digits, `.`, `_` and `-`.
+
+    It holds all that the level says, its name and a theme of its own included, but no comments.
+
+    Raises:
+        LevelError: the level is larger than a level file may be.
+    """
+    data = _json(level.to_dict(whole=True)).encode("utf-8")
+    if len(data) > MAX_BYTES:
+        raise LevelError(
+            message=f"the level is too large to be shared as a code: {len(data):,} bytes, "
+            f"of at most {MAX_BYTES:,}"
+        )
+    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=DICTIONARY_1)
+    packed = packer.compress(data) + packer.flush()
+    body = _base64(_checksum(packed) + packed)
+    return f"{PREFIX}{len(body)}.{body}"
+
+
+def load_code(text: str) -> Level:
+    """Return the level of a code, or of a link that ends in one. Blanks and line ends do not count.
+
+    Raises:
+        LevelError: the code is damaged, cut off, of a version that is not known, or what it holds
+            is not a valid level.
+    """
+    match = _CODE.fullmatch(text)
+    if match is None:
+        raise LevelError(message=f"this is no share code; one begins with `{PREFIX}`")
+    if len(text) > MAX_CHARACTERS:
+        raise LevelError(message="the share code is longer than that of any level")
+    try:
+        code = _PLAY_PART.sub("", "".join(match[1].split()))
+        source = decode(_unpacked(_packed(code)), NAME)
+    except ReadFault as fault:
+        raise LevelError([fault.diagnostic]) from None
+    level, diagnostics = read_level(source)
+    if level is None:
+        raise LevelError(diagnostics)
+    # The JSON is no text that saving should keep.
+    level.remember_origin(None, None, None)
+    return level
+
+
+# -- the data ------------------------------------------------------------------------------
+
+
+def _json(data: dict[str, Any]) -> str:
+    """Return data as JSON that is YAML as well, each value written in one way."""
+    text = json.dumps(_short(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return _NOT_IN_YAML.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
+
+
+def _short(value: Any) -> Any:
+    """Return data with whole numbers written as such: 2 for 2.0."""
+    if isinstance(value, dict):
+        return {key: _short(inner) for key, inner in value.items()}
+    if isinstance(value, list):
+        return [_short(inner) for inner in value]
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return int(value)
+    return value
+
+
+# -- the bytes -----------------------------------------------------------------------------
+
+
+def _packed(code: str) -> bytes:
+    """Return the packed data of a code without blanks, checked."""
+    version = int(code[3 : code.index(".")])
+    if version != VERSION:
+        raise LevelError(
+            message=f"the share code is of version {version}, and this babyrobot-levels reads "
+            f"version {VERSION}: a newer one may read it"
+        )
+    parts = _PARTS.fullmatch(code)
+    if parts is None:
+        is_cut = re.fullmatch("[0-9]*", code.partition(".")[2])
+        raise _cut_off("hardly anything of it is there") if is_cut else _damaged("it has no length")
+    length, body = int(parts[2]), parts[3]
+    foreign = _FOREIGN.search(body)
+    if foreign:
+        place = parts.start(3) + foreign.start() + 1
+        raise _damaged(f"{foreign[0]!r}, its character {place}, cannot stand in one")
+    if len(body) < length:
+        missing = length - len(body)
+        raise _cut_off(
+            f"the last {missing:,} of its {len(code) + missing:,} characters are missing"
+        )
+    if len(body) > length:
+        raise _damaged(f"there are {len(body) - length:,} characters too many")
+    try:
+        data = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
+    except binascii.Error:
+        raise _damaged("its length is wrong") from None
+    packed = data[_CHECKSUM_BYTES:]
+    # Base64 can write the same bytes in several ways, of which one is right.
+    if _checksum(packed) != data[:_CHECKSUM_BYTES] or _base64(data) != body:
+        raise _damaged("its checksum is wrong (capital and small letters differ)")
+    return packed
+
+
+def _unpacked(packed: bytes) -> bytes:
+    """Return the data that was packed: at most one byte more than a level may have."""
+    unpacker = zlib.decompressobj(-zlib.MAX_WBITS, zdict=DICTIONARY_1)
+    try:
+        data = unpacker.decompress(packed, MAX_BYTES + 1)
+    except zlib.error:
+        raise _damaged("its data cannot be unpacked") from None
+    if len(data) <= MAX_BYTES and (not unpacker.eof or unpacker.unused_data):
+        raise _damaged("its data do not end where they should")
+    return data
+
+
+def _base64(data: bytes) -> str:
+    return base64.urlsafe_b64encode(data).decode("ascii").rstrip("=")
+
+
+def _checksum(data: bytes) -> bytes:
+    return zlib.crc32(data).to_bytes(_CHECKSUM_BYTES, "big")
+
+
+def _cut_off(why: str) -> LevelError:
+    return LevelError(message=f"the share code is cut off: {why}")
+
+
+def _damaged(why: str) -> LevelError:
+    return LevelError(message=f"the share code is damaged: {why}")

@@ -1,0 +1,186 @@
+"""The fields of a suite file: a family of levels, stated instead of listed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.level import whole_version
+from babyrobot_levels.language.looks import ThemeLike
+from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.problem import Problem, SpecProblems
+from babyrobot_levels.language.ranges import (
+    Counts,
+    Numbers,
+    PuddleCounts,
+    Shares,
+    Sizes,
+    bounds,
+    empty_ranges,
+)
+from babyrobot_levels.language.walls import Algorithm
+
+MAX_COUNT = 10**9
+MAX_DRAWN = 256
+"""Levels whose start is the farthest cell are drawn as a `map`, which must fit into a file."""
+
+Place = Literal["corner", "random", "farthest"]
+Share = Annotated[Number, Field(gt=0, le=1)]
+
+
+class SuiteMaze(Model):
+    """How the mazes of a suite are grown; each level has a seed of its own."""
+
+    algorithm: Annotated[
+        Annotated[Algorithm, form("word")]
+        | Annotated[Annotated[tuple[Algorithm, ...], Field(min_length=1)], form("words")],
+        forms(lambda value: "words" if isinstance(value, list | tuple) else "word"),
+    ] = "depth-first"
+    """The algorithm, or several, one of which is drawn for each level."""
+    loops: Shares = 0.0
+    """The share of the dead ends that are opened up, or a range of shares."""
+
+
+class SuiteFields(Model):
+    """A suite of levels, version 1: what all of them have, and what is drawn for each."""
+
+    version: Annotated[Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1})]
+    """The version of the language: 1."""
+    kind: Literal["suite"]
+    """What the file is: `suite`."""
+    name: Slug | None = None
+    """What code loads the suite by; the file's name, if it is left out."""
+    title: Text | None = None
+    """A title, for people."""
+    description: Text | None = None
+    """What the suite is for."""
+    author: Text | None = None
+    """Who made it."""
+    license: Text | None = None
+    """Under which licence it may be used."""
+    source: Text | None = None
+    """Where the idea is from: a citation."""
+    tags: tuple[Slug, ...] = ()
+    """Words to search by."""
+    seed: Annotated[Integer, Field(ge=0, le=2**53)] = 0
+    """What all levels are drawn from: another seed, another suite."""
+    count: Annotated[Integer, Field(ge=1, le=MAX_COUNT)]
+    """How many levels there are."""
+    splits: dict[Slug, Share] = Field(default_factory=dict)
+    """The parts of the suite and their shares, which add up to 1. No maze is in two of them."""
+    size: Sizes = (8, 5)
+    """Width and height in cells, or a range of sizes."""
+    maze: SuiteMaze = Field(default_factory=SuiteMaze)
+    """How the mazes are grown."""
+    start: Place = "corner"
+    """Where the robot starts: in the top-left `corner`, on a `random` cell, or `farthest` off."""
+    exit: Place = "corner"
+    """Where the exit is: in the bottom-right `corner`, a `random` dead end, or `farthest` off."""
+    puddles: PuddleCounts = 0
+    """How many puddles there are, or a range. Cells and kinds are drawn."""
+    path_length: Counts | None = None
+    """How many steps a shortest walk from start to exit takes."""
+    dead_ends: Counts | None = None
+    """How many cells have exactly one open side."""
+    difficulty: Numbers | None = None
+    """How hard the levels are, by the metric of that name."""
+    rewards: Rewards = Field(default_factory=Rewards)
+    """What a step is worth, in all levels."""
+    discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    """What solving assumes when it is not told otherwise."""
+    max_steps: Annotated[Integer, Field(ge=1, le=2**53)] | None = None
+    """Episodes are truncated after this many steps. No shortest walk is longer."""
+    theme: ThemeLike = "default"
+    """Colours and widths of all levels: a theme's name or a mapping."""
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        """Check what only the whole suite shows."""
+        problems = list(_problems(self))
+        if problems:
+            raise SpecProblems(problems)
+        return self
+
+    @property
+    def algorithms(self) -> tuple[str, ...]:
+        """The algorithms as a tuple, also when there is one."""
+        given: Any = self.maze.algorithm
+        return (given,) if isinstance(given, str) else given
+
+    @property
+    def largest(self) -> tuple[int, int]:
+        """The largest width and height."""
+        most: tuple[int, int] = bounds(self.size)[1]
+        return most
+
+
+def _problems(suite: SuiteFields) -> Iterator[Problem]:
+    ranges = ("size", "puddles", "path_length", "dead_ends", "difficulty")
+    faults = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
+    yield from faults or _misfits(suite)
+    yield from _faulty_splits(suite)
+
+
+def _misfits(suite: SuiteFields) -> Iterator[Problem]:
+    """Yield what levels of these sizes have no room for."""
+    (width, height), largest = bounds(suite.size)
+    cells = width * height
+    if cells <= 2:
+        message = f"a level of {cells} cell{'s' * (cells - 1)} is won at once, or not at all"
+        yield Problem("BR205", ("size",), message, "three cells are the fewest")
+    elif bounds(suite.puddles)[1] > cells - 2:
+        message = f"the smallest level has room for {cells - 2} beside start and exit"
+        yield Problem("BR205", ("puddles",), message)
+    if suite.start == "farthest" and max(largest) > MAX_DRAWN:
+        message = (
+            f"levels with `start: farthest` are drawn as a map, at most {MAX_DRAWN} cells wide "
+            "and high"
+        )
+        yield Problem("BR205", ("start",), message, "let the exit be `farthest`")
+
+
+def impossible(suite: SuiteFields) -> Iterator[Problem]:
+    """Yield what no level of these sizes can have, however long one looks for it."""
+    cells = suite.largest[0] * suite.largest[1]
+    if suite.path_length is not None:
+        least, most = bounds(suite.path_length)
+        route = ("path_length",)
+        if least > cells - 1:
+            message = f"no walk through {cells} cells has more than {cells - 1} steps"
+            yield Problem("BR205", route, message)
+        if most is not None and most < 2:
+            yield Problem("BR205", route, "from start to exit there are at least two steps")
+        if suite.max_steps is not None and least > suite.max_steps:
+            message = f"a walk of {least} steps takes longer than `max_steps`, {suite.max_steps}"
+            yield Problem("BR205", route, message)
+    if suite.dead_ends is not None and bounds(suite.dead_ends)[0] > cells:
+        yield Problem("BR205", ("dead_ends",), f"{cells} cells have no more dead ends than that")
+
+
+def _faulty_splits(suite: SuiteFields) -> Iterator[Problem]:
+    if not suite.splits:
+        return
+    total = sum(suite.splits.values())
+    if abs(total - 1) > 1e-9:
+        yield Problem("BR205", ("splits",), f"the shares add up to {total:g}, not to 1")
+        return
+    for name, part in split_ranges(suite).items():
+        if not part:
+            message = f"of {suite.count} levels, none is left for `{name}`"
+            yield Problem("BR205", ("splits", name), message, "raise `count`, or the share")
+
+
+def split_ranges(suite: SuiteFields) -> dict[str, range]:
+    """Return the numbers of the levels of each split: one after the other, in their order."""
+    parts: dict[str, range] = {}
+    first, total = 0, 0.0
+    for name, share in suite.splits.items():
+        total += share
+        is_last = len(parts) == len(suite.splits) - 1
+        end = suite.count if is_last else min(suite.count, int(total * suite.count + 0.5))
+        parts[name] = range(first, end)
+        first = end
+    return parts

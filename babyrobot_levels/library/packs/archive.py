@@ -1,0 +1,214 @@
+"""The archive: a zip in one form only, so that the same pack is the same bytes everywhere.
+
+First the manifest, then the files by their paths; stored, not compressed; dated 1980-01-01; plain
+files that their owner may write and everybody read. A reader that accepts nothing else has no
+need to guess what other unpackers would make of it.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import stat
+import struct
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from babyrobot_levels.library.packs.errors import PackError
+from babyrobot_levels.library.packs.manifest import MANIFEST, Manifest, check_files, read_manifest
+from babyrobot_levels.library.packs.paths import clashes, path_fault
+from babyrobot_levels.text.files import read_bytes
+from babyrobot_levels.text.reader import MAX_BYTES
+
+SUFFIX = ".brlpack"
+
+MAX_FILES = 10_000
+MAX_TOTAL = 16 << 20
+"""So many bytes a pack's files have at most, all together; each is no larger than a level."""
+MAX_MANIFEST = 8 << 20
+
+_LOCAL = struct.Struct("<4s5H3I2H")
+_CENTRAL = struct.Struct("<4s6H3I5H2I")
+_END = struct.Struct("<4s4H2IH")
+MAX_ARCHIVE = MAX_TOTAL + MAX_MANIFEST + MAX_FILES * 600
+
+_NEEDED, _MADE_BY = 10, 3 << 8 | 10
+_DATE = 1 << 5 | 1
+_FILE_ATTRIBUTES = (stat.S_IFREG | 0o644) << 16
+_ENCRYPTED = 1 << 0
+
+
+@dataclass(frozen=True, slots=True)
+class Archive:
+    """A pack's archive that was read, and found to be sound.
+
+    Attributes:
+        manifest: what it says of itself.
+        files: its files by their paths, without the manifest.
+        sha256: the sum of the whole archive, in hex.
+    """
+
+    manifest: Manifest
+    files: Mapping[str, bytes]
+    sha256: str
+
+
+def write_archive(manifest: Manifest, files: Mapping[str, bytes]) -> bytes:
+    """Return the archive of files. The same files give the same bytes on every system."""
+    whole = {MANIFEST: manifest.to_bytes(), **dict(sorted(files.items()))}
+    body, directory = bytearray(), bytearray()
+    for path, data in whole.items():
+        directory += _central(path, data, len(body))
+        body += _local(path, data) + data
+    return bytes(body + directory) + _end(len(whole), len(directory), len(body))
+
+
+def read_archive(path: Path) -> Archive:
+    """Read and check an archive.
+
+    Raises:
+        OSError: the file cannot be read.
+        PackError: it is not a sound archive of a pack.
+    """
+    data = read_bytes(path, MAX_ARCHIVE)
+    if len(data) > MAX_ARCHIVE:
+        raise PackError(f"it is larger than a pack can be, {MAX_ARCHIVE:,} bytes")
+    return parse_archive(data)
+
+
+def parse_archive(data: bytes) -> Archive:
+    """Check the bytes of an archive; see `read_archive`."""
+    files = _entries(data)
+    manifest = read_manifest(files.pop(MANIFEST))
+    check_files(manifest, files)
+    return Archive(manifest, files, hashlib.sha256(data).hexdigest())
+
+
+def check_sizes(files: Mapping[str, bytes]) -> None:
+    """Make sure that files are not too many, and not too large.
+
+    Raises:
+        PackError: they are.
+    """
+    if len(files) > MAX_FILES:
+        raise PackError(f"it holds more than {MAX_FILES:,} files")
+    for path, data in files.items():
+        if len(data) > MAX_BYTES:
+            raise PackError(f"{path!r} is larger than {MAX_BYTES >> 20} MiB")
+    if sum(map(len, files.values())) > MAX_TOTAL:
+        raise PackError(f"its files are larger than {MAX_TOTAL >> 20} MiB all together")
+
+
+def _local(path: str, data: bytes) -> bytes:
+    head = _LOCAL.pack(b"PK\3\4", _NEEDED, 0, 0, 0, _DATE, *_sums(data), len(path), 0)
+    return head + path.encode("ascii")
+
+
+def _central(path: str, data: bytes, offset: int) -> bytes:
+    head = (b"PK\1\2", _MADE_BY, _NEEDED, 0, 0, 0, _DATE, *_sums(data))
+    tail = (len(path), 0, 0, 0, 0, _FILE_ATTRIBUTES, offset)
+    return _CENTRAL.pack(*head, *tail) + path.encode("ascii")
+
+
+def _sums(data: bytes) -> tuple[int, int, int]:
+    return zlib.crc32(data), len(data), len(data)
+
+
+def _end(count: int, size: int, offset: int) -> bytes:
+    return _END.pack(b"PK\5\6", 0, 0, count, count, size, offset, 0)
+
+
+def _entries(data: bytes) -> dict[str, bytes]:
+    """Return the entries of an archive, the manifest first. No entry is believed unchecked."""
+    count, directory = _directory(data)
+    found: dict[str, bytes] = {}
+    place, offset = directory, 0
+    for _ in range(count):
+        name = _name(data, place)
+        size = _size(data, place, name, found)
+        local = offset + _LOCAL.size + len(name)
+        content = data[local : local + size]
+        if local + size > directory:
+            raise PackError(f"its entries overlap, or {name!r} is larger than the archive")
+        if _CENTRAL.unpack_from(data, place)[-1] != offset:
+            raise PackError(f"its entries overlap or leave gaps, at {name!r}")
+        head, record = _local(name, content), _central(name, content, offset)
+        if data[place + 16 : place + 20] != record[16:20]:
+            raise PackError(f"{name!r} is damaged: its CRC-32 is wrong")
+        if data[offset:local] != head:
+            raise PackError(f"the two headers of {name!r} contradict each other")
+        if data[place : place + len(record)] != record:
+            raise PackError(f"the entry {name!r} is not written as in a pack")
+        found[name] = content
+        place, offset = place + len(record), local + size
+    if offset != directory:
+        raise PackError("there is something between its last entry and its directory")
+    if place != len(data) - _END.size:
+        raise PackError("its directory is longer than its entries")
+    if next(iter(found)) != MANIFEST:
+        raise PackError(f"its first entry is not {MANIFEST}")
+    if list(found)[1:] != sorted(list(found)[1:]):
+        raise PackError("its entries are not in order")
+    paths = [path for path in found if path != MANIFEST]
+    for path, why in clashes(paths):
+        raise PackError(f"the entry {path!r} {why}")
+    check_sizes({path: found[path] for path in paths})
+    return found
+
+
+def _directory(data: bytes) -> tuple[int, int]:
+    """Return how many entries there are and where their directory begins, from the end record."""
+    if not data.startswith(b"PK\3\4"):
+        raise PackError("it is no pack: it does not begin as a zip file does")
+    at = len(data) - _END.size
+    if at < 0 or not data.startswith(b"PK\5\6", at):
+        has_end = 0 <= data.rfind(b"PK\5\6") <= at
+        raise PackError(
+            "there is something behind its end" if has_end else "it is cut off: it has no end"
+        )
+    _, disk, first, here, count, size, start, comment = _END.unpack_from(data, at)
+    if count > MAX_FILES + 1 or here > MAX_FILES + 1:
+        raise PackError(f"it holds more than {MAX_FILES:,} files")
+    if disk or first or here != count or comment or not count or start + size != at:
+        raise PackError("its end contradicts the rest of it")
+    return count, start
+
+
+def _name(data: bytes, place: int) -> str:
+    """Return the name of the entry whose record in the directory begins at `place`."""
+    if place + _CENTRAL.size > len(data) - _END.size or not data.startswith(b"PK\1\2", place):
+        raise PackError("its directory is damaged")
+    length = _CENTRAL.unpack_from(data, place)[10]
+    begin = place + _CENTRAL.size
+    raw = data[begin : begin + length]
+    try:
+        name = raw.decode("ascii")
+    except UnicodeDecodeError:
+        shown = raw.decode("utf-8", "replace")
+        raise PackError(f"the name of the entry {shown[:100]!r} is not ASCII") from None
+    fault = None if name == MANIFEST else path_fault(name)
+    if fault:
+        raise PackError(f"the entry {name[:100]!r} {fault}")
+    return name
+
+
+def _size(data: bytes, place: int, name: str, found: Mapping[str, bytes]) -> int:
+    """Return an entry's size, once it is sure that it is a plain file."""
+    record = _CENTRAL.unpack_from(data, place)
+    made_by, _, flags, method = record[1:5]
+    packed, size, _, extra, comment = record[8:13]
+    kind = stat.S_IFMT(record[15] >> 16)
+    if name in found:
+        raise PackError(f"the entry {name!r} is there twice")
+    if flags & _ENCRYPTED:
+        raise PackError(f"the entry {name!r} is encrypted")
+    if made_by >> 8 == 3 and kind == stat.S_IFLNK:
+        raise PackError(f"the entry {name!r} is a link")
+    if method:
+        raise PackError(f"the entry {name!r} is compressed, and those of a pack are not")
+    if extra or comment or packed != size:
+        raise PackError(f"the entry {name!r} is not written as in a pack")
+    if size > (MAX_MANIFEST if name == MANIFEST else MAX_BYTES):
+        raise PackError(f"the entry {name!r} is too large: {size:,} bytes")
+    return int(size)

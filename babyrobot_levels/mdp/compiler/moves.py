@@ -1,0 +1,106 @@
+"""Where a move ends: walks over the grid, with wind and walls, before any chance or warp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.mdp.actions import NUM_MOVES
+from babyrobot_levels.mdp.grid import Grid
+
+States = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+NORTH, EAST, SOUTH, WEST = range(NUM_MOVES)
+BACK = (SOUTH, WEST, NORTH, EAST)
+"""The opposite of each direction."""
+
+VERTICAL = (True, False, True, False)
+SIGN = (-1, 1, 1, -1)
+"""The direction of each move on its axis: south and east are positive."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moves:
+    """Arrays `[4, states]`, one row a direction: north, east, south, west.
+
+    Attributes:
+        open: whether nothing closes that side of the cell. Walls of glass do.
+        landing: where a robot comes to stand that tries the direction; glass is a wall to it.
+        refused: whether a wall refused the move: it pushed against the side and did not go.
+        glass: the probability of getting through the wall of glass that the move tries, else 0.
+        through: where the robot comes to stand if it gets through; without glass of no meaning.
+        bounce: where it comes to stand if it bounces off.
+    """
+
+    open: Flags
+    landing: States
+    refused: Flags
+    glass: NDArray[np.float64]
+    through: States
+    bounce: States
+
+
+def build_moves(level: LevelFields, grid: Grid) -> Moves:
+    """Walk every direction out of every cell."""
+    count = grid.width * grid.height
+    states = np.arange(count)
+    open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
+    delta = np.array([-grid.width, 1, grid.width, -1])[:, None]
+    step = np.where(open_, states + delta, states)
+    glass = np.zeros((NUM_MOVES, count))
+    for (cell, side), probability in grid.glass.items():
+        glass[SIDES.index(side), cell] = probability
+    bounce = step[list(BACK)]
+    if level.wind is None:
+        through = np.where(glass > 0, states + delta, states) if grid.glass else step
+        return Moves(open_, step, ~open_, glass, through, bounce)
+
+    south, east = shifts(level.wind, grid.width, grid.height)
+    pushes = {
+        True: np.tile(np.array(south, np.int64), grid.height),
+        False: np.repeat(np.array(east, np.int64), grid.width),
+    }
+    landing, through = np.empty_like(step), np.empty_like(step)
+    refused = np.empty_like(open_)
+
+    free = _free_runs(open_, grid)
+
+    def walk(start: States, amount: States, vertical: bool) -> States:
+        """Walk `amount` cells along an axis, each state until a wall stops it."""
+        ahead, back = (SOUTH, NORTH) if vertical else (EAST, WEST)
+        forth = np.minimum(amount, free[ahead, start])
+        taken = np.where(amount > 0, forth, -np.minimum(-amount, free[back, start]))
+        ends: States = start + taken * delta[ahead]
+        return ends
+
+    for way in range(NUM_MOVES):
+        vertical, sign = VERTICAL[way], SIGN[way]
+        along, across = pushes[vertical] + sign, pushes[not vertical]
+        pushing = along * sign > 0
+        landing[way] = walk(walk(states, along, vertical), across, not vertical)
+        glass[way] *= pushing
+        refused[way] = pushing & ~open_[way]
+        behind = np.where(glass[way] > 0, states + delta[way], states)
+        rest = np.where(glass[way] > 0, along - sign, 0)
+        drift = np.where(glass[way] > 0, across, 0)
+        through[way] = walk(walk(behind, rest, vertical), drift, not vertical)
+    return Moves(open_, landing, refused, glass, through, bounce)
+
+
+def _free_runs(open_: Flags, grid: Grid) -> States:
+    """Return, `[4, states]`, how many cells one can go in each direction until a wall."""
+    runs = np.zeros((NUM_MOVES, grid.height, grid.width), np.int64)
+    for way, (is_open, run) in enumerate(zip(open_.reshape(runs.shape), runs, strict=True)):
+        # Lines across the way, from the one where the grid ends.
+        across, along = (is_open, run) if VERTICAL[way] else (is_open.T, run.T)
+        if SIGN[way] > 0:
+            across, along = across[::-1], along[::-1]
+        for number in range(1, len(along)):
+            along[number] = np.where(across[number], along[number - 1] + 1, 0)
+    return runs.reshape(open_.shape)

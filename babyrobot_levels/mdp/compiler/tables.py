@@ -1,0 +1,162 @@
+"""Level and grid to the exact tables.
+
+Every chance becomes a branch: a row (state and action), a probability, and where it comes to
+stand. Rows without chance have one branch and are filled in as whole columns; only the others are
+expanded, merged and sorted. All arithmetic is in the same order on every platform.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.compiler.arrivals import Arrivals
+from babyrobot_levels.mdp.compiler.branches import (
+    Branches,
+    Floats,
+    Ints,
+    chancy_branches,
+    chancy_rows,
+    plain_branches,
+)
+from babyrobot_levels.mdp.compiler.moves import Moves, build_moves
+from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
+from babyrobot_levels.mdp.compiler.warps import Warps, build_warps
+from babyrobot_levels.mdp.grid import Grid, build_grid
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
+
+
+def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
+    """Compile a level into its exact tables.
+
+    Raises:
+        LevelError: the level's maze has no seed yet (`seed: random`).
+    """
+    grid = grid or build_grid(level)
+    terrain = build_terrain(level, grid)
+    moves = build_moves(level, grid)
+    warps = build_warps(level, grid)
+    arrivals = Arrivals(level.rewards, terrain, warps)
+    starts = np.array([y * grid.width + x for x, y in level.starts])
+
+    plain = plain_branches(moves, terrain, warps)
+    next_state = arrivals.next_states(plain)
+    # A plain row that leads to one of several starts is a chance too.
+    lost = next_state == terrain.over.size
+    chancy = chancy_rows(moves, terrain, warps)
+    by_chance = [*chancy_branches(moves, terrain, chancy), plain.select(lost & ~chancy.ravel())]
+    branches = by_chance[0].joined(*by_chance[1:])
+    branches = branches.select(branches.probability > 0)
+    next_state[lost] = 0
+    tables = _plain_tables(next_state, arrivals.rewards_of(plain, next_state), terrain)
+    if branches.row.size:
+        tables = _with_outcomes(tables, _merged(branches, arrivals, starts), terrain)
+
+    hindered, target = _hindrances(moves, terrain, warps)
+    possible = (hindered != REFUSED).astype(np.int8)
+    possible[terrain.over, 1:] = 0
+    start = np.zeros(terrain.over.size)
+    start[starts] = 1.0 / starts.size
+    return Mdp(
+        width=grid.width,
+        height=grid.height,
+        start=start,
+        over=terrain.over,
+        possible=possible,
+        target=target,
+        hindered=hindered,
+        **tables,
+    ).freeze()
+
+
+@dataclass(slots=True)
+class _Outcomes:
+    """Distinct outcomes, sorted by row, next state and reward."""
+
+    row: Ints
+    probability: Floats
+    next_state: Ints
+    reward: Floats
+
+
+def _plain_tables(next_state: Ints, reward: Floats, terrain: Terrain) -> dict[str, NDArray[Any]]:
+    """Return tables with one outcome a row, as if there were no chance."""
+    shape = (terrain.over.size, NUM_ACTIONS, 1)
+    return {
+        "probability": np.ones(shape),
+        "next_state": next_state.astype(np.int32).reshape(shape),
+        "reward": reward.reshape(shape),
+        "terminal": terrain.over[next_state].reshape(shape),
+    }
+
+
+def _merged(branches: Branches, arrivals: Arrivals, starts: Ints) -> _Outcomes:
+    """Return what branches come to, those with the same end and reward as one."""
+    next_state = arrivals.next_states(branches)
+    lost = next_state == arrivals.terrain.over.size
+    if lost.any():
+        # Each start takes an even share of those that lead to one of the starts.
+        copies = np.repeat(np.flatnonzero(lost), starts.size)
+        spread = branches.select(copies)
+        spread.probability = spread.probability / starts.size
+        goals = np.tile(starts, int(lost.sum()))
+        branches = branches.select(~lost).joined(spread)
+        next_state = np.concatenate([next_state[~lost], goals])
+    reward = arrivals.rewards_of(branches, next_state)
+    order = np.lexsort((reward, next_state, branches.row))
+    row, next_state, reward = branches.row[order], next_state[order], reward[order]
+    is_new = np.ones(row.size, bool)
+    is_new[1:] = (
+        (row[1:] != row[:-1]) | (next_state[1:] != next_state[:-1]) | (reward[1:] != reward[:-1])
+    )
+    first = np.flatnonzero(is_new)
+    probability = np.add.reduceat(branches.probability[order], first)
+    return _Outcomes(row[first], probability, next_state[first], reward[first])
+
+
+def _with_outcomes(
+    tables: dict[str, NDArray[Any]], outcomes: _Outcomes, terrain: Terrain
+) -> dict[str, NDArray[Any]]:
+    """Return the tables with the outcomes in their rows, as wide as the longest row needs."""
+    begins = np.ones(outcomes.row.size, bool)
+    begins[1:] = outcomes.row[1:] != outcomes.row[:-1]
+    first = np.flatnonzero(begins)
+    length = np.diff(np.append(first, outcomes.row.size))
+    slot = np.arange(outcomes.row.size) - np.repeat(first, length)
+    width = int(length.max())
+    values = {
+        "probability": outcomes.probability,
+        "next_state": outcomes.next_state,
+        "reward": outcomes.reward,
+        "terminal": terrain.over[outcomes.next_state],
+    }
+    wide = {}
+    for name, plain in tables.items():
+        table = np.zeros((*plain.shape[:2], width), plain.dtype)
+        table[:, :, :1] = plain
+        table.reshape(-1, width)[outcomes.row, slot] = values[name]
+        wide[name] = table
+    return wide
+
+
+def _hindrances(
+    moves: Moves, terrain: Terrain, warps: Warps
+) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
+    """Return what hinders each action, and where it leads without chance."""
+    states = np.arange(terrain.over.size)
+    hindered = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
+    target = np.empty((states.size, NUM_ACTIONS), np.int32)
+    target[:, Action.STAY] = states
+    glass = moves.glass > 0
+    moves_on = ~warps.leaves & ~terrain.over
+    hindered[:, 1:][(moves_on & moves.refused).T] = REFUSED
+    hindered[:, 1:][(moves_on & glass).T] = GLASS
+    goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
+    target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
+    target[terrain.over] = states[terrain.over, None]
+    return hindered, target

@@ -1,0 +1,46 @@
+"""The digest: a fingerprint of the game that a level is, the same on every platform."""
+
+from __future__ import annotations
+
+import hashlib
+
+import numpy as np
+
+from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.tables import Mdp
+
+DIGEST_VERSION = 1
+_HEADER = f"babyrobot-levels game {DIGEST_VERSION}\n".encode("ascii")
+
+
+def digest(grid: Grid, mdp: Mdp) -> str:
+    """Return `sha256:` and 64 hex digits over the compiled level.
+
+    The bytes are, all little-endian: the header with the version of this layout; width and
+    height; the open sides and the blocked cells, a byte each; the walls of glass (cell, side,
+    probability), sorted; the probability of each start; where the episode is over; and of each
+    state and action the number of outcomes, then of all outcomes that can happen the
+    probabilities, next states, rewards and terminal flags.
+    """
+    happens = mdp.probability > 0
+    sides = "NESW"
+    glass = sorted((cell, sides.index(side), p) for (cell, side), p in grid.glass.items())
+    parts = [
+        np.array([grid.width, grid.height], "<u4"),
+        grid.open_bits,
+        grid.blocked_cells,
+        np.array([len(glass)], "<u4"),
+        np.array([(cell, side) for cell, side, _ in glass], "<u4"),
+        np.array([probability for _, _, probability in glass], "<f8"),
+        mdp.start.astype("<f8"),
+        mdp.over.astype("u1"),
+        happens.sum(axis=2).astype("<u4"),
+        mdp.probability[happens].astype("<f8"),
+        mdp.next_state[happens].astype("<u4"),
+        mdp.reward[happens].astype("<f8"),
+        mdp.terminal[happens].astype("u1"),
+    ]
+    hashed = hashlib.sha256(_HEADER)
+    for part in parts:
+        hashed.update(part if isinstance(part, bytes) else part.tobytes())
+    return f"sha256:{hashed.hexdigest()}"

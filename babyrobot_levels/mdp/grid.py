@@ -1,0 +1,208 @@
+"""Walls and cells after the maze: the first half of compiling. Plain Python, no NumPy needed."""
+
+from __future__ import annotations
+
+from array import array
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import compress
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.base import SIDES, Side
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.walls import Opening
+from babyrobot_levels.mdp.mazes import carve
+from babyrobot_levels.text.errors import LevelError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+BIT = {side: 1 << index for index, side in enumerate(SIDES)}
+OPPOSITE: dict[str, Side] = {"N": "S", "S": "N", "E": "W", "W": "E"}
+ALL_SIDES = 15
+
+_OTHER_SIDES = bytes(ALL_SIDES & ~bits for bits in range(256))
+_WITH = {side: bytes(bits | bit for bits in range(256)) for side, bit in BIT.items()}
+_WITHOUT = {side: bytes(bits & ~bit for bits in range(256)) for side, bit in BIT.items()}
+"""What a cell's walls become when one is added or taken away."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Walls and cells. Cells are numbered row by row: `y * width + x`.
+
+    `wall_bits` has a byte for each cell, a bit set of its walls: 1 north, 2 east, 4 south,
+    8 west; walls of glass count. `blocked_cells` has 1 for each blocked cell. `glass` maps cell
+    and side to the probability of getting through.
+    """
+
+    width: int
+    height: int
+    wall_bits: bytes
+    blocked_cells: bytes
+    glass: dict[tuple[int, str], float]
+
+    @cached_property
+    def open_bits(self) -> bytes:
+        """For each cell a bit set of the sides that nothing closes: no wall, nothing blocked."""
+        open_bits = bytearray(self.wall_bits.translate(_OTHER_SIDES))
+        for cell in _ones(self.blocked_cells):
+            open_bits[cell] = 0
+            for side in SIDES:
+                other = self.neighbour(cell, side)
+                if other is not None:
+                    open_bits[other] &= ~BIT[OPPOSITE[side]]
+        return bytes(open_bits)
+
+    @property
+    def open(self) -> NDArray[np.bool_]:
+        """Whether a side is open, `[height, width, 4]`: north, east, south, west.
+
+        A wall of glass is not open; see `pass_probability`.
+        """
+        import numpy as np
+
+        bits = np.frombuffer(self.open_bits, np.uint8).reshape(self.height, self.width, 1)
+        is_open: NDArray[np.bool_] = np.not_equal(bits & np.array([1, 2, 4, 8], np.uint8), 0)
+        return is_open
+
+    @property
+    def blocked(self) -> NDArray[np.bool_]:
+        """Whether a cell is blocked, `[height, width]`."""
+        import numpy as np
+
+        cells = np.frombuffer(self.blocked_cells, np.uint8)
+        return np.not_equal(cells.reshape(self.height, self.width), 0)
+
+    @property
+    def pass_probability(self) -> NDArray[np.float64]:
+        """The probability that a side lets the robot through, `[height, width, 4]`.
+
+        1 for an open side, 0 for a wall, between them for a wall of glass.
+        """
+        import numpy as np
+
+        table = self.open.astype(np.float64).reshape(-1, 4)
+        for (cell, side), probability in self.glass.items():
+            table[cell, SIDES.index(side)] = probability
+        return table.reshape(self.height, self.width, 4)
+
+    def __deepcopy__(self, memo: dict[int, object]) -> Grid:
+        return self
+
+    def neighbour(self, cell: int, side: str) -> int | None:
+        """Return the cell on that side of a cell, or None where the grid ends."""
+        return neighbour(cell, side, self.width, self.height)
+
+
+def neighbour(cell: int, side: str, width: int, height: int) -> int | None:
+    """Return the cell on that side of a cell, or None where the grid ends."""
+    if side == "N":
+        return cell - width if cell >= width else None
+    if side == "S":
+        return cell + width if cell < width * (height - 1) else None
+    if side == "W":
+        return cell - 1 if cell % width else None
+    return cell + 1 if (cell + 1) % width else None
+
+
+def build_grid(level: LevelFields) -> Grid:
+    """Grow the maze, add the walls, take away the openings, in this order.
+
+    Raises:
+        LevelError: the level's maze has no seed yet (`seed: random`).
+    """
+    width, height = level.size
+    blocked = _blocked(level)
+    walls = _maze_walls(level, blocked)
+    passes: dict[Side, array[float]] = {}
+    for wall in level.walls:
+        for cells, side in _stretches(wall, width, height):
+            walls[cells] = walls[cells].translate(_WITH[side])
+            # A wall that says nothing of glass leaves the glass that is there.
+            if "pass_" in wall.model_fields_set and (wall.pass_ or side in passes):
+                table = passes.setdefault(side, array("d", bytes(8 * len(walls))))
+                table[cells] = array("d", [wall.pass_]) * wall.length
+    for opening in level.openings:
+        for cells, side in _stretches(opening, width, height):
+            walls[cells] = walls[cells].translate(_WITHOUT[side])
+            if side in passes:
+                passes[side][cells] = array("d", bytes(8 * opening.length))
+    _drop_hidden_walls(walls, blocked, width, height)
+    real_glass: dict[tuple[int, str], float] = {
+        (cell, side): table[cell]
+        for side, table in passes.items()
+        for cell in compress(range(len(walls)), table)
+        if _joins_free_cells(cell, side, blocked, width, height)
+    }
+    return Grid(width, height, bytes(walls), bytes(blocked), real_glass)
+
+
+def _blocked(level: LevelFields) -> bytearray:
+    width, height = level.size
+    blocked = bytearray(width * height)
+    for rectangle in level.blocked:
+        (x, y), (columns, rows) = rectangle.at, rectangle.size
+        for row in range(y, y + rows):
+            blocked[row * width + x : row * width + x + columns] = b"\1" * columns
+    return blocked
+
+
+def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
+    """Return the walls to begin with: those of the maze, or only the one around the level."""
+    width, height = level.size
+    maze = level.maze
+    if maze is not None:
+        if isinstance(maze.seed, str):
+            raise LevelError(
+                message="the level grows another maze at each reset (`seed: random`); "
+                "`level.with_maze_seed(n)` gives one of them"
+            )
+        x, y = level.starts[0]
+        open_sides = carve(
+            width, height, bytes(blocked), y * width + x, maze.seed, maze.algorithm, maze.loops
+        )
+        return bytearray(open_sides.translate(_OTHER_SIDES))
+    walls = bytearray(width * height)
+    for x in range(width):
+        walls[x] |= BIT["N"]
+        walls[(height - 1) * width + x] |= BIT["S"]
+    for y in range(height):
+        walls[y * width] |= BIT["W"]
+        walls[(y + 1) * width - 1] |= BIT["E"]
+    return walls
+
+
+def _stretches(entry: Opening, width: int, height: int) -> list[tuple[slice, Side]]:
+    """Return the cells along which a wall or an opening runs, and their side: from both sides."""
+    x, y = entry.at
+    first, step = y * width + x, 1 if entry.side in ("N", "S") else width
+    found: list[tuple[int | None, Side]] = [
+        (first, entry.side),
+        (neighbour(first, entry.side, width, height), OPPOSITE[entry.side]),
+    ]
+    return [
+        (slice(begin, begin + step * entry.length, step), side)
+        for begin, side in found
+        if begin is not None
+    ]
+
+
+def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height: int) -> None:
+    """Take away the walls between two blocked cells: nobody sees or meets them."""
+    for cell in _ones(blocked):
+        for side in SIDES:
+            other = neighbour(cell, side, width, height)
+            if other is not None and blocked[other]:
+                walls[cell] &= ~BIT[side]
+
+
+def _ones(flags: bytes | bytearray) -> list[int]:
+    """Return the cells that have a 1: most levels have few of them, or none."""
+    return [cell for cell, flag in enumerate(flags) if flag] if any(flags) else []
+
+
+def _joins_free_cells(cell: int, side: str, blocked: bytearray, width: int, height: int) -> bool:
+    other = neighbour(cell, side, width, height)
+    return other is not None and not blocked[cell] and not blocked[other]

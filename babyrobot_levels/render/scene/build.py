@@ -1,0 +1,129 @@
+"""The scene of a level: everything that its picture shows, in painting order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.ground import ground_shapes
+from babyrobot_levels.render.scene.layout import Layout, layout_of
+from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.render.scene.pose import STANDING, Pose
+from babyrobot_levels.render.scene.puddles import puddle_shapes
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Scene, Shape
+from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
+from babyrobot_levels.render.scene.walls import wall_shapes
+
+if TYPE_CHECKING:
+    from babyrobot_levels.library.level import Level
+
+
+LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
+"""The layers of a picture, from the bottom up."""
+
+
+def build_scene(
+    level: Level,
+    *,
+    state: int | None = None,
+    pose: Pose = STANDING,
+    robot: bool = True,
+    cells_only: bool = False,
+    overlay: Overlay | None = None,
+) -> Scene:
+    """Return the picture of a level, 64 pixels a cell.
+
+    Args:
+        level: the level; a maze needs a seed.
+        state: the cell of the robot, `y * width + x`. None shows him on the first start, if the
+            level's `display` shows him at all.
+        pose: how he holds himself.
+        robot: whether the robot is in the picture.
+        cells_only: whether to leave out the free space around the grid, panels and compass.
+        overlay: values, arrows and texts that are written over the cells and into the panels.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+        ValueError: the level has no such state, or the overlay is not as large as the level.
+    """
+    layers = build_layers(
+        level, state=state, pose=pose, robot=robot, cells_only=cells_only, overlay=overlay
+    )
+    shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
+    return replace(layers["base"], shapes=shapes)
+
+
+def build_layers(
+    level: Level,
+    *,
+    state: int | None = None,
+    pose: Pose = STANDING,
+    robot: bool = True,
+    cells_only: bool = False,
+    overlay: Overlay | None = None,
+) -> dict[str, Scene]:
+    """Return the same picture in layers; painted one over the other they are `build_scene`'s.
+
+    All are as large as the picture. What changes from step to step has layers of its own:
+
+    - `base`: the ground, puddles, panels and the compass;
+    - `grid`: walls, arrows and texts that are the level's own;
+    - `underlay`: what of an overlay lies below the robot;
+    - `robot`: the robot;
+    - `overlay`: arrows over the cells;
+    - `text`: numbers and texts over the cells and in the panels.
+
+    Args and errors are those of `build_scene`.
+    """
+    overlay = overlay or Overlay()
+    layout = layout_of(level, cells_only=cells_only, overlay=overlay)
+    layers: dict[str, tuple[Shape, ...]] = {
+        "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
+        "grid": tuple(_grid_shapes(level, layout)),
+        "robot": (),
+    }
+    if robot and (state is not None or level.display.robot.show):
+        corner = _robot_corner(level, layout, state)
+        layers["robot"] = robot_shapes(level.colors_and_widths, *corner, pose)
+    layers |= overlay_shapes(level, overlay, layout)._asdict()
+    title = level.title or level.name or "Level"
+    return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
+
+
+def build_base(level: Level, *, cells_only: bool = False, overlay: Overlay | None = None) -> Scene:
+    """Return the picture of a level without the robot; see `build_scene`."""
+    return build_scene(level, robot=False, cells_only=cells_only, overlay=overlay)
+
+
+def _base_shapes(
+    level: Level, overlay: Overlay, layout: Layout, *, cells_only: bool
+) -> Iterator[Shape]:
+    yield from ground_shapes(level, layout)
+    yield from puddle_shapes(level, layout)
+    if not cells_only:
+        yield from panel_shapes(level, overlay, layout)
+        yield from compass_shapes(level, layout)
+
+
+def _grid_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+    yield from wind_shapes(level, layout)
+    yield from warp_shapes(level, layout)
+    yield from end_texts(level, layout)
+    yield from wall_shapes(level, layout)
+    yield from label_shapes(level, layout)
+    if level.display.coordinates:
+        yield from coordinate_texts(level, layout)
+
+
+def _robot_corner(level: Level, layout: Layout, state: int | None) -> tuple[float, float]:
+    if state is None:
+        return layout.corner(*level.starts[0])
+    if not 0 <= state < layout.columns * layout.rows:
+        raise ValueError(f"state {state} is not on the level")
+    y, x = divmod(state, layout.columns)
+    return layout.corner(x, y)

@@ -1,0 +1,171 @@
+"""Baby Robot himself, drawn for a cell of 64 pixels; he never leaves his cell."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from babyrobot_levels.language.looks import Colors, Theme
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.scene.figure import Figure
+from babyrobot_levels.render.scene.paths import curve, polyline
+from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose
+from babyrobot_levels.render.scene.shapes import Shape
+
+_OUTLINE = "#232c38"
+_VISOR = "#17202b"
+_GLOW = "#8af3ff"
+_LAMP = "#ffd54a"
+_WHITE = "#ffffff"
+_BLACK = "#000000"
+
+_TURN = {Action.EAST: 1, Action.WEST: -1}
+_BOB = 1.5
+"""How high a step lifts him."""
+_SWAY = 3.5
+"""How far a step makes him lean, in degrees."""
+_HOP = 2.0
+_SLIP = 15.0
+
+
+def robot_shapes(theme: Theme, left: float, top: float, pose: Pose = STANDING) -> tuple[Shape, ...]:
+    """Return the robot.
+
+    Args:
+        theme: the theme; his body has its colour `robot`.
+        left: the left edge of his cell in pixels.
+        top: the upper edge of his cell.
+        pose: how he holds himself.
+    """
+    return tuple(_shapes(theme.colors, left, top, pose))
+
+
+def _shapes(colors: Colors, left: float, top: float, pose: Pose) -> Iterator[Shape]:
+    body = colors.robot
+    ground = Figure(left, top)
+    turn = _TURN.get(pose.facing, 0)
+    stride = math.sin(2 * math.pi * pose.phase)
+    lean, lift = _SWAY * stride, _BOB * abs(stride)
+    if pose.mood is Mood.SLIP:
+        lean = -_SLIP if turn > 0 else _SLIP
+    elif pose.mood is Mood.CHEER:
+        lean, lift = 0.0, _HOP
+    figure = Figure(left, top, lean, lift)
+    yield ground.disc(32, 50.5, 16 - lift, 3 - 0.2 * lift, _BLACK, 0.28)
+    if pose.mood is Mood.SLIP:
+        yield from _splash(ground, colors.puddle)
+    yield from _wheels(figure, turn)
+    yield from _arms(figure, body, pose, turn)
+    yield from _trunk(figure, body, pose.facing, turn)
+    yield from _antenna(figure, pose, turn)
+    yield from _head(figure, body, pose.facing, turn)
+    if pose.facing is not Action.NORTH:
+        yield from _face(figure, pose, turn)
+
+
+def _wheels(figure: Figure, turn: int) -> Iterator[Shape]:
+    """Yield two wheels: from the front they are narrow, from the side round."""
+    for x in (22, 42):
+        if turn:
+            middle = x + (3 if x < 32 else -3)
+            yield figure.disc(middle, 46, 5.6, 5.6, _OUTLINE)
+            yield figure.disc(middle, 46, 2.1, 2.1, _WHITE, 0.55)
+        else:
+            yield figure.bar(x - 4.5, 41, 9, 10, 4.5, _OUTLINE)
+            yield figure.disc(x, 46, 1.8, 1.8, _WHITE, 0.55)
+
+
+def _arms(figure: Figure, body: str, pose: Pose, turn: int) -> Iterator[Shape]:
+    """Yield arms, which he only needs when something happens to him."""
+    if pose.mood is Mood.CALM:
+        return
+    for side in (-1, 1):
+        if pose.mood is Mood.CHEER:
+            hand = (32 + 25.5 * side, 14.0)
+            arm = curve((32 + 10 * side, 38), (32 + 25 * side, 38), hand)
+        else:
+            hand = (32 + 22.5 * side, 40.0 - 2 * side * turn)
+            arm = curve((32 + 10 * side, 38), (32 + 17 * side, 36), hand)
+        for color, width, radius in ((_OUTLINE, 4.6, 3.8), (body, 2.0, 2.5)):
+            yield figure.line(arm, color, width)
+            yield figure.disc(*hand, radius, radius, color)
+
+
+def _trunk(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Shape]:
+    yield figure.bar(20.5, 32, 23, 17, 8, _OUTLINE)
+    yield figure.bar(22, 33, 20, 14.5, 6.5, body)
+    yield figure.bar(22, 33, 20, 6, 3, _BLACK, 0.18)
+    if facing is Action.NORTH:
+        yield figure.bar(27, 40.2, 10, 5, 2, _OUTLINE)
+        yield figure.bar(28.2, 41.4, 5.4, 2.6, 1, _LAMP)
+    else:
+        yield figure.disc(32 + 5 * turn, 43, 2.4, 2.4, _LAMP)
+
+
+def _antenna(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
+    """Yield the antenna: it lags behind, and stands on end when he slips or cheers."""
+    root, tip = (32.0 - 2 * turn, 14.0), (32.0 - 6 * turn, 6.2)
+    yield figure.line(polyline([root, tip]), _OUTLINE, 2.4)
+    yield figure.disc(*tip, 3.8, 3.8, _OUTLINE)
+    yield figure.disc(*tip, 2.5, 2.5, _LAMP)
+
+
+def _head(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Shape]:
+    for side in (-1, 1):
+        if side != turn:
+            yield figure.bar(28.5 + 20 * side, 19, 7, 11, 3.5, _OUTLINE)
+    yield figure.bar(11, 10.5, 42, 28, 13.5, _OUTLINE)
+    yield figure.bar(12.6, 12.1, 38.8, 24.8, 12, body)
+    yield figure.bar(18 + turn, 13.4, 28, 4.4, 2.2, _WHITE, 0.5)
+    if facing is Action.NORTH:
+        for y in (22.5, 26, 29.5):
+            yield figure.bar(25, y, 14, 1.7, 0.85, _OUTLINE, 0.75)
+    if turn:
+        yield figure.disc(18.5 if turn > 0 else 45.5, 25, 3.6, 5, _OUTLINE)
+        yield figure.disc(18.5 if turn > 0 else 45.5, 25, 1.7, 2.8, _WHITE, 0.35)
+
+
+def _face(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
+    down = 1.6 if pose.facing is Action.SOUTH else 0.0
+    middle = 32 + 6.5 * turn
+    half = 15.5 - 2.5 * abs(turn)
+    yield figure.bar(middle - half, 17 + down, 2 * half, 16.5, 8.2, _VISOR)
+    gaze = 2.0 * turn
+    for side in (-1, 1):
+        x = middle + gaze + (6.5 - 0.8 * abs(turn)) * side
+        narrow = 0.8 if side == turn else 1.0
+        yield from _eye(figure, pose.mood, x, 24 + 1.4 * down, narrow, turn, down)
+    yield from _mouth(figure, pose.mood, middle + gaze, 28.2 + down)
+
+
+def _eye(
+    figure: Figure, mood: Mood, x: float, y: float, narrow: float, turn: int, down: float
+) -> Iterator[Shape]:
+    if mood is Mood.CHEER:
+        yield figure.line(curve((x - 3.1, y + 0.2), (x, y - 6), (x + 3.1, y + 0.2)), _GLOW, 2.2)
+    elif mood is Mood.SLIP:
+        yield figure.disc(x, y - 0.4, 4.6 * narrow, 4.8, _GLOW)
+        yield figure.disc(x + turn, y - 0.4, 1.7, 1.9, _VISOR)
+    else:
+        yield figure.disc(x, y, 3.4 * narrow, 4.1, _GLOW)
+        yield figure.disc(x + 1.2 * narrow + 0.6 * turn, y - 1.6 + down, 1.2, 1.2, _WHITE)
+
+
+def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
+    if mood is Mood.CHEER:
+        grin = (("M", (x - 4.2, y - 0.9)), ("L", (x + 4.2, y - 0.9)))
+        bow = ("C", (x + 3.6, y + 5, x - 3.6, y + 5, x - 4.2, y - 0.9))
+        yield figure.patch((*grin, bow, ("Z", ())), _GLOW)
+    elif mood is Mood.SLIP:
+        yield figure.disc(x, y + 2.2, 1.9, 2.1, _GLOW)
+    else:
+        smile = curve((x - 2.5, y), (x, y + 2.8), (x + 2.5, y))
+        yield figure.line(smile, _GLOW, 1.6)
+
+
+def _splash(ground: Figure, water: str) -> Iterator[Shape]:
+    """Yield the water that he slips on."""
+    yield ground.disc(32, 51, 21, 4.6, water)
+    yield ground.disc(32, 51, 15, 2.6, _WHITE, 0.2)
+    for x, y, r in ((9, 44, 2.2), (13.5, 37.5, 1.5), (55, 43, 2.4), (51.5, 36.5, 1.5)):
+        yield ground.disc(x, y, r, 1.25 * r, water)

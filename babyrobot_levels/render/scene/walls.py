@@ -1,0 +1,136 @@
+"""Walls: those of the maze and the level's own, walls of glass, and the one around it all."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+from babyrobot_levels.language.walls import Wall, sides_of
+from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.render.scene.layout import Layout
+from babyrobot_levels.render.scene.paths import polyline
+from babyrobot_levels.render.scene.shapes import Command, Path, Shape
+
+if TYPE_CHECKING:
+    from babyrobot_levels.library.level import Level
+
+GLASS = "#8fd0f5"
+_GLASS_CORE = "#f4fbff"
+_GLASS_EXTRA = 4.0
+"""How much wider than others a wall of glass is."""
+
+Edge = tuple[bool, int, int]
+"""A side of a cell: whether it runs down, and the corner `(x, y)` of the grid where it begins."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Style:
+    """How a wall looks; `fit` ends it at its corners instead of rounding it off beyond them."""
+
+    color: str
+    width: float
+    fit: bool = False
+    glass: bool = False
+    rim: str = ""
+    """Of glass, the colour of its two edges."""
+
+
+def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+    """Yield the walls, those of one style together: glass below, solid walls, then the border.
+
+    Walls with a colour or width of their own are few and meant to be seen: they lie on the others.
+    """
+    colors, widths = level.colors_and_widths.colors, level.colors_and_widths.widths
+    glass = _Style(GLASS, widths.walls + _GLASS_EXTRA, glass=True, rim=colors.walls)
+    solid = _Style(colors.walls, widths.walls)
+    border = _Style(colors.border, widths.border)
+    inner = {e: glass if is_glass else solid for e, is_glass in _inner_edges(level.grid())}
+    outer = dict.fromkeys(_outer_edges(layout), border)
+    own = _own_styles(level, inner | outer)
+    for styles, lowest in ((inner, (glass, solid)), (outer, (border,))):
+        drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
+        for edge, style in styles.items():
+            drawn.setdefault(own.get(edge, style), []).append(edge)
+        for style, edges in drawn.items():
+            if style.width > 0:
+                yield from _strokes(layout, style, edges)
+
+
+def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, bool]]:
+    """Yield the walls between two cells, and whether each is of glass."""
+    for cell, walls in enumerate(grid.wall_bits):
+        y, x = divmod(cell, grid.width)
+        if walls & BIT["E"] and x < grid.width - 1:
+            yield (True, x + 1, y), (cell, "E") in grid.glass
+        if walls & BIT["S"] and y < grid.height - 1:
+            yield (False, x, y + 1), (cell, "S") in grid.glass
+
+
+def _outer_edges(layout: Layout) -> Iterator[Edge]:
+    for x in range(layout.columns):
+        yield False, x, 0
+        yield False, x, layout.rows
+    for y in range(layout.rows):
+        yield True, 0, y
+        yield True, layout.columns, y
+
+
+def _own_styles(level: Level, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
+    """Return the styles of those walls that the level gives looks of their own."""
+    own: dict[Edge, _Style] = {}
+    for wall in level.walls:
+        if wall.color is None and wall.width is None and not wall.fit:
+            continue
+        for x, y in sides_of(wall):
+            edge = _edge(wall, x, y)
+            # An opening may have taken the wall away.
+            if edge in place:
+                style = own.get(edge, place[edge])
+                own[edge] = replace(
+                    style,
+                    color=style.color if wall.color is None else wall.color,
+                    width=style.width if wall.width is None else wall.width,
+                    fit=style.fit or wall.fit,
+                )
+    return own
+
+
+def _edge(wall: Wall, x: int, y: int) -> Edge:
+    return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
+
+
+def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape]:
+    commands = tuple(_commands(layout, edges))
+    if not commands:
+        return
+    if style.glass:
+        # Two edges with light between them, as windows are drawn on plans.
+        for color, width in ((style.rim, 1.0), (style.color, 0.7), (_GLASS_CORE, 0.25)):
+            yield Path(commands, stroke=color, width=width * style.width)
+    else:
+        cap: Literal["butt", "round"] = "butt" if style.fit else "round"
+        yield Path(commands, stroke=style.color, width=style.width, cap=cap)
+
+
+def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
+    """Yield one line for all edges that follow each other."""
+    lines: dict[tuple[bool, int], list[int]] = defaultdict(list)
+    for down, x, y in edges:
+        lines[down, x if down else y].append(y if down else x)
+    for (down, across), places in sorted(lines.items()):
+        for start, length in _sequences(sorted(places)):
+            yield from polyline(
+                layout.corner(across, along) if down else layout.corner(along, across)
+                for along in (start, start + length)
+            )
+
+
+def _sequences(numbers: list[int]) -> Iterator[tuple[int, int]]:
+    """Yield first and count of each sequence of numbers that follow each other."""
+    first = 0
+    for index, number in enumerate(numbers):
+        if index + 1 == len(numbers) or numbers[index + 1] != number + 1:
+            yield numbers[first], index + 1 - first
+            first = index + 1

@@ -1,0 +1,123 @@
+"""Diagnostics: what is wrong with a level, where, and what to do about it. Frozen values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+from typing import Any
+
+from babyrobot_levels.text.source import Position, SourceFile, Span, printable
+
+
+class Severity(StrEnum):
+    """How bad a finding is: an `error` keeps a level from loading, the others do not."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """Replace the text of `span` by `text`."""
+
+    span: Span
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Fix:
+    """Edits that mend a finding. `safe` says that they leave the game as it is."""
+
+    message: str
+    edits: tuple[Edit, ...]
+    safe: bool = True
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fix as plain data; lines and columns count from 1, ends are exclusive."""
+        edits = [
+            {
+                "line": edit.span.start.line,
+                "column": edit.span.start.column,
+                "end_line": edit.span.end.line,
+                "end_column": edit.span.end.column,
+                "text": edit.text,
+            }
+            for edit in self.edits
+        ]
+        return {"message": self.message, "safe": self.safe, "edits": edits}
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One finding.
+
+    `line` and `column` count from 1 and `end` is the place just behind the faulty text.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    file: str
+    line: int
+    column: int
+    end: Position
+    fix: Fix | None = None
+    help: str | None = None
+    source: SourceFile | None = field(default=None, repr=False, compare=False)
+
+    @property
+    def span(self) -> Span:
+        """Where the fault stands."""
+        return Span(Position(self.line, self.column), self.end)
+
+    @property
+    def location(self) -> str:
+        """The place as editors and terminals link it: `file:line:column`."""
+        return f"{self.file}:{self.line}:{self.column}"
+
+    def excerpt(self) -> tuple[str, str] | None:
+        """Return the source line and its carets, or None where there is no text to show."""
+        if self.source is None or not self.source.line(self.line):
+            return None
+        return self.source.excerpt(self.span)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the finding as plain data, the shape of `--format json`."""
+        return {
+            "code": self.code,
+            "severity": str(self.severity),
+            "message": self.message,
+            "file": self.file,
+            "line": self.line,
+            "column": self.column,
+            "end_line": self.end.line,
+            "end_column": self.end.column,
+            "help": self.help,
+            "fix": None if self.fix is None else self.fix.to_dict(),
+        }
+
+    def __str__(self) -> str:
+        """Return the whole finding as plain text: place, message, source line, caret, help."""
+        place, message = (one_line(text) for text in (self.location, self.message))
+        lines = [f"{place}: {self.severity} {self.code}: {message}"]
+        excerpt = self.excerpt()
+        if excerpt is not None:
+            number = str(self.line)
+            gutter = " " * len(number)
+            lines += [
+                f"  {gutter} |",
+                f"  {number} | {excerpt[0]}",
+                f"  {gutter} | {excerpt[1]}",
+            ]
+        if self.help:
+            lines.append(f"  help: {one_line(self.help)}")
+        if self.fix is not None:
+            option = "--fix" if self.fix.safe else "--fix --unsafe-fixes"
+            lines.append(f"  fix: {one_line(self.fix.message)} ({option})")
+        return "\n".join(lines)
+
+
+def one_line(text: str) -> str:
+    """Return a text that may hold anything as one printable line."""
+    return printable(text).replace("\n", "\\n")

@@ -1,0 +1,63 @@
+"""The exceptions of the library. All of them are `BabyRobotError`s."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from babyrobot_levels.text.diagnostics import Diagnostic
+
+
+class BabyRobotError(Exception):
+    """The root of this library's exceptions."""
+
+
+class LevelError(BabyRobotError, ValueError):
+    """A level that cannot be used. Carries the `diagnostics` and prints them.
+
+    Raised by everything that reads a level. `diagnostics` is empty where the level came from
+    Python and has no text to point at; the message then says it all.
+    """
+
+    def __init__(self, diagnostics: Iterable[Diagnostic] = (), message: str | None = None):
+        self.diagnostics = tuple(diagnostics)
+        self.message = message
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        parts = [self.message] if self.message else []
+        if self.diagnostics and not self.message:
+            count = len(self.diagnostics)
+            parts.append(f"{count} error{'s' if count != 1 else ''}")
+        parts += [str(diagnostic) for diagnostic in self.diagnostics]
+        return "\n\n".join(parts) or "the level cannot be used"
+
+    def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
+        return type(self), (self.diagnostics, self.message)
+
+
+class LevelNotFoundError(BabyRobotError, LookupError):
+    """No level has that name. `name` is what was asked for, `nearest` are the likeliest ones."""
+
+    what = "level"
+
+    def __init__(self, name: str, nearest: Sequence[str] = (), is_file: bool = False):
+        self.name = name
+        self.nearest = tuple(nearest)
+        self.is_file = is_file
+        super().__init__(name, self.nearest, is_file)
+
+    def __str__(self) -> str:
+        name = self.name if len(self.name) <= 100 else self.name[:99] + "…"
+        what = "file" if self.is_file else f"{self.what} called"
+        text = f"there is no {what} {name!r}"
+        if self.nearest:
+            text += f"; did you mean {' or '.join(map(repr, self.nearest))}?"
+        return text if self.is_file else text + f" (`babyrobot list` shows all {self.what}s)"
+
+
+class SuiteNotFoundError(LevelNotFoundError):
+    """No suite has that name."""
+
+    what = "suite"

@@ -1,0 +1,196 @@
+"""Files: read within limits, and written whole or not at all."""
+
+from __future__ import annotations
+
+import codecs
+import errno
+import os
+import signal
+import stat
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import FrameType
+
+from babyrobot_levels.text.diagnostics import Diagnostic, Severity
+from babyrobot_levels.text.reader import MAX_BYTES
+from babyrobot_levels.text.source import START, Position, SourceFile
+
+SUFFIXES = (".yaml", ".yml")
+PACK_FILE = "pack.yaml"
+"""The file that makes a folder a pack."""
+MAX_DEPTH = 6
+"""So many folders deep are levels looked for."""
+
+_MAX_PREFIX = 40
+"""So many characters of a file's name does its temporary name begin with."""
+
+
+class ReadFault(Exception):
+    """A file that cannot be read as a text. Carries the diagnostic that says why."""
+
+    def __init__(
+        self,
+        code: str,
+        name: str,
+        message: str,
+        help_text: str | None = None,
+        place: Position = START,
+    ):
+        self.diagnostic = Diagnostic(
+            code, Severity.ERROR, message, name, place.line, place.column, place, help=help_text
+        )
+        super().__init__(message)
+
+
+class NotRegularError(OSError):
+    """A device, a pipe or a socket where a file is needed."""
+
+
+def read_source(path: Path, name: str | None = None) -> SourceFile:
+    """Read a level's text. `name` is what messages call it, the path as given if left out.
+
+    Raises:
+        ReadFault: there is no such file, it is not a regular one, too large, or not UTF-8.
+    """
+    shown = name or str(path)
+    try:
+        data = read_bytes(path, MAX_BYTES)
+    except IsADirectoryError:
+        raise ReadFault("BR101", shown, "this is a folder, not a level file") from None
+    except NotRegularError:
+        raise ReadFault("BR101", shown, "this is not a regular file") from None
+    except FileNotFoundError:
+        raise ReadFault("BR101", shown, "there is no such file") from None
+    except PermissionError:
+        raise ReadFault("BR101", shown, "the file may not be read (permission denied)") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ReadFault("BR101", shown, f"the file cannot be read ({reason})") from None
+    return decode(data, shown)
+
+
+def read_bytes(path: Path, limit: int) -> bytes:
+    """Return what is in a file; if that is more than `limit` bytes, one more than that.
+
+    Raises:
+        OSError: it cannot be read; a `NotRegularError` where it is a device, a pipe or a socket.
+    """
+    # Not blocking, so that a pipe without a writer cannot hold us up.
+    flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+    try:
+        descriptor = os.open(path, flags)
+    except PermissionError:
+        # What Windows says of folders.
+        if is_folder(path):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path)) from None
+        raise
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if not stat.S_ISREG(mode):
+            raise NotRegularError(errno.EINVAL, "this is not a regular file", str(path))
+        with open(descriptor, "rb", closefd=False) as file:
+            return file.read(limit + 1)
+    finally:
+        os.close(descriptor)
+
+
+def is_file(path: Path) -> bool:
+    """Tell whether a path is a file; one that cannot be asked is none."""
+    # `Path.is_file` raises where a folder on the way may not be entered, and for long names.
+    return os.path.isfile(path)  # noqa: PTH113
+
+
+def is_folder(path: Path) -> bool:
+    """Tell whether a path is a folder; one that cannot be asked is none."""
+    return os.path.isdir(path)  # noqa: PTH112
+
+
+def decode(data: bytes, name: str) -> SourceFile:
+    """Return bytes as a text.
+
+    Raises:
+        ReadFault: they are too many, or not UTF-8.
+    """
+    if len(data) > MAX_BYTES:
+        raise ReadFault("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
+    try:
+        return SourceFile(name, data.decode("utf-8"))
+    except UnicodeDecodeError as error:
+        before = SourceFile(name, data[: error.start].decode("utf-8"))
+        message = f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8"
+        if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+            message = "the file is UTF-16, not UTF-8"
+        place = before.position(len(before.text))
+        raise ReadFault("BR102", name, message, "save the file as UTF-8", place) from None
+
+
+def write_text(path: Path, text: str, *, sync: bool = True) -> None:
+    """Write a file under a temporary name beside it, and rename it when it is whole.
+
+    The folder is made if it is not there. An existing file's permissions are kept.
+
+    Args:
+        path: the file.
+        text: what shall stand in it.
+        sync: whether to wait until the disk has it. Without that, a crash of the machine may leave
+            the file empty; the end of this process, in whatever way, may not.
+    """
+    write_bytes(path, text.encode("utf-8"), sync=sync)
+
+
+def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
+    """Write bytes as `write_text` does."""
+    import tempfile
+
+    path = path.resolve()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        mode = stat.S_IMODE(path.stat().st_mode)
+    except FileNotFoundError:
+        mode = 0o666 & ~_umask()
+    with _uninterrupted():
+        # A name may be as long as names can be; the temporary one is longer.
+        prefix = f".{path.name[:_MAX_PREFIX]}."
+        descriptor, name = tempfile.mkstemp(prefix=prefix, dir=path.parent)
+        temporary = Path(name)
+        try:
+            with open(descriptor, "wb") as file:  # noqa: PTH123  (a descriptor, not a path)
+                file.write(data)
+                file.flush()
+                if sync:
+                    os.fsync(file.fileno())
+            if sys.platform != "win32":
+                # There, the only permission is to write, and a file without it stays as it is.
+                temporary.chmod(mode)
+            temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Put Ctrl-C off until what is inside is done: no temporary file is left behind."""
+    if threading.current_thread() is not threading.main_thread():
+        # Others are not interrupted.
+        yield
+        return
+    pressed: list[tuple[int, FrameType | None]] = []
+    before = signal.signal(signal.SIGINT, lambda *given: pressed.append(given))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before or signal.SIG_DFL)
+        if pressed and callable(before):
+            before(*pressed[0])
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

@@ -1,0 +1,274 @@
+"""Text to data with positions: YAML 1.2's core schema, safely and within limits.
+
+The only user of PyYAML. It walks the parser's events once and without recursion, so that neither
+depth nor aliases can hurt, and it keeps a tree of nodes beside the data, so that every later
+message can point at a line and a column.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
+
+from babyrobot_levels.text.document import Document, Node, YamlFault, YamlProblem
+from babyrobot_levels.text.scalars import is_integer, resolve
+from babyrobot_levels.text.source import START, Position, SourceFile, Span
+from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import plain_words, shortened
+
+MAX_BYTES = 1 << 20
+MAX_DEPTH = 64
+MAX_NODES = 100_000
+MAX_DIGITS = 40
+MAX_TAG_DIRECTIVES = 100
+
+_Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_CORE = "tag:yaml.org,2002:"
+
+
+def read(source: SourceFile) -> Document:
+    """Read one YAML document.
+
+    Raises:
+        YamlFault: the text is not YAML, or breaks a limit.
+    """
+    return _Builder(source).build()
+
+
+_NOTHING: dict[Any, Node] = {}
+"""What a scalar holds. Shared by all of them, and never written to."""
+
+
+@dataclass(slots=True)
+class _Open:
+    """A container whose end has not come yet."""
+
+    node: Node
+    anchor: str | None
+    is_mapping: bool
+    key: Node | None = None
+
+
+class _Builder:
+    def __init__(self, source: SourceFile):
+        self.source = source
+        self.problems: list[YamlProblem] = []
+        self.anchors: dict[str, Node | None] = {}
+        self.stack: list[_Open] = []
+        self.root: Node | None = None
+        self.documents = 0
+        self.nodes = 0
+        self.has_aliases = False
+
+    def build(self) -> Document:
+        if self.source.text.startswith("\ufeff"):
+            # The first byte order mark was none of the text; the parser would not count a second.
+            raise YamlFault(self._character_problem(0))
+        self._check_directives()
+        try:
+            parser = _Parser(self.source.text)
+        except yaml.YAMLError as error:
+            raise YamlFault(self._syntax_problem(error)) from None
+        except UnicodeEncodeError as error:
+            raise YamlFault(self._character_problem(error.start)) from None
+        try:
+            self._take_all(parser.get_event)
+        except yaml.YAMLError as error:
+            raise YamlFault(self._syntax_problem(error)) from None
+        finally:
+            parser.dispose()
+        root = self.root or Node(None, self.source, 0, 0, _NOTHING, _NOTHING)
+        return Document(self.source, root, tuple(self.problems))
+
+    def _take_all(self, next_event: Callable[[], Any]) -> None:
+        # Most of the time that checking a file takes is spent here.
+        takers: dict[type, Callable[[Any], None]] = {
+            yaml.ScalarEvent: self._take_scalar,
+            yaml.MappingStartEvent: self._open,
+            yaml.SequenceStartEvent: self._open,
+            yaml.MappingEndEvent: self._close,
+            yaml.SequenceEndEvent: self._close,
+            yaml.AliasEvent: self._take_alias,
+            yaml.DocumentStartEvent: self._begin_document,
+        }
+        kind: type | None = None
+        while kind is not yaml.StreamEndEvent:
+            event = next_event()
+            kind = type(event)
+            if kind in takers:
+                takers[kind](event)
+
+    def _begin_document(self, event: Any) -> None:
+        self.documents += 1
+        if self.documents > 1:
+            message = "a level file holds one document, and here a second one begins"
+            help_text = "remove the `---`, or put the second level into a file of its own"
+            raise YamlFault(YamlProblem("BR106", self._span(event), message, help_text))
+
+    def _open(self, event: Any) -> None:
+        is_mapping = type(event) is yaml.MappingStartEvent
+        if event.tag is not None:
+            self._check_tag(event, ["map" if is_mapping else "seq"])
+        if len(self.stack) >= MAX_DEPTH:
+            message = f"lists and mappings are nested more than {MAX_DEPTH} deep"
+            raise YamlFault(YamlProblem("BR109", self._span(event), message))
+        first, last = event.start_mark.index, event.end_mark.index
+        node = Node({} if is_mapping else [], self.source, first, last, {}, {})
+        if event.anchor:
+            self.anchors[event.anchor] = None
+        self.stack.append(_Open(node, event.anchor, is_mapping))
+
+    def _close(self, event: Any) -> None:
+        opened = self.stack.pop()
+        node, end = opened.node, event.end_mark.index
+        # Only flow style has a closing bracket; a block ends where its last value does.
+        if end > event.start_mark.index:
+            node.last = end
+        elif node.children:
+            node.last = next(reversed(node.children.values())).last
+        self._add(node, opened.anchor)
+
+    def _add(self, node: Node, anchor: str | None) -> None:
+        """Put a finished node into the container that is open, or at the top."""
+        self.nodes += 1
+        if self.nodes > MAX_NODES:
+            message = f"the file holds more than {MAX_NODES:,} values"
+            raise YamlFault(YamlProblem("BR108", node.span, message))
+        if anchor:
+            self.anchors[anchor] = node
+        if not self.stack:
+            self.root = node
+            return
+        parent = self.stack[-1]
+        container = parent.node
+        container.size += node.size
+        if container.size > MAX_NODES:
+            what = "aliases expand to" if self.has_aliases else "the file holds"
+            message = f"{what} more than {MAX_NODES:,} values"
+            raise YamlFault(YamlProblem("BR108", node.span, message))
+        if not parent.is_mapping:
+            container.children[len(container.data)] = node
+            container.data.append(node.data)
+        elif parent.key is None:
+            parent.key = node
+        else:
+            self._add_pair(container, parent.key, node)
+            parent.key = None
+
+    def _add_pair(self, mapping: Node, key: Node, value: Node) -> None:
+        name = key.data
+        if isinstance(name, dict | list):
+            self.problems.append(
+                YamlProblem("BR203", key.span, "a field's name is a text, not a list or a mapping")
+            )
+            return
+        if not isinstance(name, str):
+            # `1: …` in a legend and `no: …` mean the characters that stand there.
+            name = self.source.text[key.first : key.last] or str(name)
+        if name in mapping.keys:
+            first = mapping.keys[name].span.start
+            message = f"`{shortened(name)}` stands here a second time"
+            message += f"; line {first.line} has it already"
+            self.problems.append(YamlProblem("BR105", key.span, message, "keep one of the two"))
+            return
+        mapping.keys[name] = key
+        mapping.children[name] = value
+        mapping.data[name] = value.data
+
+    def _take_alias(self, event: Any) -> None:
+        name = event.anchor
+        if name not in self.anchors:
+            message = f"the alias `*{shortened(name)}` refers to an anchor that is not above it"
+            message += did_you_mean(name, self.anchors)
+            raise YamlFault(YamlProblem("BR108", self._span(event), message))
+        target = self.anchors[name]
+        if target is None:
+            message = f"the alias `*{shortened(name)}` would contain itself"
+            raise YamlFault(YamlProblem("BR108", self._span(event), message))
+        self.has_aliases = True
+        first, last = event.start_mark.index, event.end_mark.index
+        node = Node(
+            target.data, self.source, first, last, target.keys, target.children, size=target.size
+        )
+        self._add(node, None)
+
+    def _take_scalar(self, event: Any) -> None:
+        value, style = event.value, event.style
+        if event.tag is not None:
+            value = self._tagged(event)
+        elif not style:
+            value = resolve(value) if len(value) <= MAX_DIGITS else self._resolved(event)
+        first, last = event.start_mark.index, event.end_mark.index
+        node = Node(value, self.source, first, last, _NOTHING, _NOTHING, style == "|")
+        self._add(node, event.anchor)
+
+    def _tagged(self, event: Any) -> Any:
+        types = {"str": str, "int": int, "float": (int, float), "bool": bool, "null": type(None)}
+        self._check_tag(event, [*types])
+        kind = event.tag.removeprefix(_CORE)
+        if kind in ("!", "str"):
+            return event.value
+        value = self._resolved(event)
+        if not isinstance(value, types[kind]):  # type: ignore[arg-type]
+            message = f"`{shortened(event.value)}` cannot be read as a `!!{kind}`"
+            self.problems.append(YamlProblem("BR107", self._span(event), message))
+        return value
+
+    def _resolved(self, event: Any) -> Any:
+        text = event.value
+        if len(text) > MAX_DIGITS and is_integer(text):
+            message = f"a number of {len(text)} characters is too long"
+            self.problems.append(YamlProblem("BR111", self._span(event), message))
+            return 0
+        return resolve(text)
+
+    def _check_directives(self) -> None:
+        # The parser compares each of them with all those before it.
+        text = self.source.text
+        if text.count("%TAG") > MAX_TAG_DIRECTIVES:
+            last = self.source.position(text.rindex("%TAG"))
+            message = f"there are more than {MAX_TAG_DIRECTIVES} `%TAG`, and a level has no tags"
+            span = Span(last, Position(last.line, last.column + len("%TAG")))
+            raise YamlFault(YamlProblem("BR107", span, message, "remove them"))
+
+    def _check_tag(self, event: Any, allowed: list[str]) -> None:
+        tag = event.tag
+        if tag != "!" and tag not in [_CORE + name for name in allowed]:
+            shown = tag.replace(_CORE, "!!")
+            message = f"the tag `{shortened(shown)}` is not allowed: a level is plain data"
+            raise YamlFault(YamlProblem("BR107", self._span(event), message, "remove the tag"))
+
+    def _span(self, event: Any) -> Span:
+        # By index, because the parser ends lines also where editors do not.
+        position = self.source.position
+        return Span(position(event.start_mark.index), position(event.end_mark.index))
+
+    def _syntax_problem(self, error: yaml.YAMLError) -> YamlProblem:
+        if isinstance(error, yaml.reader.ReaderError):
+            # libyaml counts bytes here.
+            before = self.source.text.encode("utf-8")[: error.position]
+            return self._character_problem(len(before.decode("utf-8", "ignore")))
+        mark, begin = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
+        position = self.source.position(mark.index) if mark else START
+        words = plain_words(
+            getattr(error, "problem", None) or "the parser gives up",
+            getattr(error, "context", None) or "",
+            self.source.line(position.line),
+            position.column,
+        )
+        if words.at_beginning and begin is not None:
+            position = self.source.position(begin.index)
+        return YamlProblem("BR104", self._span_at(position), words.message, words.help)
+
+    def _character_problem(self, index: int) -> YamlProblem:
+        span = self._span_at(self.source.position(index))
+        code = ord(self.source.text[index])
+        return YamlProblem("BR104", span, f"the character U+{code:04X} cannot stand in a YAML file")
+
+    def _span_at(self, position: Position) -> Span:
+        """Return the span of one character, or of none at the end of a line."""
+        last = len(self.source.line(position.line)) + 1
+        return Span(position, Position(position.line, min(position.column + 1, last)))

@@ -1,0 +1,180 @@
+"""Evaluating policies, however they are told."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.chains import dense, world
+from support.worlds import World, level_of, worlds
+
+import babyrobot_levels as brl
+from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.simulation import simulate, success_within
+
+CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "others"})
+
+
+@settings(max_examples=50, deadline=None)
+@given(worlds(5), st.integers(0, 99), st.sampled_from(["all", "moves"]))
+def test_values_are_those_of_repeated_steps(world: World, seed: int, actions: str) -> None:
+    level = level_of(world)
+    mdp = level.compile()
+    steps, rewards = dense(mdp, 0 if actions == "all" else 1)
+    weights = np.random.default_rng(seed).dirichlet(np.ones(len(steps)), mdp.num_states)
+    found = evaluate(level, weights, 0.8, actions)
+    chances = np.append(weights, np.full((1, len(steps)), 1 / len(steps)), axis=0)
+    expected = np.zeros(mdp.num_states + 1)
+    for _ in range(250):
+        ahead = rewards + 0.8 * steps @ expected
+        expected = np.einsum("sa,as->s", chances, ahead)
+    over = mdp.over
+    np.testing.assert_allclose(found.values.ravel()[~over], expected[:-1][~over], atol=1e-9)
+    by_action = found.action_values.reshape(-1, len(steps))[~over]
+    np.testing.assert_allclose(by_action, ahead.T[:-1][~over], atol=1e-9)
+    assert found.expected_return == pytest.approx(float(mdp.start @ expected[:-1]), abs=1e-9)
+
+
+def test_random_takes_what_is_possible_and_uniform_takes_all() -> None:
+    # In a corridor, four actions are two ways and two walls.
+    level = world(rows=["  S  E"])
+    mdp = level_of(level).compile()
+    for actions in ("all", "moves"):
+        possible = mdp.possible[:, 0 if actions == "all" else 1 :].astype(float)
+        possible[-1] = 1
+        even = possible / possible.sum(axis=1, keepdims=True)
+        found, expected = (evaluate(level, p, 1.0, actions) for p in ("random", even))
+        np.testing.assert_allclose(found.values, expected.values)
+        ones = np.full(possible.shape, 1 / possible.shape[1])
+        found, expected = (evaluate(level, p, 1.0, actions) for p in ("uniform", ones))
+        np.testing.assert_allclose(found.values, expected.values)
+    # Gambler's ruin, beginning 2 cells from the wall, with 5 in all.
+    found = evaluate(level, "random", actions="moves")
+    assert found.expected_steps == pytest.approx(25 - 4)
+    assert evaluate(level, "uniform", actions="moves").expected_steps == pytest.approx(2 * (30 - 6))
+
+
+def test_random_where_nothing_is_possible() -> None:
+    shut = world(rows=["S#E"], rewards={"step": 0, "bump": -3})
+    assert evaluate(shut, "random", 0.5, "moves").expected_return == pytest.approx(-6)
+    assert evaluate(shut, "random", 0.5, "all").expected_return == 0
+
+
+def test_one_policy_told_in_every_way() -> None:
+    solution = solve(CORNER)
+    policy = solution.policy
+    table = np.eye(5)[policy]
+    table[policy < 0] = np.nan  # Where nothing is to be done, nothing is read.
+    ways: list[Any] = [
+        solution,
+        policy,
+        policy.tolist(),
+        policy.astype(np.int8),
+        table,
+        table.reshape(-1, 5),
+        lambda x, y: policy[y, x],
+        lambda x, y: brl.Action(int(policy[y, x])),
+    ]
+    for way in ways:
+        found = evaluate(CORNER, way)
+        np.testing.assert_allclose(found.values, solution.values, atol=1e-12)
+        assert found.expected_steps == pytest.approx(solution.expected_steps)
+        assert (
+            simulate(CORNER, way, 10).returns.tolist()
+            == simulate(CORNER, policy, 10).returns.tolist()
+        )
+        assert success_within(CORNER, way, 9) == pytest.approx(success_within(CORNER, policy, 9))
+
+
+def test_the_two_numberings_of_actions() -> None:
+    every, moves = solve(CORNER), solve(CORNER, actions="moves")
+    assert (every.first_action, moves.first_action) == (0, 1)
+    assert moves.action_values.shape == moves.greedy.shape == (3, 3, 4)
+    going = every.policy > 0
+    assert (moves.policy[going] == every.policy[going] - 1).all()
+    np.testing.assert_allclose(moves.action_values, every.action_values[..., 1:], atol=1e-12)
+    # A solution knows its own numbering.
+    for solution in (every, moves):
+        for actions in ("all", "moves"):
+            found = evaluate(CORNER, solution, actions=actions)
+            assert found.expected_return == pytest.approx(every.expected_return)
+    resting = solve(world(rows=["S#E"], rewards={"step": -1, "stay": 0}))
+    with pytest.raises(ValueError, match=r"at \[0, 0\] is 0; here, the actions are 1 to 4"):
+        evaluate(world(rows=["S#E"]), resting, actions="moves")
+
+
+def test_a_solution_plays_in_an_environment() -> None:
+    for actions in ("all", "moves"):
+        solution = solve("final-maze", actions=actions)
+        env = brl.load("final-maze").make(actions=actions)
+        observation, _ = env.reset(seed=3)
+        total, done = 0.0, False
+        while not done:
+            x, y = observation
+            observation, reward, done, _, _ = env.step(int(solution.policy[y, x]))
+            total += float(reward)
+        assert total > -200
+
+
+@pytest.mark.parametrize(
+    ("policy", "told"),
+    [
+        ("randon", "did you mean `random`"),
+        (np.zeros((3, 4), int), r"array \[3, 3\] of actions, .* not one of shape \[3, 4\]"),
+        (np.zeros((3, 3)), "whole numbers"),
+        (np.full((3, 3), 5), r"at \[0, 0\] is 5; here, the actions are 0 to 4"),
+        (np.full((3, 3), -1), r"at \[0, 0\] is -1"),
+        (np.full((9, 5), 0.3), r"at \[0, 0\] are \[0.3, .* add up to 1"),
+        (np.tile([1.5, -0.5, 0, 0, 0], (9, 1)), "must not be negative"),
+        (np.full((9, 5), np.nan), "add up to 1"),
+        (np.full((9, 4), 0.25), "not one of shape"),
+        (lambda x, y: None, r"at \[0, 0\] is None"),
+        (lambda x, y: [0.2] * 5, r"at \[0, 0\] is \[0.2, "),
+        (None, "not one of shape"),
+    ],
+)
+def test_policies_that_do_not_fit(policy: Any, told: str) -> None:
+    for use in (evaluate, simulate, partial(success_within, steps=5)):
+        with pytest.raises(ValueError, match=told):
+            use(CORNER, policy)
+
+
+def test_arguments_that_cannot_be() -> None:
+    for wrong in (0, -1, 1.5, float("nan")):
+        with pytest.raises(ValueError, match="discount must be above 0"):
+            solve(CORNER, wrong)
+        with pytest.raises(ValueError, match="discount must be above 0"):
+            evaluate(CORNER, "random", wrong)
+    with pytest.raises(ValueError, match="'all' or 'moves'"):
+        solve(CORNER, actions="valid")
+    with pytest.raises(ValueError, match="'all' or 'moves'"):
+        evaluate(CORNER, "random", actions="some")
+    with pytest.raises(brl.LevelNotFoundError):
+        solve("no-such-level")
+    with pytest.raises(brl.LevelError, match="seed"):
+        solve("random-maze")
+
+
+def test_the_discount_is_the_levels_unless_told() -> None:
+    assert solve("gridworld-3-5").discount == 0.9
+    assert evaluate("gridworld-3-5", "random").discount == 0.9
+    assert solve("final-maze").discount == 1.0
+    assert solve("final-maze", 0.5).discount == 0.5
+
+
+def test_results_are_read_only_and_can_be_copied() -> None:
+    solution = solve(CORNER)
+    for name in ("values", "action_values", "greedy", "policy"):
+        with pytest.raises(ValueError, match="read-only"):
+            getattr(solution, name)[:] = 0
+    for other in (copy.deepcopy(solution), pickle.loads(pickle.dumps(solution))):
+        np.testing.assert_array_equal(other.values, solution.values)
+    assert repr(solution).startswith("<Solution expected_return=")
+    assert [str(solution.policy.dtype), str(solution.values.dtype)] == ["int64", "float64"]

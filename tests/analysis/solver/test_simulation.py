@@ -1,0 +1,95 @@
+"""Trial runs beside exact values, and what is likely within a number of steps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.chains import world
+from support.worlds import World, level_of, worlds
+
+from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.simulation import simulate, success_within
+
+LAKE = "frozen-lake"
+
+
+@pytest.mark.parametrize("discount", [1.0, 0.99])
+@pytest.mark.parametrize("policy", ["random", "uniform", "best"])
+@pytest.mark.parametrize("name", ["final-maze", "glasshouse", "four-corners", LAKE, "ice-rink"])
+def test_means_are_what_evaluate_expects(name: str, policy: str, discount: float) -> None:
+    given = solve(name, discount) if policy == "best" else policy
+    expected = evaluate(name, given, discount)
+    runs = simulate(name, given, 4000, seed=1, discount=discount, max_steps=100_000)
+    assert runs.truncated == 0
+    assert abs(runs.mean - expected.expected_return) <= 4 * runs.standard_error + 1e-9
+    spread = runs.steps.std() / math.sqrt(runs.steps.size)
+    assert abs(runs.steps.mean() - expected.expected_steps) <= 4 * spread + 1e-9
+    chance = expected.exit_probability
+    assert abs(runs.exit_rate - chance) <= 4 * math.sqrt(chance * (1 - chance) / 4000) + 1e-9
+
+
+@settings(max_examples=30, deadline=None)
+@given(worlds(5), st.sampled_from(["all", "moves"]))
+def test_discounted_means_on_random_levels(world: World, actions: str) -> None:
+    level = level_of(world)
+    runs = simulate(level, "random", 500, discount=0.8, max_steps=150, actions=actions)
+    expected = evaluate(level, "random", 0.8, actions)
+    # Six standard errors: hypothesis draws many levels, and other ones each time.
+    assert abs(runs.mean - expected.expected_return) <= 6 * runs.standard_error + 0.02
+    assert (runs.cut | (runs.steps <= 150)).all()
+
+
+def test_the_same_seed_gives_the_same_episodes() -> None:
+    one, two, other = (simulate("final-maze", "random", 50, seed) for seed in (7, 7, 8))
+    assert one.returns.tolist() == two.returns.tolist()
+    assert one.returns.tolist() != other.returns.tolist()
+    state = str(np.random.get_state())
+    simulate("final-maze", "random", 5)
+    assert str(np.random.get_state()) == state
+
+
+def test_episodes_are_cut_at_the_limit() -> None:
+    level = world(rows=["S  E"])
+    assert simulate(level, "random", 100, max_steps=2).truncated == 100
+    # Who arrives with the last step has arrived.
+    east = np.full((1, 4), 2)
+    runs = simulate(level, east, 10, max_steps=3)
+    assert (runs.truncated, runs.exit_rate, runs.mean, runs.standard_error) == (0, 1.0, -2.0, 0.0)
+    assert (runs.steps == 3).all()
+    runs = simulate({**level, "max_steps": 2}, east, 10)
+    assert (runs.max_steps, runs.truncated, runs.exit_rate) == (2, 10, 0.0)
+    assert runs.cut.all()
+    assert simulate({**level, "max_steps": 2}, east, 10, max_steps=3).truncated == 0
+    assert simulate(level, east).max_steps == 10_000
+    assert math.isnan(simulate(level, east, 1).standard_error)
+    assert "truncated=10" in repr(runs)
+    with pytest.raises(ValueError, match="seed must be a whole number from 0 on"):
+        simulate(level, east, seed="a")  # type: ignore[arg-type]
+    for wrong in ({"episodes": 0}, {"max_steps": 0}):
+        with pytest.raises(ValueError, match="at least 1"):
+            simulate(level, east, **wrong)  # type: ignore[arg-type]
+
+
+def test_success_within_agrees_with_trial_runs() -> None:
+    solution = solve(LAKE)
+    for steps in (6, 20, 100):
+        chance = success_within(LAKE, solution, steps)
+        runs = simulate(LAKE, solution, 20_000, seed=2, max_steps=steps)
+        assert abs(runs.exit_rate - chance) <= 4 * math.sqrt(chance * (1 - chance) / 20_000)
+
+
+def test_success_within_grows_to_the_probability_of_an_exit() -> None:
+    solution = solve(LAKE)
+    chances = [success_within(LAKE, solution, steps) for steps in (0, 5, 6, 50, 500, 10**9)]
+    assert chances[:2] == [0, 0]
+    assert chances == sorted(chances)
+    assert chances[-1] == pytest.approx(solution.exit_probability, abs=1e-12)
+    with pytest.raises(ValueError, match="steps must be 0 or more"):
+        success_within(LAKE, solution, -1)
+    with pytest.raises(ValueError, match="steps must be 0 or more"):
+        success_within("final-maze", "random")

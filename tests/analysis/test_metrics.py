@@ -1,0 +1,450 @@
+"""Metrics: against counts by hand and by brute force, and a difficulty that grows with trouble."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+from collections import deque
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from support.worlds import World, level_of, worlds
+
+import babyrobot_levels as brl
+from babyrobot_levels.analysis.metrics import SHAPE, WAYS, WORTH
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.search_path import gallery_folder, yaml_files
+
+NAMES = (*SHAPE, *WAYS, *WORTH)
+GALLERY = sorted(path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
+
+
+def drawn(text: str, **fields: Any) -> Level:
+    """Return a level from a drawing."""
+    return brl.load({"version": 1, "map": text, **fields})
+
+
+# -- by brute force --------------------------------------------------------------------------
+
+
+def ahead_of(level: Level) -> list[set[int]]:
+    """Return for each state the other states to which one step can lead, read off the tables."""
+    mdp = level.compile()
+    return [
+        set()
+        if mdp.over[state]
+        else {there for action in range(5) for _, there, _, _ in mdp.outcomes(state, action)}
+        - {state}
+        for state in range(mdp.num_states)
+    ]
+
+
+def states_of(level: Level, cells: tuple[tuple[int, int], ...]) -> list[int]:
+    return [y * level.size[0] + x for x, y in cells]
+
+
+def steps_from(level: Level, start: int) -> dict[int, int]:
+    ahead, found, waiting = ahead_of(level), {start: 0}, deque([start])
+    while waiting:
+        state = waiting.popleft()
+        for other in ahead[state]:
+            if other not in found:
+                found[other] = found[state] + 1
+                waiting.append(other)
+    return found
+
+
+def fewest_turns(level: Level, start: int, length: int) -> int:
+    """Return the fewest turns of all walks of that length to an exit, by trying them all."""
+    ahead, width, exits = ahead_of(level), level.size[0], set(states_of(level, level.exits))
+    poses: dict[tuple[int, Any], int] = {(start, None): 0}
+    for _ in range(length):
+        found: dict[tuple[int, Any], int] = {}
+        for (state, way), turns in poses.items():
+            for other in ahead[state]:
+                new = (other % width - state % width, other // width - state // width)
+                count = turns + (way not in (None, new))
+                found[other, new] = min(count, found.get((other, new), count))
+        poses = found
+    return min(turns for (state, _), turns in poses.items() if state in exits)
+
+
+def check_shape_and_ways(level: Level) -> None:
+    found, grid = brl.metrics(level), level.grid()
+    open_sides, free = grid.open.sum(axis=2), ~grid.blocked
+    assert found.cells == free.sum()
+    assert found.dead_ends == (open_sides[free] == 1).sum()
+    assert found.corridors == (open_sides[free] == 2).sum()
+    assert found.junctions == (open_sides[free] >= 3).sum()
+    # Take away one side of each loop in turn: what is left is a forest.
+    above = list(range(grid.width * grid.height))
+
+    def root(cell: int) -> int:
+        return cell if above[cell] == cell else root(above[cell])
+
+    loops = 0
+    for y, x, (side, step) in itertools.product(
+        range(grid.height), range(grid.width), ((1, 1), (2, grid.width))
+    ):
+        if grid.open[y, x, side]:
+            first, second = root(y * grid.width + x), root(y * grid.width + x + step)
+            loops += first == second
+            above[second] = first
+    assert found.loops == loops
+
+    starts, exits = states_of(level, level.starts), states_of(level, level.exits)
+    ways = [steps_from(level, start) for start in starts]
+    assert found.reachable == pytest.approx(len(set().union(*ways)) / found.cells)
+    nearest = [min((way[end] for end in exits if end in way), default=None) for way in ways]
+    if None in nearest:
+        assert (found.path_length, found.turns, found.path) == (None, None, ())
+        assert found.difficulty is None
+        return
+    lengths = [length for length in nearest if length is not None]
+    assert found.path_length == max(lengths)
+    path = states_of(level, found.path)
+    assert path[0] == starts[lengths.index(max(lengths))]
+    assert path[-1] in exits
+    assert len(path) == found.path_length + 1
+    ahead = ahead_of(level)
+    assert all(second in ahead[first] for first, second in itertools.pairwise(path))
+    assert found.turns == fewest_turns(level, path[0], found.path_length)
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_the_gallery_is_counted_right(name: str) -> None:
+    level = brl.load(name)
+    check_shape_and_ways(level.with_maze_seed(5) if level.has_random_maze else level)
+
+
+@settings(deadline=None, max_examples=400)
+@given(world=worlds(6))
+def test_any_level_is_counted_right(world: World) -> None:
+    check_shape_and_ways(level_of(world))
+
+
+@settings(deadline=None, max_examples=150)
+@given(world=worlds(5))
+def test_levels_with_nothing_but_walls_are_counted_right(world: World) -> None:
+    """They need no tables."""
+    for field in ("warps", "wind", "areas", "skid", "puddle_types"):
+        world.pop(field, None)
+    check_shape_and_ways(level_of(world))
+
+
+# -- by hand ---------------------------------------------------------------------------------
+
+HOUSE = """\
++---+---+---+---+---+
+| S     |       |###|
++   +---+   +   +---+
+|       :       |   |
++   +---+---+---+   +
+| o             | E |
++---+---+---+- -+   +
+|                   |
++---+---+---+---+---+
+"""
+
+
+def test_a_house_is_counted_by_hand() -> None:
+    found = brl.metrics(
+        drawn(
+            HOUSE,
+            walls=[
+                {"at": [1, 1], "side": "E", "pass": 0.5},
+                {"at": [3, 2], "side": "S", "pass": 0.1},
+            ],
+        )
+    )
+    assert found.cells == 19
+    assert found.dead_ends == 5
+    assert found.junctions == 1
+    assert found.corridors == 13
+    assert found.loops == 1
+    # The cell behind the exit cannot be reached: the episode is over before.
+    assert found.reachable == 18 / 19
+    # Down, right, through the last pane, right, and up to the exit.
+    assert found.path_length == 8
+    assert found.turns == 4
+    assert found.path == (
+        *((0, 0), (0, 1), (0, 2), (1, 2), (2, 2), (3, 2)),
+        *((3, 3), (4, 3), (4, 2)),
+    )
+
+
+def test_the_final_maze_is_counted_by_hand() -> None:
+    found = brl.metrics("final-maze")
+    assert (found.path_length, found.dead_ends, found.junctions) == (17, 4, 5)
+    assert found.loops == 2
+    assert brl.metrics("maze").loops == 0
+
+
+def test_of_all_shortest_walks_the_straightest_counts() -> None:
+    found = brl.metrics({"version": 1, "size": [4, 4]})
+    assert (found.path_length, found.turns) == (6, 1)
+    assert found.path in (
+        ((0, 0), (1, 0), (2, 0), (3, 0), (3, 1), (3, 2), (3, 3)),
+        ((0, 0), (0, 1), (0, 2), (0, 3), (1, 3), (2, 3), (3, 3)),
+    )
+    assert found.path == brl.metrics({"version": 1, "size": [4, 4]}).path
+
+
+def test_of_several_starts_the_farthest_counts_and_of_exits_the_nearest() -> None:
+    fields = {"version": 1, "size": [9, 1], "start": [[2, 0], [4, 0]], "exit": [[0, 0], [8, 0]]}
+    assert brl.metrics(fields).path_length == 4
+    assert brl.metrics(fields).path[0] == (4, 0)
+
+
+def test_walls_can_cut_off_the_exit_from_one_start() -> None:
+    fields = {
+        "version": 1,
+        "size": [4, 1],
+        "start": [[0, 0], [2, 0]],
+        "walls": [{"at": [1, 0], "side": "E"}],
+    }
+    found = brl.metrics(fields)
+    assert (found.path_length, found.turns, found.path) == (None, None, ())
+    assert found.difficulty is None
+    assert found.reachable == 1
+    assert brl.metrics({**fields, "start": [0, 0]}).reachable == 0.5
+
+
+def test_without_an_exit_there_is_no_path_but_all_else() -> None:
+    found = brl.metrics("treasure-chests")
+    assert (found.path_length, found.turns, found.difficulty) == (None, None, None)
+    assert found.best_return == brl.solve("treasure-chests").expected_return
+
+
+# -- what it is worth ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", [name for name in GALLERY if name != "random-maze"])
+def test_policies_are_worth_what_the_solver_says(name: str) -> None:
+    found, best, at_random = brl.metrics(name), brl.solve(name), brl.evaluate(name, "random")
+    assert (found.best_return, found.best_steps) == (best.expected_return, best.expected_steps)
+    assert (found.random_return, found.random_steps) == (
+        at_random.expected_return,
+        at_random.expected_steps,
+    )
+    assert found.wet_share is not None
+    assert 0 <= found.wet_share <= 1
+    if found.difficulty is not None and math.isfinite(found.difficulty):
+        assert found.difficulty >= 0
+
+
+def test_what_has_no_value_is_none() -> None:
+    # There and back for ever: +1, -1, +1, …
+    level = brl.load(
+        {
+            "version": 1,
+            "size": [2, 1],
+            "exit": "none",
+            "areas": [{"at": [0, 0], "reward": 1}],
+            "rewards": {"stay": -5, "bump": -5},
+        }
+    )
+    with pytest.raises(brl.NoTotalError):
+        brl.solve(level)
+    found = brl.metrics(level)
+    assert (found.best_return, found.best_steps, found.wet_share) == (None, None, None)
+    assert (found.random_return, found.random_steps) == (-math.inf, math.inf)
+
+
+def test_episodes_that_are_too_long_to_tell_are_none() -> None:
+    level = brl.load(
+        {
+            "version": 1,
+            "size": [60, 2],
+            "exit": [59, 0],
+            "skid": {"probability": 0.99, "to": "sides"},
+            # Beside the way, each cell leads back to the start.
+            "warps": [{"at": [x, 1], "to": "start"} for x in range(60)],
+        }
+    )
+    found = brl.metrics(level)
+    assert found.path_length == 59
+    assert found.random_return is None
+    assert found.difficulty is None
+
+
+def test_the_wet_share_is_that_of_the_best_way() -> None:
+    fields: World = {"version": 1, "size": [4, 1]}
+    assert brl.metrics(fields).wet_share == 0
+    fields["puddles"] = [{"at": [1, 0]}]
+    assert brl.metrics(fields).wet_share == 0.25
+    fields["puddles"] = [{"at": [x, 0]} for x in range(4)]
+    assert brl.metrics(fields).wet_share == 1
+    # Where there is a way around, the best one is dry.
+    fields = {"version": 1, "size": [4, 2], "exit": [3, 0]}
+    fields["puddles"] = [{"at": [1, 0], "size": "large"}, {"at": [2, 0], "size": "large"}]
+    assert brl.metrics(fields).wet_share == 0
+
+
+def test_the_wet_share_counts_the_ways_from_all_starts() -> None:
+    fields = {"version": 1, "size": [5, 1], "start": [[0, 0], [4, 0]], "exit": [2, 0]}
+    assert brl.metrics({**fields, "puddles": [{"at": [3, 0]}]}).wet_share == 1 / 6
+
+
+# -- difficulty ------------------------------------------------------------------------------
+
+
+def difficulty(level: Any) -> float:
+    found = brl.metrics(level).difficulty
+    assert found is not None
+    return found
+
+
+def test_difficulty_is_what_it_is_defined_to_be() -> None:
+    best, at_random = brl.solve("final-maze"), brl.evaluate("final-maze", "random")
+    assert difficulty("final-maze") == pytest.approx(
+        math.log2(at_random.expected_steps / 17) + math.log2(best.expected_steps / 17)
+    )
+    # Falling through the ice, the robot begins anew.
+    best, at_random = brl.solve("frozen-lake"), brl.evaluate("frozen-lake", "random")
+    assert difficulty("frozen-lake") == pytest.approx(
+        math.log2(at_random.expected_steps / at_random.exit_probability / 6)
+        + math.log2(best.expected_steps / best.exit_probability / 6)
+    )
+
+
+def test_one_step_with_no_choice_has_difficulty_one_for_staying() -> None:
+    # The random policy stays every other time.
+    assert difficulty({"version": 1, "size": [2, 1]}) == pytest.approx(1)
+
+
+def increasing(levels: list[Any]) -> bool:
+    found = [difficulty(level) for level in levels]
+    return all(second > first + 1e-9 for first, second in itertools.pairwise(found))
+
+
+def test_a_longer_way_is_more_difficult() -> None:
+    assert increasing([{"version": 1, "size": [n, 1]} for n in range(2, 12)])
+
+
+def test_an_exit_farther_down_the_same_way_is_more_difficult() -> None:
+    for seed in range(5):
+        maze = brl.load({"version": 1, "size": [7, 7], "maze": {"seed": seed}})
+        path = brl.metrics(maze).path
+        assert increasing([maze.replace(exit=list(cell)) for cell in path[1:]])
+
+
+def test_a_larger_maze_is_more_difficult_on_average() -> None:
+    def mean(size: int) -> float:
+        fields = {"version": 1, "size": [size, size]}
+        return float(
+            np.mean([difficulty({**fields, "maze": {"seed": seed}}) for seed in range(12)])
+        )
+
+    assert mean(4) < mean(7) < mean(11)
+
+
+def test_a_dead_end_and_a_deeper_one_are_more_difficult() -> None:
+    def alley(depth: int) -> World:
+        blocked = [{"at": [x, 1], "size": [1, 5]} for x in (0, 2, 3, 4)]
+        blocked += [{"at": [1, 1 + depth], "size": [1, 5 - depth]}] if depth < 5 else []
+        return {"version": 1, "size": [5, 6], "exit": [4, 0], "blocked": blocked}
+
+    assert increasing([alley(depth) for depth in range(6)])
+
+
+def test_puddles_on_the_only_way_are_more_difficult() -> None:
+    lane: World = {"version": 1, "size": [6, 1]}
+    wet = [[{"at": [x, 0]} for x in range(1, 1 + count)] for count in range(5)]
+    assert increasing([{**lane, "puddles": puddles} for puddles in wet])
+    types = [{"small": {"skid": skid}} for skid in (0.0, 0.1, 0.3, 0.5)]
+    assert increasing([{**lane, "puddles": wet[2], "puddle_types": kind} for kind in types])
+
+
+@pytest.mark.parametrize("rule", ["open", "sides", "others"])
+def test_skidding_more_is_more_difficult(rule: str) -> None:
+    fields: World = {"version": 1, "size": [5, 5]}
+    chances = (0.0, 0.1, 0.3, 0.5)
+    assert increasing([{**fields, "skid": {"probability": q, "to": rule}} for q in chances])
+
+
+def test_glass_in_the_way_is_more_difficult() -> None:
+    fields: World = {"version": 1, "size": [5, 1]}
+    wall = {"at": [2, 0], "side": "E"}
+    panes = [{**fields, "walls": [{**wall, "pass": p}]} for p in (1.0, 0.7, 0.3, 0.1)]
+    assert increasing(panes)
+
+
+def test_a_hole_beside_a_slippery_way_is_more_difficult() -> None:
+    way: World = {"version": 1, "size": [5, 2], "exit": [4, 0]}
+    way["skid"] = {"probability": 0.2, "to": "sides"}
+    holes = [[], [2], [2, 3], [1, 2, 3]]
+    levels = [{**way, "areas": [{"at": [x, 1], "ends": True} for x in hole]} for hole in holes]
+    assert increasing(levels)
+
+
+def test_difficulty_does_not_depend_on_looks_or_on_the_scale_of_rewards() -> None:
+    level = brl.load("final-maze")
+    larger = level.replace(
+        rewards={"step": -2},
+        puddle_types={
+            "small": {"reward": -4, "skid": 0.4},
+            "large": {"reward": -8, "skid": 0.6},
+        },
+    )
+    assert difficulty(larger) == pytest.approx(difficulty(level))
+    assert difficulty(level.replace(theme="green", title="Another")) == difficulty(level)
+
+
+def test_where_the_random_policy_may_be_caught_for_ever_it_is_infinite() -> None:
+    # A warp leads into a cell that nothing leaves.
+    caught = {
+        "version": 1,
+        "size": [4, 2],
+        "exit": [2, 0],
+        "walls": [
+            {"at": [2, 0], "side": "E", "length": 2},
+            {"at": [3, 0], "side": "S"},
+        ],
+        "warps": [{"at": [0, 1], "to": [3, 1]}],
+    }
+    assert difficulty(caught) == math.inf
+
+
+# -- how it is asked -------------------------------------------------------------------------
+
+
+def test_a_maze_without_a_seed_has_no_metrics_yet() -> None:
+    with pytest.raises(brl.LevelError, match="with_maze_seed"):
+        brl.metrics("random-maze")
+    assert brl.metrics(brl.load("random-maze").with_maze_seed(3)).path_length is not None
+
+
+def test_shape_and_ways_ask_for_no_tables(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(level: Level) -> None:
+        raise AssertionError("compiled")
+
+    monkeypatch.setattr(Level, "compile", refuse)
+    found = brl.metrics("final-maze")
+    assert found.path_length == 17
+    assert found.to_dict(solve=False) == {name: getattr(found, name) for name in SHAPE + WAYS}
+    with pytest.raises(AssertionError, match="compiled"):
+        _ = found.difficulty
+
+
+def test_each_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = brl.metrics("final-maze")
+    difficult, path = found.difficulty, found.path
+    monkeypatch.setattr("babyrobot_levels.analysis.solver.optimum.solve", None)
+    monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest", None)
+    assert (found.difficulty, found.path) == (difficult, path)
+    assert found.wet_share == pytest.approx(4 / 18)
+
+
+def test_they_cannot_be_changed_and_tell_themselves() -> None:
+    found = brl.metrics("maze")
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        found.level = brl.load("walls")  # type: ignore[misc]
+    assert list(found.to_dict()) == list(NAMES)
+    assert repr(found) == (
+        "<Metrics cells=40, dead_ends=5, corridors=32, junctions=3, loops=0, reachable=1.0, "
+        "path_length=33, turns=20>"
+    )

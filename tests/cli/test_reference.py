@@ -1,0 +1,125 @@
+"""`cli.md`: generated, complete, and every example in it works."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import shlex
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from support.packs import write_files, zoo
+from support.places import ROOT
+from support.sessions import environment, run_here
+
+from babyrobot_levels.cli.app import app
+from babyrobot_levels.cli.reference import reference
+
+TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
+GROUP: Any = typer.main.get_command(app)
+COMMANDS: dict[str, Any] = GROUP.commands
+
+
+def section(name: str) -> str:
+    found = re.search(rf"^## {re.escape(name)}\n(.*?)(?=^## |\Z)", TEXT, re.MULTILINE | re.DOTALL)
+    assert found, f"cli.md says nothing of `babyrobot {name}`"
+    return found[1]
+
+
+WORLDS = {
+    "setup.py": "setup = {'width': 4, 'walls': [((1, 1), 'E')]}",
+    "lake.txt": "SFF\nFHG\n",
+    "maze.txt": "#####\n#S E#\n#####\n",
+}
+"""What the examples of `import` read."""
+
+
+def prepare_zoo(arguments: list[str], variables: dict[str, str]) -> None:
+    """Make what the examples of packs speak of: a pack, which is there as a file and installed."""
+    folder = Path("zoo") if arguments != ["pack"] else Path()
+    write_files(folder, zoo())
+    calls = [["pack", "zoo"], ["install", "zoo-1.0.0.brlpack"]]
+    for call in calls[: {"pack": 0, "install": 1}.get(arguments[0], 2)]:
+        assert run_here(call, variables).status == 0
+
+
+def examples() -> list[str]:
+    blocks = re.findall(r"^```sh\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+    return [line for block in blocks for line in block.splitlines() if line]
+
+
+def test_it_is_up_to_date() -> None:
+    assert reference() == TEXT, "python -m babyrobot_levels.cli.reference > cli.md"
+
+
+def test_every_command_is_in_it_and_no_other() -> None:
+    assert re.findall(r"^## (.+)$", TEXT, re.MULTILINE) == list(COMMANDS)
+    for name in COMMANDS:
+        assert f"| [`{name}`](#{name}) |" in TEXT
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_and_argument_is_in_it(name: str) -> None:
+    rows = [line for line in section(name).splitlines() if line.startswith("| `")]
+    labels = [row.split("` | ")[0][3:] for row in rows]
+    assert len(labels) == len(COMMANDS[name].params) - sum(
+        "--help" in parameter.opts for parameter in COMMANDS[name].params
+    )
+    for parameter in COMMANDS[name].params:
+        if parameter.param_type_name == "argument":
+            assert f"[OPTIONS] {labels[0]}" in section(name)
+            continue
+        for flag in parameter.opts:
+            if flag not in ("-h", "--help"):
+                assert any(flag in re.findall(r"--?[a-z-]+", label) for label in labels), flag
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_row_explains_something(name: str) -> None:
+    for line in section(name).splitlines():
+        if line.startswith("| `"):
+            assert len(line.split("` | ")[1]) > len("x |")
+    assert "babyrobot " + name in section(name)
+
+
+def test_the_help_says_the_same_as_the_reference() -> None:
+    for name, command in COMMANDS.items():
+        first = (inspect.getdoc(command.callback) or "").split("\n\n")[0]
+        assert " ".join(first.split()) in section(name)
+
+
+@pytest.mark.parametrize("line", examples())
+def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    variables = environment(tmp_path)
+    *before, last = line.split(" | ")
+    given = b""
+    for each in before:
+        given = run_here(shlex.split(each)[1:], variables, given).out.encode()
+        assert given
+    program, *arguments = shlex.split(last)
+    assert program == "babyrobot"
+    if arguments[0] not in ("new-level", "pack"):
+        # The others speak of the level that `new-level first` makes.
+        assert run_here(["new-level", "first"], variables).status == 0
+    if arguments[0] == "import" and not before:
+        Path(arguments[1]).write_text(WORLDS[arguments[1]], encoding="utf-8")
+    if arguments[0] in ("pack", "install", "uninstall") or {"zoo/lion", "--packs"} & {*arguments}:
+        prepare_zoo(arguments, variables)
+    result = run_here(arguments, variables, given)
+    if arguments[0] == "play":
+        # The call is right, but here is no terminal.
+        assert result.err.startswith("error: a game needs a terminal")
+        return
+    assert result.status == 0, result
+    told = result.err.splitlines()
+    if arguments[0] in ("export", "import"):
+        # What another format, or ours, has no place for.
+        told = [line for line in told if not line.startswith("warning: ")]
+    assert told == []
+
+
+def test_there_are_examples_for_every_command() -> None:
+    assert {line.split()[1] for line in examples()} == set(COMMANDS)

@@ -1,0 +1,73 @@
+"""The page on levels to order: what it tells people to type does what it says."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from support.places import DOCS
+from support.sessions import environment, run_here
+
+import babyrobot_levels as brl
+from babyrobot_levels.generate.order import origin_of
+from babyrobot_levels.language.suite import SuiteFields
+
+PAGE = (DOCS / "generating.md").read_text("utf-8")
+
+
+def blocks(language: str) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
+
+
+def run(command: str) -> tuple[int, str]:
+    done = run_here(command.split()[1:], environment(Path.cwd()))
+    return done.status, done.out + done.err
+
+
+@pytest.mark.parametrize("command", "".join(blocks("sh")).splitlines())
+def test_the_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(command)[0] == 0
+    folder = command.split()[-1]
+    assert run(f"babyrobot lint {folder}")[0] == 0
+
+
+def test_the_python_examples_run(capsys: pytest.CaptureFixture[str]) -> None:
+    scope: dict[str, object] = {}
+    for code in blocks("python"):
+        exec(compile(code, "example", "exec"), scope)
+    assert capsys.readouterr().out.startswith("8000 small-mazes-00000 [")
+
+
+def test_a_file_begins_as_it_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    shown = blocks("yaml")[0]
+    command = next(line for line in blocks("sh")[0].splitlines() if line.endswith("-o wet"))
+    assert run(command)[0] == 0
+    assert origin_of(shown) is not None
+    assert Path("wet", "level-00003.yaml").read_text("utf-8").startswith(shown)
+
+
+def test_the_suite_is_valid() -> None:
+    assert brl.check(blocks("yaml")[1]) == []
+
+
+def test_what_starves_is_told_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    status, told = run("babyrobot generate --count 3 --path-length 90..99 -o mazes")
+    assert (status, told) == (1, blocks("text")[0])
+
+
+def test_no_field_of_a_suite_is_missing() -> None:
+    table = PAGE.partition("### The fields of a suite")[2].partition("### ")[0]
+    named = {name for row in re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)
+             for name in re.findall(r"`(\w+)`", row)}  # fmt: skip
+    assert named == set(SuiteFields.model_fields)
+
+
+def test_the_shipped_suites_are_told_of() -> None:
+    from babyrobot_levels.library.search_path import gallery_folder
+
+    for path in (gallery_folder() / "suites").iterdir():
+        assert f"`{path.stem}`" in PAGE

@@ -1,0 +1,266 @@
+"""The reference of the language: its examples do what it says, and no field is missing."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+from support.places import DOCS, ROOT
+
+from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.looks import Colors, Theme, Widths
+from babyrobot_levels.language.validation import parse
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import read_level
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.source import SourceFile
+
+DOCUMENT = DOCS / "level-format.md"
+TEXT = DOCUMENT.read_text(encoding="utf-8")
+LINES = TEXT.splitlines()
+
+OUTCOMES = re.compile(r"outcomes of (\w+) at \[(\d+), (\d+)\]")
+ERROR = re.compile(r"error (BR\d{3})")
+KINDS = re.compile(rf"draws|fragment|report|same digest|skid rules|theme|{ERROR.pattern}")
+
+
+@dataclass(frozen=True)
+class Block:
+    """A fenced block or a table, and what the comment on the line before it says."""
+
+    line: int
+    kind: str
+    language: str
+    text: str
+
+    def __str__(self) -> str:
+        return f"line {self.line}"
+
+
+def read_blocks() -> list[Block]:
+    blocks: list[Block] = []
+    number = 0
+    while number < len(LINES):
+        first = number
+        note = re.fullmatch(r"<!-- (.*) -->", LINES[number - 1]) if number else None
+        kind = note[1] if note else ""
+        fence = re.fullmatch(r"```(\w*)", LINES[number])
+        if fence:
+            number = LINES.index("```", number + 1)
+            text = "\n".join(LINES[first + 1 : number]) + "\n"
+            blocks.append(Block(first + 1, kind, fence[1], text))
+        elif kind and LINES[number].startswith("|"):
+            while LINES[number + 1].startswith("|"):
+                number += 1
+            text = "\n".join(LINES[first : number + 1])
+            blocks.append(Block(first + 1, kind, "table", text))
+        number += 1
+    return blocks
+
+
+BLOCKS = read_blocks()
+YAML = [block for block in BLOCKS if block.language == "yaml"]
+
+
+def level_text(block: Block) -> str:
+    return "version: 1\n" + block.text if block.kind == "fragment" else block.text
+
+
+def read_block(block: Block) -> tuple[Level | None, list[Diagnostic]]:
+    # The path need not be there: only a theme that the language does not know is looked for.
+    path = Path("levels", "first.yaml")
+    return read_level(SourceFile(path.as_posix(), level_text(block)), path)
+
+
+def level_of(block: Block) -> Level:
+    level, diagnostics = read_block(block)
+    assert level is not None, "\n\n".join(map(str, diagnostics))
+    return level
+
+
+def yaml_before(block: Block) -> Block:
+    return [other for other in YAML if other.line < block.line][-1]
+
+
+def of_kind(pattern: str) -> pytest.MarkDecorator:
+    found = [block for block in BLOCKS if re.fullmatch(pattern, block.kind)]
+    assert found, f"nothing in the document is marked {pattern!r}"
+    return pytest.mark.parametrize("block", found, ids=str)
+
+
+def cells_of(row: str) -> list[str]:
+    return [cell.strip().strip("`") for cell in row.strip("|").split("|")]
+
+
+def rows_of(table: Block) -> list[list[str]]:
+    return [cells_of(row) for row in table.text.splitlines()[2:]]
+
+
+def chances_of(mdp: Mdp, cell: tuple[int, int], action: Action) -> dict[tuple[int, int], Any]:
+    """Return the probability of standing on each cell afterwards."""
+    found: dict[tuple[int, int], float] = {}
+    for chance, state, _, _ in mdp.outcomes(cell[1] * mdp.width + cell[0], action):
+        there = (state % mdp.width, state // mdp.width)
+        found[there] = found.get(there, 0) + chance
+    return found
+
+
+# -- the examples --------------------------------------------------------------------------
+
+
+def test_every_mark_is_one_that_is_tested() -> None:
+    marks = [block.kind for block in BLOCKS if block.kind]
+    marks = [m for m in marks if not KINDS.fullmatch(m) and not OUTCOMES.fullmatch(m)]
+    assert marks == []
+    # Every mark stands right before a block: none is left over.
+    comments = sum(bool(re.fullmatch(r"<!-- .* -->", line)) for line in LINES)
+    assert comments == sum(bool(block.kind) for block in BLOCKS)
+
+
+@pytest.mark.parametrize(
+    "block", [b for b in YAML if not ERROR.fullmatch(b.kind) and b.kind != "theme"], ids=str
+)
+def test_the_example_is_a_level(block: Block) -> None:
+    level, diagnostics = read_block(block)
+    assert not diagnostics, "\n\n".join(map(str, diagnostics))
+    assert level is not None
+    if block.kind != "fragment":
+        fields = [line for line in block.text.splitlines() if not line.startswith("#")]
+        assert fields[0] == "version: 1"
+    if not level.has_random_maze:
+        level.compile()
+
+
+@of_kind(ERROR.pattern)
+def test_the_example_has_that_fault(block: Block) -> None:
+    expected = ERROR.fullmatch(block.kind)
+    assert expected is not None
+    level, diagnostics = read_block(block)
+    assert level is None
+    assert [diagnostic.code for diagnostic in diagnostics] == [expected[1]]
+
+
+@of_kind("report")
+def test_the_report_is_what_is_reported(block: Block) -> None:
+    _, diagnostics = read_block(yaml_before(block))
+    assert block.text == "\n\n".join(map(str, diagnostics)) + "\n"
+
+
+@of_kind("theme")
+def test_the_example_is_a_theme(block: Block) -> None:
+    theme, diagnostics = parse(SourceFile("dusk.yaml", block.text), Theme)
+    assert not diagnostics
+    assert theme is not None
+
+
+@of_kind("draws")
+def test_the_drawing_is_that_of_the_level_before(block: Block) -> None:
+    assert block.language == "text"
+    assert level_of(yaml_before(block)).draw() == block.text
+
+
+@of_kind(OUTCOMES.pattern)
+def test_the_outcomes_are_those_of_the_level_before(block: Block) -> None:
+    match = OUTCOMES.fullmatch(block.kind)
+    assert match is not None
+    mdp = level_of(yaml_before(block)).compile()
+    state = int(match[3]) * mdp.width + int(match[2])
+    outcomes = mdp.outcomes(state, Action[match[1].upper()])
+    assert block.text.startswith("| stands on | probability | reward |")
+    assert [
+        [f"[{there % mdp.width}, {there // mdp.width}]", pytest.approx(chance), reward]
+        for chance, there, reward, _ in outcomes
+    ] == [[cell, float(chance), float(reward)] for cell, chance, reward in rows_of(block)]
+
+
+@of_kind("skid rules")
+def test_the_skid_rules_are_as_in_the_table(block: Block) -> None:
+    level = level_of(yaml_before(block))
+    assert not isinstance(level.skid, float | None)
+    rows = rows_of(block)
+    assert {row[0] for row in rows} == {"open", "sides", "others"}
+    for rule, move, *told in rows:
+        ruled = level.replace(skid={"probability": level.skid.probability, "to": rule})
+        chances = chances_of(ruled.compile(), (1, 1), Action[move.upper()])
+        around = [(1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
+        assert [float(value) for value in told] == [
+            pytest.approx(chances.get(cell, 0)) for cell in around
+        ]
+
+
+@of_kind("same digest")
+def test_the_two_levels_are_one_game(block: Block) -> None:
+    other = next(later for later in YAML if later.line > block.line)
+    assert level_of(block).to_dict() != level_of(other).to_dict()
+    assert level_of(block).digest == level_of(other).digest
+
+
+# -- the whole language --------------------------------------------------------------------
+
+
+def models_of(model: type[BaseModel]) -> set[type[BaseModel]]:
+    found = {model}
+    for info in model.model_fields.values():
+        for inner in _models_in(info.annotation):
+            found |= models_of(inner)
+    return found
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for part in getattr(annotation, "__args__", ()) for model in _models_in(part)]
+
+
+MODELS = sorted(models_of(LevelFields), key=lambda model: model.__name__)
+
+
+@pytest.mark.parametrize("model", MODELS, ids=[model.__name__ for model in MODELS])
+def test_every_field_is_described(model: type[BaseModel]) -> None:
+    names = [info.alias or name for name, info in model.model_fields.items()]
+    assert [name for name in names if f"`{name}`" not in TEXT] == []
+
+
+def test_the_table_of_all_fields_is_complete_and_in_order() -> None:
+    begin = LINES.index("## All fields")
+    end = LINES.index("## Texts for people")
+    rows = [cells_of(line)[0] for line in LINES[begin:end] if line.startswith("| `")]
+    assert rows == list(LevelFields.model_fields)
+
+
+@pytest.mark.parametrize("model", [Colors, Widths])
+def test_the_defaults_of_themes_are_right(model: type[Colors | Widths]) -> None:
+    for name, info in model.model_fields.items():
+        default = info.default if isinstance(info.default, str) else f"{info.default:g}"
+        assert any(line.startswith(f"| `{name}` | `{default}` |") for line in LINES), name
+
+
+def codes_of_the_package() -> set[str]:
+    files = (ROOT / "babyrobot_levels").rglob("*.py")
+    return {
+        code
+        for path in files
+        for code in re.findall(r'"(BR[1-4]\d\d)"', path.read_text(encoding="utf-8"))
+    }
+
+
+def test_exactly_the_codes_that_exist_are_listed() -> None:
+    listed = re.findall(r"^\| (BR\d{3}) \|", TEXT, flags=re.MULTILINE)
+    assert listed == sorted(set(listed))
+    assert set(re.findall(r"BR\d{3}", TEXT)) == set(listed)
+    assert set(listed) == codes_of_the_package()
+
+
+def test_the_links_lead_somewhere() -> None:
+    headings = [line.lstrip("#").strip() for line in LINES if re.match(r"#{2,} ", line)]
+    anchors = {re.sub(r"[^a-z0-9 -]", "", text.lower()).replace(" ", "-") for text in headings}
+    links = re.findall(r"\]\(#([^)]*)\)", TEXT)
+    assert [link for link in links if link not in anchors] == []
+    contents = re.findall(r"^\d+\. \[(.*)\]\(#", TEXT, flags=re.MULTILINE)
+    assert contents == [line[3:] for line in LINES if line.startswith("## ")][1:]

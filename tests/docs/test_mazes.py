@@ -1,0 +1,50 @@
+"""The document about mazes shows what the algorithms really do."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from support.maze_pictures import DOCUMENT, FOLDER, pictures, table
+
+import babyrobot_levels as brl
+from babyrobot_levels.analysis.metrics import SHAPE, WAYS, WORTH
+from babyrobot_levels.mdp.mazes import ALGORITHMS
+
+TEXT = DOCUMENT.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", pictures())
+def test_the_picture_is_what_the_algorithm_carves(name: str) -> None:
+    # `PYTHONPATH=tests python -m renew.maze_pictures` draws them anew.
+    assert (FOLDER / name).read_text(encoding="utf-8") == pictures()[name]
+    assert f"images/mazes/{name}" in TEXT
+
+
+def test_there_are_no_other_pictures() -> None:
+    assert {path.name for path in FOLDER.iterdir()} == set(pictures())
+
+
+def test_the_numbers_are_what_is_measured() -> None:
+    assert table() in TEXT
+
+
+def test_each_algorithm_has_its_section_in_order() -> None:
+    assert re.findall(r"^### `(.*)`$", TEXT, flags=re.MULTILINE) == list(ALGORITHMS)
+
+
+def test_each_metric_is_explained_in_order() -> None:
+    rows = re.findall(r"^\| `(\w+)` \|", TEXT[TEXT.index("## Metrics") :], flags=re.MULTILINE)
+    assert [row for row in rows if row != "path"] == [*SHAPE, *WAYS, *WORTH]
+
+
+@pytest.mark.parametrize("text", re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.DOTALL))
+def test_the_examples_are_levels(text: str) -> None:
+    brl.loads(text).compile()
+
+
+def test_the_difficulties_that_are_told_are_right() -> None:
+    rows = re.findall(r"^\| ([a-z0-9-]+) \| ([0-9.]+) \|", TEXT, flags=re.MULTILINE)
+    assert len(rows) >= 6
+    for name, told in rows:
+        assert f"{brl.metrics(name).difficulty:.1f}" == told

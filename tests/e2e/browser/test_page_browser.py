@@ -1,0 +1,407 @@
+"""Pages in a real browser: a level is played as the environment plays it, and runs nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Browser, Page, expect
+from support.playground import KEYS, Playground, guide
+
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.page import to_html
+
+FAST = {"robot": {"speed": 100}}
+
+
+def level(**fields: Any) -> Any:
+    return from_mapping({"version": 1, **fields})
+
+
+@pytest.fixture
+def ground(page: Page, tmp_path: Path) -> Iterator[Playground]:
+    playground = Playground(page, tmp_path)
+    yield playground
+    assert playground.faults == []
+
+
+WORLD = level(size=[4, 3], walls=[{"at": [1, 0], "side": "E"}], display=FAST)
+
+
+# -- playing -----------------------------------------------------------------------------------
+
+
+def test_arrow_keys_move_the_robot(ground: Playground) -> None:
+    ground.open(WORLD)
+    assert ground.state == 0
+    for key, state in (("ArrowRight", 1), ("ArrowDown", 5), ("ArrowLeft", 4), ("ArrowUp", 0)):
+        ground.press(key)
+        assert ground.state == state
+        ground.wait_until_there()
+    assert (ground.number("steps"), ground.number("return")) == (4, -4)
+    assert ground.message == "Moved north to [0, 0]: \N{MINUS SIGN}1"
+
+
+def test_letters_and_buttons_do_so_too(ground: Playground) -> None:
+    ground.open(WORLD)
+    ground.press("d", "s", "A", "w")
+    assert (ground.state, ground.number("steps")) == (0, 4)
+    for name, state in (("East", 1), ("South", 5), ("Stay", 5), ("West", 4), ("North", 0)):
+        ground.page.get_by_role("button", name=name, exact=True).click()
+        assert ground.state == state
+
+
+def test_walls_stop_him_and_it_costs(ground: Playground) -> None:
+    ground.open(WORLD)
+    ground.press("ArrowUp")
+    assert (ground.state, ground.number("steps"), ground.kind) == (0, 1, "bump")
+    assert ground.message == "There is a wall to the north: \N{MINUS SIGN}1"
+    ground.press("ArrowRight", "ArrowRight", "ArrowRight")
+    assert (ground.state, ground.number("return")) == (1, -4)
+    ground.wait_until_there()
+
+
+def test_buttons_of_shut_sides_look_shut(ground: Playground) -> None:
+    ground.open(WORLD)
+    shut = ground.page.locator(".pad .shut")
+    assert {shut.nth(i).get_attribute("aria-label") for i in range(shut.count())} == {
+        "North",
+        "West",
+    }
+
+
+def test_the_exit_ends_it_and_restart_begins_again(ground: Playground) -> None:
+    ground.open(WORLD)
+    ground.press("s", "s", "d", "d", "d")
+    assert (ground.state, ground.kind) == (11, "exit")
+    assert "At the exit after 5 steps! Return \N{MINUS SIGN}4." in ground.message
+    ground.press("ArrowUp")
+    assert (ground.state, ground.number("steps")) == (11, 5)
+    ground.press("r")
+    assert (ground.state, ground.number("steps"), ground.number("return")) == (0, 0, 0)
+    ground.press("d")
+    assert ground.state == 1
+    ground.page.get_by_role("button", name="Restart").click()
+    assert ground.state == 0
+
+
+def test_other_ends(ground: Playground) -> None:
+    pit = level(size=[3, 1], areas=[{"at": [1, 0], "ends": True, "reward": -9}], max_steps=2)
+    ground.open(pit)
+    ground.press("d")
+    assert (ground.state, ground.kind, ground.number("return")) == (1, "over", -9)
+    ground.press("r", " ", "ArrowUp")
+    assert (ground.kind, ground.message) == (
+        "time",
+        "There is a wall to the north: \N{MINUS SIGN}1. "
+        "Time is up after 2 steps. Return \N{MINUS SIGN}2.",
+    )
+    ground.press("d")
+    assert ground.state == 0
+
+
+# -- chance ------------------------------------------------------------------------------------
+
+WET = level(
+    size=[4, 3],
+    start=[[0, 0], [3, 0], [0, 2]],
+    exit=[3, 2],
+    puddles=[{"at": [1, 1], "size": "large"}, {"at": [2, 1], "size": "large"}],
+    skid={"probability": 0.3, "to": "others"},
+    walls=[{"at": [1, 0], "side": "E", "pass": 0.5}],
+    display=FAST,
+)
+
+
+@pytest.mark.parametrize(("seed", "name"), [(0, None), (2**40 + 7, None), (5, "frozen-lake")])
+def test_a_seed_and_the_same_actions_give_the_environments_episode(
+    seed: int, name: str | None, ground: Playground
+) -> None:
+    world = WET if name is None else load(name)
+    env = world.make(observation="index")
+    ground.open(world, seed=seed)
+    chosen = np.random.default_rng(1)
+    state, _ = env.reset(seed=seed)
+    assert ground.state == state
+    skids = episodes = 0
+    total = 0.0
+    for _ in range(120):
+        action = int(chosen.integers(5))
+        state, reward, terminated, truncated, info = env.step(action)
+        ground.press(KEYS[action])
+        total += float(reward)
+        skids += bool(info["skidded"])
+        assert ground.state == state
+        assert ground.number("return") == pytest.approx(total, abs=0.006)
+        if terminated or truncated:
+            episodes += 1
+            total = 0.0
+            state, _ = env.reset()
+            ground.press("r")
+            assert ground.state == state
+    assert skids > 10
+    assert episodes > 0
+
+
+def test_he_skids_as_often_as_the_tables_say(ground: Playground) -> None:
+    """Drawn by the page's own generator, many times, out of one cell."""
+    puddle = level(size=[3, 3], start=[1, 1], exit=[2, 2], puddles=[{"at": [1, 1]}])
+    ground.open(puddle)
+    tries = 4000
+    counts = ground.page.evaluate(
+        """(tries) => {
+          const game = new Game(JSON.parse(document.getElementById("data").textContent));
+          const counts = {};
+          for (let i = 0; i < tries; i++) {
+            game.reset();
+            const { next } = game.step(2);
+            counts[next] = (counts[next] ?? 0) + 1;
+          }
+          return counts;
+        }""",
+        tries,
+    )
+    for probability, state, _, _ in puddle.compile().outcomes(4, Action.EAST):
+        spread = 5 * (probability * (1 - probability) / tries) ** 0.5
+        assert counts[str(state)] / tries == pytest.approx(probability, abs=spread)
+    assert sum(counts.values()) == tries
+
+
+def test_another_seed_is_another_game_and_the_same_again_the_same(ground: Playground) -> None:
+    ground.open(load("frozen-lake"))
+
+    def played(seed: str) -> list[int]:
+        ground.page.locator("#seed").fill(seed)
+        ground.page.locator("#seed").press("Enter")
+        ground.page.locator("#stage").focus()
+        states = []
+        for key in ["d", "s"] * 6:
+            ground.press(key)
+            states.append(ground.state)
+        return states
+
+    first, second = played("3"), played("4")
+    assert first != second
+    assert played("3") == first
+
+
+def test_keys_that_are_typed_into_the_seed_do_not_walk(ground: Playground) -> None:
+    ground.open(WORLD)
+    ground.page.locator("#seed").focus()
+    ground.press("ArrowRight", "d", "r")
+    assert ground.number("steps") == 0
+
+
+# -- watching ----------------------------------------------------------------------------------
+
+
+def test_the_best_policy_walks_the_environments_episode(ground: Playground) -> None:
+    world = level(
+        size=[4, 3], skid={"probability": 0.4}, maze={"seed": 2, "loops": 1}, display=FAST
+    )
+    best = guide(world)
+    env = world.make(observation="index")
+    state, _ = env.reset(seed=11)
+    steps, total, is_over = 0, 0.0, False
+    while not is_over:
+        state, reward, is_over, _, _ = env.step(best.policy[state])
+        steps, total = steps + 1, total + float(reward)
+    ground.open(world, guide=best, seed=11)
+    ground.press("p")
+    expect(ground.page.locator("#message")).to_have_attribute("data-kind", "exit")
+    assert (ground.number("steps"), ground.number("return")) == (steps, total)
+    watch = ground.page.get_by_role("button", name="Watch the best policy")
+    expect(watch).to_have_attribute("aria-pressed", "false")
+    # Once more, from the start.
+    watch.click()
+    expect(watch).to_have_attribute("aria-pressed", "true")
+    assert ground.number("steps") <= 1
+
+
+def test_a_random_walk_is_the_action_spaces(ground: Playground) -> None:
+    world = level(size=[3, 1], display=FAST)
+    env = world.make(observation="index")
+    env.reset(seed=6)
+    env.action_space.seed(6)
+    steps, is_over = 0, False
+    while not is_over:
+        _, _, is_over, _, _ = env.step(env.action_space.sample())
+        steps += 1
+    ground.open(world, walker="random", seed=6)
+    ground.page.get_by_role("button", name="Watch a random walk").click()
+    expect(ground.page.locator("#message")).to_have_attribute("data-kind", "exit")
+    assert ground.number("steps") == steps
+
+
+def test_who_takes_a_step_takes_over(ground: Playground) -> None:
+    world = level(size=[4, 3], display={"robot": {"speed": 0.1}})
+    ground.open(world, guide=guide(world))
+    ground.press("p")
+    expect(ground.page.locator("#steps")).to_have_text("1")
+    ground.press("ArrowLeft")
+    expect(ground.page.locator("#watch")).to_have_attribute("aria-pressed", "false")
+    assert ground.number("steps") == 2
+
+
+# -- looks -------------------------------------------------------------------------------------
+
+
+def test_he_glides_and_looks_where_he_goes(ground: Playground) -> None:
+    ground.open(level(size=[4, 3], display={"robot": {"speed": 0.5}}))
+    sprite = ground.page.locator("#robot use")
+    standing = sprite.get_attribute("href")
+    ground.press("d")
+    ground.page.wait_for_function(
+        "() => { const x = document.querySelector('#robot').transform.baseVal[0].matrix.e;"
+        " return x > 10 && x < 60 }"
+    )
+    assert sprite.get_attribute("href") != standing
+    ground.wait_until_there()
+    assert ground.corner == (1, 0)
+
+
+def test_who_wants_no_motion_gets_none(browser: Browser, tmp_path: Path) -> None:
+    context = browser.new_context(reduced_motion="reduce")
+    ground = Playground(context.new_page(), tmp_path)
+    ground.open(level(size=[4, 3], display={"robot": {"speed": 0.01}}))
+    ground.press("d")
+    ground.wait_until_there()
+    assert ground.faults == []
+    context.close()
+
+
+def test_values_and_best_moves_are_switched(ground: Playground) -> None:
+    ground.open(WORLD, guide=guide(WORLD), values=True)
+    values, moves = ground.page.locator("#values"), ground.page.locator("#policy")
+    expect(values).to_be_visible()
+    expect(moves).to_be_hidden()
+    ground.press("v", "b")
+    expect(values).to_be_hidden()
+    expect(moves).to_be_visible()
+    button = ground.page.get_by_role("button", name="Best moves")
+    expect(button).to_have_attribute("aria-pressed", "true")
+    button.click()
+    expect(moves).to_be_hidden()
+
+
+@pytest.mark.parametrize("width", [320, 390, 1280])
+@pytest.mark.parametrize("name", ["final-maze", "windy-gridworld"])
+def test_it_fits_into_every_window(name: str, width: int, ground: Playground) -> None:
+    world = load(name)
+    ground.page.set_viewport_size({"width": width, "height": 800})
+    ground.open(world, guide=guide(world))
+    wide = ground.page.evaluate("() => document.documentElement.scrollWidth")
+    assert wide <= width
+    # The picture is there as a whole, and what happens is told without scrolling.
+    for place in ("#stage svg[role=img]", "#message"):
+        box = ground.page.locator(place).bounding_box()
+        assert box is not None
+        assert box["x"] >= 0
+        assert box["x"] + box["width"] <= width
+        assert box["y"] + box["height"] <= 800
+
+
+def test_a_finger_plays_it(browser: Browser, tmp_path: Path) -> None:
+    context = browser.new_context(
+        viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True
+    )
+    ground = Playground(context.new_page(), tmp_path)
+    ground.open(WORLD)
+    ground.page.get_by_role("button", name="East", exact=True).tap()
+    assert ground.state == 1
+    for name in ("North", "East", "South", "West", "Stay", "Restart"):
+        box = ground.page.get_by_role("button", name=name, exact=True).bounding_box()
+        assert box is not None
+        assert min(box["width"], box["height"]) >= 44
+    assert ground.faults == []
+    context.close()
+
+
+def test_large_levels_are_scrolled_along(ground: Playground) -> None:
+    ground.page.set_viewport_size({"width": 390, "height": 700})
+    ground.open(level(size=[60, 40], start=[59, 0], exit=[0, 0], display=FAST))
+    for _ in range(3):
+        ground.press("ArrowDown")
+    ground.page.wait_for_function(
+        """() => {
+          const frame = document.querySelector("#stage").getBoundingClientRect();
+          const robot = document.querySelector("#robot").getBoundingClientRect();
+          return robot.left > frame.left && robot.right < frame.right &&
+            robot.top > frame.top && robot.bottom < frame.bottom;
+        }"""
+    )
+
+
+def test_arrow_keys_do_not_scroll_the_page(ground: Playground) -> None:
+    ground.page.set_viewport_size({"width": 390, "height": 400})
+    ground.open(WORLD)
+    ground.press(*["ArrowDown"] * 6, *[" "] * 3)
+    assert ground.page.evaluate("() => window.scrollY") == 0
+
+
+def test_it_follows_light_and_dark(browser: Browser, tmp_path: Path) -> None:
+    grounds = []
+    for scheme in ("light", "dark"):
+        context = browser.new_context(color_scheme=scheme)
+        ground = Playground(context.new_page(), tmp_path)
+        ground.open(WORLD)
+        grounds.append(
+            ground.page.evaluate("() => getComputedStyle(document.body).backgroundColor")
+        )
+        context.close()
+    assert grounds[0] != grounds[1]
+
+
+def test_without_scripts_there_is_the_picture(browser: Browser, tmp_path: Path) -> None:
+    context = browser.new_context(java_script_enabled=False)
+    ground = Playground(context.new_page(), tmp_path, has_scripts=False)
+    ground.open(WORLD)
+    expect(ground.page.locator("#stage svg[role=img]")).to_be_visible()
+    expect(ground.page.get_by_text("This page needs JavaScript")).to_be_visible()
+    context.close()
+
+
+# -- hostile levels ----------------------------------------------------------------------------
+
+
+def test_a_hostile_level_runs_nothing(ground: Playground) -> None:
+    evil = (
+        "</title></script></style></svg><script>window.hacked = 1</script>"
+        "<img src=x onerror='window.hacked = 2'><svg onload='window.hacked = 3'>"
+        "<!--<script>\"';window.hacked=4//"
+    )
+    world = level(
+        size=[4, 3],
+        title=evil,
+        description=evil,
+        author=evil,
+        source=evil,
+        license=evil,
+        areas=[{"at": [1, 1], "label": evil, "color": "rgb(1, 2, 3)"}],
+        display=FAST,
+    )
+    ground.open(world, guide=guide(world))
+    ground.press("d", "v", "b", "p")
+    expect(ground.page.locator("#message")).to_have_attribute("data-kind", "exit")
+    assert ground.page.evaluate("() => window.hacked") is None
+    assert ground.page.locator("img").count() == 0
+    assert ground.page.locator("h1").inner_text() == evil
+
+
+def test_what_gets_in_all_the_same_is_not_run(page: Page, tmp_path: Path) -> None:
+    """The page's policy is a second wall behind the first: escaping."""
+    path = tmp_path / "page.html"
+    injected = "<script>window.hacked = 1</script><img src='http://127.0.0.1:9/x.png'>"
+    path.write_text(to_html(WORLD).replace("<header>", f"<header>{injected}"), encoding="utf-8")
+    refused: list[str] = []
+    page.on("console", lambda message: refused.append(message.text))
+    page.goto(path.as_uri())
+    page.keyboard.press("d")
+    assert page.locator("#steps").inner_text() == "1"
+    assert page.evaluate("() => window.hacked") is None
+    assert sum("Content Security Policy" in text for text in refused) == 2

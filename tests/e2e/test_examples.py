@@ -1,0 +1,186 @@
+"""The examples, run as users run them: they learn, and say truly how much."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.places import EXAMPLES
+from support.subprocesses import python
+
+import babyrobot_levels as brl
+
+Table = dict[str, tuple[float, float]]
+"""The worth and the share of the optimum in per cent, by the policy's name."""
+
+
+def printed_by(example: str, *arguments: object, cwd: Path) -> str:
+    done = python(EXAMPLES / f"{example}.py", *map(str, arguments), cwd=cwd, timeout=600)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def table_of(text: str) -> Table:
+    rows = re.findall(r"^(.+?) +(-?[\d.]+) +(-?[\d.]+)%$", text, re.MULTILINE)
+    return {name: (float(worth), float(share)) for name, worth, share in rows}
+
+
+def check_figures(table: Table, level: str, actions: str) -> None:
+    """The ends of the scale are the exact ones, and shares are measured between them."""
+    worst = brl.evaluate(level, "random", actions=actions).expected_return
+    best = brl.solve(level, actions=actions).expected_return
+    assert table["random moves"] == (round(worst, 4), 0)
+    assert table["optimum"] == (round(best, 4), 100)
+    for worth, share in table.values():
+        assert share == pytest.approx(100 * (worth - worst) / (best - worst), abs=0.01)
+
+
+def check_mean(text: str, table: Table) -> None:
+    """What trials showed agrees with the exact worth of the greedy policy."""
+    found = re.search(r"^evaluate_policy: (\S+) ± (\S+) in (\d+) episodes$", text, re.MULTILINE)
+    assert found
+    mean, deviation, episodes = map(float, found.groups())
+    assert abs(mean - table["learned, greedy"][0]) < 5 * deviation / episodes**0.5
+
+
+# -- in NumPy --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("example", "level", "arguments"),
+    [
+        ("q_learning", "russell-norvig-4x3", ["--robots", 512, "--steps", 1_000_000]),
+        ("offline", "final-maze", ["--steps", 200_000]),
+    ],
+)
+def test_tables_of_values_find_the_best_policy(
+    example: str, level: str, arguments: list[object], tmp_path: Path
+) -> None:
+    table = table_of(printed_by(example, "--level", level, *arguments, cwd=tmp_path))
+    check_figures(table, level, actions="moves")
+    assert table["learned, greedy"][1] > 99.9
+
+
+def test_a_single_step_of_q_learning_finds_nothing(tmp_path: Path) -> None:
+    text = printed_by("q_learning", "--robots", 512, "--steps", 512, cwd=tmp_path)
+    assert re.search(r"^learned, greedy +-inf +-$", text, re.MULTILINE)
+
+
+def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:
+    text = printed_by("q_learning", "--robots", 512, "--steps", 1_000_000, cwd=tmp_path)
+    table = table_of(text)
+    check_figures(table, "final-maze", actions="moves")
+    assert table["learned, greedy"][1] > 99.9
+    grids = re.search(r"values, learned:\n(.*)values, exactly:\n(.*?)\n\n", text, re.DOTALL)
+    assert grids
+    learned, exact = (
+        np.array([line.split() for line in grid.splitlines()], float) for grid in grids.groups()
+    )
+    best = brl.solve("final-maze", actions="moves")
+    assert np.abs(exact - best.values).max() <= 0.005
+    # The robots start in the upper left corner, and learn most about the way from there.
+    assert np.abs(learned - exact).max() < 5
+    assert abs(learned[0, 0] - exact[0, 0]) < 1
+
+
+def test_where_episodes_are_cut_off_what_was_to_come_counts(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import offline
+    import q_learning
+
+    # From the first start, nobody comes to the exit in time.
+    level = brl.load({"version": 1, "size": [7, 1], "start": [[0, 0], [3, 0]], "max_steps": 3})
+    best = brl.solve(level, actions="moves").values
+    data = brl.rollout(level, "uniform", 64, 500, seed=1, actions="moves")
+    assert offline.learn(data, 7, 1.0).max(axis=1) == pytest.approx(best[0])
+    values = q_learning.q_learning(level, 64, 500, seed=1).max(axis=2)
+    assert values[0] == pytest.approx(best[0], abs=0.2)
+
+
+def test_fewer_steps_than_robots_are_a_step_for_each(tmp_path: Path) -> None:
+    text = printed_by("offline", "--robots", 300, "--steps", 1, cwd=tmp_path)
+    assert text.startswith("300 steps\n")
+
+
+def test_of_a_level_that_grows_its_mazes_the_one_of_the_seed_is_learned(tmp_path: Path) -> None:
+    arguments = ["--level", "random-maze", "--seed", 5, "--steps", 300_000]
+    table = table_of(printed_by("offline", *arguments, cwd=tmp_path))
+    best = brl.solve(brl.load("random-maze").with_maze_seed(5), actions="moves")
+    assert table["optimum"] == (round(best.expected_return, 4), 100)
+
+
+def test_where_no_policy_is_better_there_are_no_shares(tmp_path: Path) -> None:
+    text = printed_by("offline", "--level", "image-maze", "--steps", 20_000, cwd=tmp_path)
+    rows = [line.split() for line in text.splitlines()[-3:]]
+    assert [row[-1] for row in rows] == ["-"] * 3
+    assert rows[0][-2] == rows[2][-2] == "105.0000"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--level", "final-maz"], "did you mean 'final-maze'"),
+        (["--level", "small-mazes"], "this is a suite of levels, not a level"),
+        (["--steps", "0"], "'0' is no whole number that is at least 1"),
+        (["--seed", "-1"], "'-1' is no whole number that is at least 0"),
+        (["--robots", "x"], "'x' is no whole number that is at least 1"),
+    ],
+)
+@pytest.mark.parametrize("example", ["q_learning", "offline"])
+def test_what_cannot_be_is_refused(
+    example: str, arguments: list[str], message: str, tmp_path: Path
+) -> None:
+    done = python(EXAMPLES / f"{example}.py", *arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_every_other_episode_is_filmed(tmp_path: Path) -> None:
+    text = printed_by("record_video", "--level", "default", "--episodes", 3, cwd=tmp_path)
+    films = sorted((tmp_path / "videos").iterdir())
+    assert [film.name for film in films] == ["rl-video-episode-0.mp4", "rl-video-episode-2.mp4"]
+    assert all(film.stat().st_size > 1000 for film in films)
+    assert re.findall(r"(\d+) steps, return (\S+)", text) == [("4", "-3")] * 3
+    assert "mean return -3.00\nexpected    -3.00, exactly\n" in text
+
+
+# -- in PyTorch ------------------------------------------------------------------------------
+
+
+@pytest.mark.sb3
+@pytest.mark.parametrize("example", ["ppo_sb3", "maskable_ppo", "ppo_cleanrl"])
+def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) -> None:
+    text = printed_by(example, "--steps", 100_000, cwd=tmp_path)
+    table = table_of(text)
+    check_figures(table, "final-maze", actions="all")
+    assert table["learned, as it explores"][1] > 98
+    assert table["learned, greedy"][1] > 98
+    if example != "ppo_cleanrl":
+        check_mean(text, table)
+
+
+@pytest.mark.sb3
+def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch) -> None:
+    import torch
+
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import ppo_cleanrl
+
+    # Three steps of three robots: after the second one, the first is cut off, the second at an
+    # exit, and the third goes on. Its last step leads to a cell of value 7.
+    values = torch.tensor([[1.0] * 3, [2.0] * 3, [5.0] * 3, [7.0] * 3])
+    rewards = torch.tensor([[-1.0] * 3, [-2.0] * 3, [-3.0] * 3])
+    over = torch.tensor([[False] * 3, [False] * 3, [True, True, False], [False] * 3])
+    ended = torch.tensor([[False] * 3, [False, True, False], [False] * 3])
+    advantages, returns = ppo_cleanrl.estimate(values, rewards, ended, over, 0.9)
+
+    last = -3 + 0.9 * 7 - 5
+    second = [-2 + 0.9 * 5 - 2, -2 - 2, -2 + 0.9 * 5 - 2 + 0.9 * 0.95 * last]
+    first = [-1 + 0.9 * 2 - 1 + 0.9 * 0.95 * ahead for ahead in second]
+    assert advantages.tolist() == pytest.approx(np.array([first, second, [last] * 3]))
+    assert torch.equal(returns, advantages + values[:-1])

@@ -1,0 +1,310 @@
+"""What holds of every environment: each level, each way of observing, each set of actions."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+import random
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium import error, spaces
+from gymnasium.envs.registration import EnvSpec, registry
+from gymnasium.utils.env_checker import check_env
+from gymnasium.wrappers import FlattenObservation, RecordEpisodeStatistics, TimeLimit
+from support.playing import (
+    CORNERS,
+    GALLERY,
+    Env,
+    episodes,
+    level_named,
+    plain,
+    walk,
+    way_out,
+)
+
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.registration import register_levels
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.library.folders import user_folder
+from babyrobot_levels.mdp.actions import Action
+
+LEVEL_ID = "babyrobot/Level-v0"
+MAX_WAY = 20_000
+
+
+every_level = pytest.mark.parametrize("name", [*GALLERY, *CORNERS])
+
+
+def with_actions(*actions: str) -> pytest.MarkDecorator:
+    return pytest.mark.parametrize("actions", actions)
+
+
+class EnvContract:
+    """The checks. Heirs say of which levels, which observation and actions, what arguments."""
+
+    arguments: dict[str, Any]
+
+    def named(self, name: str) -> dict[str, Any]:
+        """Return what tells Gymnasium to make the environment of a level."""
+        return {"id": LEVEL_ID, "level": level_named(name)}
+
+    def make(self, name: str, actions: str, **more: Any) -> Env:
+        """Return the environment as users make it, with Gymnasium's own checks around it."""
+        return gymnasium.make(**self.named(name), actions=actions, **{**self.arguments, **more})
+
+    @pytest.fixture
+    def env(self, name: str, actions: str) -> Env:
+        return self.make(name, actions)
+
+    @pytest.fixture
+    def bare(self, env: Env) -> Env:
+        """The environment without wrappers."""
+        return env.unwrapped
+
+    def test_gymnasiums_checker_is_content(self, bare: Env, actions: str) -> None:
+        # One look at the pictures of each level is enough; they are the same for all.
+        pictures = actions == "valid" and self.arguments["observation"] == "position"
+        check_env(bare, skip_render_check=not pictures)
+
+    def test_spaces_contain_what_they_should(self, bare: Env, actions: str) -> None:
+        space = bare.observation_space
+        observation, _ = bare.reset(seed=1)
+        for _ in range(25):
+            assert observation in space
+            if isinstance(space, spaces.Discrete):
+                assert type(observation) is int
+            else:
+                assert isinstance(observation, np.ndarray)
+                assert (observation.dtype, observation.shape) == (space.dtype, space.shape)
+            observation, *_ = bare.step(bare.action_space.sample())
+        assert isinstance(bare.action_space, spaces.Discrete)
+        plain_space: spaces.Discrete[Any] = spaces.Discrete(4 if actions == "moves" else 5)
+        assert bare.action_space == plain_space
+        assert plain_space == bare.action_space
+
+    def test_masks_say_what_is_possible(self, bare: Env, actions: str) -> None:
+        _, info = bare.reset(seed=2)
+        first = 1 if actions == "moves" else 0
+        for _ in range(25):
+            mask = info["action_mask"]
+            assert (mask.dtype, mask.shape) == (np.int8, (5 - first,))
+            assert mask.tolist() == bare.get_wrapper_attr("action_masks")().tolist()
+            state = bare.get_wrapper_attr("_state")
+            table = bare.get_wrapper_attr("level").compile()
+            assert mask.tolist() == table.possible[state, first:].tolist()
+            if first == 0:
+                assert mask[Action.STAY] == 1
+            if mask.any():
+                assert mask[bare.action_space.sample(mask)] == 1
+            *_, info = bare.step(bare.action_space.sample())
+
+    def test_sampled_actions_are_all_those_that_are_possible(self, bare: Env, actions: str) -> None:
+        bare.action_space.seed(3)
+        _, info = bare.reset(seed=3)
+        for _ in range(3):
+            sampled = {int(bare.action_space.sample()) for _ in range(100)}
+            mask = info["action_mask"] if actions == "valid" else np.ones_like(info["action_mask"])
+            assert sampled == set(mask.nonzero()[0].tolist())
+            *_, info = bare.step(bare.action_space.sample())
+
+    def test_what_is_returned_belongs_to_the_user(self, name: str, actions: str) -> None:
+        ours, theirs = self.make(name, actions).unwrapped, self.make(name, actions).unwrapped
+        assert episodes(ours, 4) == episodes(theirs, 4, spoiling=True)
+
+    def test_rewards_and_ends(self, bare: Env) -> None:
+        bare.reset(seed=5)
+        for _ in range(25):
+            _, reward, terminated, truncated, info = bare.step(bare.action_space.sample())
+            assert type(reward) is float
+            state = bare.get_wrapper_attr("_state")
+            assert terminated is bool(bare.get_wrapper_attr("level").compile().over[state])
+            assert truncated is False
+            assert type(info["target_reached"]) is bool
+            assert type(info["skidded"]) is bool
+
+    def test_after_the_end_nothing_happens(self, bare: Env) -> None:
+        observation, _ = bare.reset(seed=6)
+        policy = way_out(bare.get_wrapper_attr("P"))
+        state = bare.get_wrapper_attr("_state")
+        if state not in policy:
+            level = bare.get_wrapper_attr("level")
+            assert level.exit == "none" or not any(mask_of(bare)[1:])
+            return
+        for _ in range(MAX_WAY):
+            observation, _, terminated, _, _ = bare.step(policy[state])
+            state = bare.get_wrapper_attr("_state")
+            if terminated:
+                break
+        assert terminated
+        for action in range(len(mask_of(bare))):
+            after, reward, terminated, truncated, info = bare.step(action)
+            assert plain(after) == plain(observation)
+            assert (reward, terminated, truncated) == (0.0, True, False)
+            assert info["action_mask"][-4:].tolist() == [0, 0, 0, 0]
+
+    def test_the_same_seed_gives_the_same_episodes(self, env: Env, name: str, actions: str) -> None:
+        told = episodes(env, 7)
+        assert episodes(env, 7) == told
+        assert episodes(self.make(name, actions), 7) == told
+
+    def test_a_reset_without_a_seed_goes_on_with_the_generator(self, bare: Env) -> None:
+        bare.reset(seed=8)
+        generator = bare.np_random
+        walk(bare, 10)
+        before = copy.deepcopy(generator.bit_generator.state)
+        _, info = bare.reset()
+        assert bare.np_random is generator
+        drawn = generator.bit_generator.state != before
+        several = len(bare.get_wrapper_attr("level").starts) > 1
+        assert drawn is (several or "maze_seed" in info)
+
+    def test_nothing_can_be_done_before_the_first_reset(self, env: Env, bare: Env) -> None:
+        for asked in (env, bare):
+            with pytest.raises(error.ResetNeeded, match="reset"):
+                asked.step(0)
+        with pytest.raises(error.ResetNeeded, match="reset"):
+            bare.get_wrapper_attr("action_masks")()
+
+    def test_invalid_actions_are_refused_and_change_nothing(self, bare: Env, actions: str) -> None:
+        count = 4 if actions == "moves" else 5
+        bare.action_space.seed(9)
+        bare.reset(seed=9)
+        before = copy.deepcopy(bare)
+        for action in (-1, count, 2.5, "n", None, [1], np.array([1, 2]), np.float64(0.5), 10**30):
+            with pytest.raises(error.InvalidAction, match=f"0 to {count - 1}"):
+                bare.step(action)
+        assert walk(bare, 10) == walk(before, 10)
+
+    def test_numbers_of_all_sorts_are_actions(self, bare: Env) -> None:
+        seen = []
+        for action in (1, np.int64(1), np.uint8(1), np.array(1), Action(1)):
+            bare.reset(seed=10)
+            seen.append([plain(part) for part in bare.step(action)[:4]])
+        assert seen == [seen[0]] * len(seen)
+
+    def test_global_generators_are_left_alone(self, name: str, actions: str) -> None:
+        random.seed(11)
+        np.random.seed(11)
+        before = global_states()
+        env = self.make(name, actions)
+        env.reset()
+        walk(env, 10)
+        assert global_states() == before
+
+    def test_copies_go_on_with_the_same_episode(self, bare: Env) -> None:
+        unbegun = pickle.loads(pickle.dumps(bare))
+        told = episodes(bare, 12, 5)
+        copied, pickled = copy.deepcopy(bare), pickle.loads(pickle.dumps(bare))
+        rest = walk(bare, 15)
+        assert walk(copied, 15) == rest
+        assert walk(pickled, 15) == rest
+        assert episodes(unbegun, 12, 5) == told
+
+    def test_the_spec_as_json_makes_the_same_game(self, env: Env) -> None:
+        assert env.spec is not None
+        again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
+        assert again.observation_space == env.observation_space
+        assert episodes(again, 13) == episodes(env, 13)
+
+    def test_several_at_once(self, name: str, actions: str) -> None:
+        given = dict(self.arguments, actions=actions, **self.named(name))
+        envs: Any = gymnasium.make_vec(num_envs=4, vectorization_mode="sync", **given)
+        single = self.make(name, actions)
+        count = 4 if actions == "moves" else 5
+        observations, infos = envs.reset(seed=[14, 15, 16, 14])
+        assert observations in envs.observation_space
+        assert plain(observations[0]) == plain(observations[3])
+        expected, _ = single.reset(seed=14)
+        for action in (1, 2, 3, 0):
+            assert infos["action_mask"].shape == (4, count)
+            assert np.array_equal(observations[0], expected)
+            observations, rewards, *_, infos = envs.step(np.full(4, action))
+            expected, reward, terminated, truncated, _ = single.step(action)
+            assert rewards[0] == rewards[3] == reward
+            if terminated or truncated:
+                break
+        envs.close()
+
+    def test_gymnasiums_wrappers_fit(self, env: Env) -> None:
+        wrapped = FlattenObservation(RecordEpisodeStatistics(TimeLimit(env, 12)))
+        observation, _ = wrapped.reset(seed=17)
+        total, truncated, terminated = 0.0, False, False
+        for step in range(1, 13):
+            assert observation in wrapped.observation_space
+            observation, reward, terminated, truncated, info = wrapped.step(
+                wrapped.action_space.sample()
+            )
+            total += float(reward)
+            assert truncated is (step == 12)
+            if terminated or truncated:
+                break
+        assert info["episode"]["l"] == step
+        assert info["episode"]["r"] == pytest.approx(total)
+
+
+def global_states() -> list[Any]:
+    """Return the states of Python's and NumPy's global generators."""
+    _, keys, position, *_ = np.random.get_state(legacy=True)
+    return [random.getstate(), np.asarray(keys).tolist(), position]
+
+
+def mask_of(env: Env) -> list[int]:
+    """Return the action mask of where the robot stands."""
+    masks: list[int] = env.get_wrapper_attr("action_masks")().tolist()
+    return masks
+
+
+@every_level
+@with_actions(*ACTION_SETS)
+class TestPositions(EnvContract):
+    arguments = {"observation": "position"}  # noqa: RUF012
+
+
+@every_level
+@with_actions("moves")
+class TestIndices(EnvContract):
+    arguments = {"observation": "index"}  # noqa: RUF012
+
+
+@every_level
+@with_actions("all")
+class TestWalls(EnvContract):
+    arguments = {"observation": "walls"}  # noqa: RUF012
+
+
+@every_level
+@with_actions("valid")
+class TestImages(EnvContract):
+    arguments = {"observation": "image", "image_size": (12, 15)}  # noqa: RUF012
+
+
+@pytest.mark.parametrize("name", ["lion", "ape"])
+@with_actions("valid", "moves")
+class TestPacks(EnvContract):
+    arguments = {"observation": "position"}  # noqa: RUF012
+
+    @pytest.fixture(autouse=True)
+    def pack(self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+        """Let the user have a pack `zoo`, whose levels are known by their ids."""
+        monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+        before = dict(registry)
+        folder = user_folder() / "packs" / "zoo"
+        level_named("all at once").save(folder / "lion.yaml")
+        level_named("final-maze").save(folder / "apes" / "ape.yaml")
+        register_levels()
+        yield
+        registry.clear()
+        registry.update(before)
+
+    def named(self, name: str) -> dict[str, Any]:
+        return {"id": f"babyrobot/zoo.{name}-v0"}
+
+
+def test_all_observations_are_under_contract() -> None:
+    heirs = {heir.arguments["observation"] for heir in EnvContract.__subclasses__()}
+    assert heirs == set(OBSERVATIONS)

@@ -1,0 +1,267 @@
+"""`babyrobot/Suite-v0`: another level in each episode, in spaces that never change."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from pathlib import Path
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium import spaces
+from gymnasium.envs.registration import EnvSpec
+from gymnasium.utils.env_checker import check_env
+from support.playing import episodes, plain
+
+import babyrobot_levels as brl
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.generate.suites import load_suite
+from babyrobot_levels.render.frames import FramePainter
+from babyrobot_levels.render.scene.pose import Mood, Pose
+from babyrobot_levels.text.emitter import emit
+
+SUITE_ID = "babyrobot/Suite-v0"
+
+FIELDS: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "seed": 3,
+    "count": 60,
+    "size": {"min": [3, 4], "max": [7, 5]},
+    "puddles": {"max": 2},
+    "splits": {"train": 0.5, "test": 0.5},
+}
+
+each_observation = pytest.mark.parametrize("observation", OBSERVATIONS)
+
+
+def make(**arguments: Any) -> Any:
+    return gymnasium.make(SUITE_ID, **{"suite": FIELDS, **arguments})
+
+
+@each_observation
+@pytest.mark.parametrize("actions", ACTION_SETS)
+def test_gymnasiums_checker_is_content(observation: str, actions: str) -> None:
+    env = make(observation=observation, actions=actions, split="train")
+    check_env(env.unwrapped, skip_render_check=observation != "position")
+
+
+@each_observation
+def test_the_space_never_changes(observation: str) -> None:
+    env = make(observation=observation)
+    space, sizes = env.observation_space, set()
+    env.action_space.seed(0)
+    env.reset(seed=5)
+    for _ in range(25):
+        shown, _ = env.reset()
+        for _ in range(5):
+            assert env.observation_space == space
+            assert shown in space
+            shown, *_ = env.step(env.action_space.sample())
+        sizes.add(env.unwrapped.level.size)
+    assert len(sizes) > 5
+
+
+def test_spaces_are_those_of_the_largest_level() -> None:
+    assert make().observation_space == spaces.MultiDiscrete([7, 5])
+    assert make(observation="index").observation_space == spaces.Discrete(35)
+    assert make(observation="walls").observation_space == spaces.MultiDiscrete([7, 5, 2, 2, 2, 2])
+    image = make(observation="image", image_size=(50, 70), grayscale=True).observation_space
+    assert image == spaces.Box(0, 255, (50, 70, 1), np.uint8)
+
+
+def small_level() -> tuple[int, brl.Level]:
+    """Return a level that is smaller than the largest both ways."""
+    suite = load_suite(FIELDS)
+    return next((i, level) for i, level in enumerate(suite) if level.size == (4, 4))
+
+
+def test_observations_of_smaller_levels() -> None:
+    number, level = small_level()
+    options = {"index": number, "start": (1, 2)}
+    position, _ = make().reset(seed=0, options=options)
+    assert position.tolist() == [1, 2]
+    index, _ = make(observation="index").reset(seed=0, options=options)
+    assert index == 2 * 7 + 1
+    walls, _ = make(observation="walls").reset(seed=0, options=options)
+    assert walls.tolist() == [1, 2, *level.grid().open[2, 1].astype(int).tolist()]
+    image, _ = make(observation="image", image_size=(50, 70)).reset(seed=0, options=options)
+    own = level.make(observation="image", image_size=(40, 40))
+    assert np.array_equal(image[:40, :40], own.reset(seed=0, options={"start": (1, 2)})[0])
+    assert not image[40:].any()
+    assert not image[:, 40:].any()
+
+
+def test_every_level_is_drawn_and_told() -> None:
+    env, suite = make(split="test"), load_suite(FIELDS).split("test")
+    _, info = env.reset(seed=1)
+    seen = {info["level_index"]}
+    for _ in range(250):
+        _, info = env.reset()
+        seen.add(info["level_index"])
+        assert info["level_digest"] == env.unwrapped.level.digest
+        assert env.unwrapped.level.to_yaml() == suite[info["level_index"]].to_yaml()
+    assert seen == set(range(30))
+
+
+def test_a_level_can_be_asked_for() -> None:
+    env = make()
+    _, info = env.reset(options={"index": 7})
+    assert (info["level_index"], info["level_digest"]) == (7, load_suite(FIELDS)[7].digest)
+    for wrong in (-1, 60, "7", 1.5):
+        with pytest.raises(ValueError, match="must be a whole number below 60"):
+            env.reset(options={"index": wrong})
+    exit_ = load_suite(FIELDS)[8].exits[0]
+    with pytest.raises(ValueError, match="the episode would be over"):
+        env.reset(options={"index": 8, "start": exit_})
+    with pytest.raises(ValueError, match="for levels that say"):
+        env.reset(options={"index": 8, "maze_seed": 1})
+    assert env.unwrapped.level.digest == info["level_digest"], "a refused reset changes no level"
+    env.step(brl.Action.STAY)
+
+
+def test_a_level_is_played_as_it_is_alone() -> None:
+    env = make(observation="walls")
+    for number in range(4):
+        alone = load_suite(FIELDS)[number].make(observation="walls")
+        env.reset(seed=9)
+        alone.reset(seed=9)
+        env.unwrapped.np_random.bit_generator.state = alone.unwrapped.np_random.bit_generator.state
+        env.reset(options={"index": number})
+        alone.reset()
+        rng = np.random.default_rng(0)
+        for _ in range(40):
+            action = int(rng.integers(5))
+            mine, theirs = env.step(action), alone.step(action)
+            assert mine[0].tolist() == theirs[0].tolist()
+            assert mine[1:4] == theirs[1:4]
+            assert mine[4]["action_mask"].tolist() == theirs[4]["action_mask"].tolist()
+            if mine[2]:
+                break
+
+
+@each_observation
+def test_everything_comes_from_the_seed(observation: str) -> None:
+    runs = [episodes(make(observation=observation), 4, steps=60) for _ in range(2)]
+    assert runs[0] == runs[1]
+    assert runs[0] != episodes(make(observation=observation), 5, steps=60)
+
+
+@each_observation
+def test_copies_and_pickles_go_on_alike(observation: str) -> None:
+    env = make(observation=observation).unwrapped
+    env.reset(seed=2)
+    twins = [copy.deepcopy(env), pickle.loads(pickle.dumps(env))]
+    told = [[plain(each.reset()[0]) for _ in range(5)] for each in (env, *twins)]
+    assert told[0] == told[1] == told[2]
+
+
+def test_the_spec_can_be_written_as_json() -> None:
+    env = make(suite=load_suite(FIELDS), split="train")
+    assert env.spec is not None
+    again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
+    assert env.reset(seed=6)[1]["level_digest"] == again.reset(seed=6)[1]["level_digest"]
+
+
+@pytest.mark.parametrize("making", [gymnasium.make, gymnasium.make_vec])
+def test_what_the_json_says_is_what_is_played(making: Any) -> None:
+    suite = load_suite(FIELDS)
+    for played in (suite, suite.split("train"), suite.split("test")):
+        again = making(EnvSpec.from_json(making(SUITE_ID, suite=played).spec.to_json()))
+        _, info = again.reset(options={"index": 1})
+        assert np.all(np.asarray(info["level_digest"]) == played[1].digest)
+    for part in (suite[::-1], suite[2:5], suite.split("train")[1:]):
+        env = making(SUITE_ID, suite=part)
+        assert env.spec.kwargs["suite"] == part
+        assert np.all(env.reset(options={"index": 1})[1]["level_digest"] == part[1].digest)
+
+
+@pytest.mark.parametrize("make", [gymnasium.make, gymnasium.make_vec])
+def test_the_spec_as_json_has_the_theme_that_stands_beside_the_suite(
+    make: Any, tmp_path: Path
+) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "sea.yaml").write_text("colors: {base: '#cceeff'}\n", "utf-8")
+    (tmp_path / "seas.yaml").write_text(emit({**FIELDS, "theme": "sea"}), "utf-8")
+    env = make(SUITE_ID, suite=tmp_path / "seas.yaml", render_mode="rgb_array")
+    again = make(EnvSpec.from_json(env.spec.to_json()))
+    for each in (env, again):
+        each.reset(seed=6)
+    assert np.array_equal(env.render(), again.render())
+
+
+def test_a_part_of_a_suite_is_not_written_as_the_whole() -> None:
+    for make in (gymnasium.make, gymnasium.make_vec):
+        env: Any = make(SUITE_ID, suite=load_suite(FIELDS)[3:8])
+        with pytest.raises(TypeError, match="Suite is not JSON"):
+            env.spec.to_json()
+
+
+def test_max_steps_cut_episodes_off() -> None:
+    env = make(suite={**FIELDS, "max_steps": 12}, actions="all")
+    env.reset(seed=0)
+    *_, truncated, _ = [env.step(0) for _ in range(12)][-1]
+    assert truncated
+
+
+def test_several_side_by_side() -> None:
+    envs: Any = gymnasium.make_vec(SUITE_ID, num_envs=3, suite="small-mazes", split="train")
+    _, infos = envs.reset(seed=[1, 2, 3])
+    alone = gymnasium.make(SUITE_ID, suite="small-mazes", split="train")
+    assert infos["level_digest"][1] == alone.reset(seed=2)[1]["level_digest"]
+    assert len(set(infos["level_digest"])) == 3
+    envs.close()
+
+
+def test_pictures_follow_the_level() -> None:
+    env = make(render_mode="ansi")
+    number, level = small_level()
+    env.reset(options={"index": number})
+    assert len(env.render().splitlines()) == 2 * level.size[1] + 1
+
+
+def test_he_cheers_at_the_exit_of_every_level() -> None:
+    env = make(suite={**FIELDS, "exit": "random"}, render_mode="rgb_array")
+    ends = set()
+    for number in range(6):
+        (x, y), _ = env.reset(seed=1, options={"index": number})
+        level, over = env.unwrapped.level, False
+        best = brl.solve(level).policy
+        while not over:
+            (x, y), _, over, *_ = env.step(best[y, x])
+        ends.add((x, y))
+        cheering = FramePainter(level).frame(y * level.size[0] + x, Pose(mood=Mood.CHEER))
+        assert np.array_equal(env.render(), cheering)
+    assert len(ends) > 3
+
+
+def test_what_is_written_stays_in_levels_of_the_same_size() -> None:
+    sizes = [level.size for level in load_suite(FIELDS)]
+    same = sizes.index(sizes[0], 1)
+    other = next(number for number, size in enumerate(sizes) if size != sizes[0])
+    width, height = sizes[0]
+    svg, clean, canvas = (make(render_mode=mode) for mode in ("svg", "svg", "canvas"))
+    for env in (svg, canvas):
+        env.reset(options={"index": 0})
+        env.unwrapped.show_info({"values": np.zeros((height, width)), "side_panel": "zeros"})
+        env.render()
+    for number, is_written in ((same, True), (other, False), (same, False)):
+        for env in (svg, clean, canvas):
+            env.reset(options={"index": number})
+        assert ("zeros" in svg.render()) is is_written
+        assert (svg.render() == clean.render()) is not is_written
+        assert ("zeros" in canvas.unwrapped._repr_mimebundle_()["image/svg+xml"]) is is_written
+
+
+def test_what_cannot_be() -> None:
+    with pytest.raises(ValueError, match="there is no split"):
+        make(split="dev")
+    with pytest.raises(ValueError, match="no levels"):
+        make(suite=load_suite(FIELDS)[5:5])
+    with pytest.raises(ValueError, match="observation must be one of"):
+        make(observation="smell")
+    with pytest.raises(brl.SuiteNotFoundError):
+        make(suite="no-such-suite")

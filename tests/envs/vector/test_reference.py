@@ -1,0 +1,112 @@
+"""A vector environment is many single ones: Gymnasium's `SyncVectorEnv` of them says the same."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.fleets import DIGEST, ENGINES, MODES, Reference, assert_same_info, levels, same
+from support.playing import CORNERS, level_named
+
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.envs.vector.env import LevelVectorEnv
+from babyrobot_levels.library.level import Level
+
+
+def assert_same_walk(
+    played: list[Level], mode: AutoresetMode, engine: str, seed: int, steps: int = 40, **kwargs: Any
+) -> None:
+    """Walk a vector environment and the single ones, and compare all that they tell."""
+    size = 5
+    ours: Any = LevelVectorEnv(
+        levels=played, num_envs=size, autoreset_mode=mode, engine=engine, **kwargs
+    )
+    theirs = Reference(played, size, mode, **kwargs)
+    observations, info = ours.reset(seed=seed)
+    wanted, wanted_info = theirs.reset(seed, ours)
+    assert same(observations, wanted)
+    assert_same_info(info, wanted_info)
+    over = np.zeros(size, np.bool_)
+    rng = np.random.default_rng(seed)
+    for _ in range(steps):
+        if mode is AutoresetMode.DISABLED and over.any():
+            observations, info = ours.reset(options={"reset_mask": over})
+            wanted, wanted_info = theirs.reset_some(over, ours)
+            assert same(observations, wanted)
+            assert_same_info(info, wanted_info)
+        actions = rng.integers(0, ours.single_action_space.n, size)
+        told = ours.step(actions)
+        begun = over if mode is AutoresetMode.NEXT_STEP else told[2] | told[3]
+        if mode is AutoresetMode.DISABLED:
+            begun = np.zeros(size, np.bool_)
+        wanted_all = theirs.step(actions, begun, ours)
+        for one, other in zip(told[:4], wanted_all[:4], strict=True):
+            assert same(one, other), (one, other)
+        wanted_info = {key: value for key, value in wanted_all[4].items() if key not in DIGEST}
+        assert_same_info(told[4], wanted_info)
+        over = told[2] | told[3]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+@settings(max_examples=25, deadline=None)
+@given(level=levels(), actions=st.sampled_from(ACTION_SETS), seed=st.integers(0, 99))
+def test_it_walks_as_single_environments_do(
+    mode: AutoresetMode, engine: str, level: Level, actions: str, seed: int
+) -> None:
+    assert_same_walk([level], mode, engine, seed, actions=actions, observation="index")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("observation", ["position", "walls", "image"])
+@pytest.mark.parametrize("name", ["final-maze", "frozen-lake", "all at once"])
+def test_it_shows_what_single_environments_show(
+    name: str, observation: str, mode: AutoresetMode, engine: str
+) -> None:
+    level = level_named(name).replace(max_steps=15)
+    assert_same_walk([level], mode, engine, 3, observation=observation)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_grey_pictures_of_a_size(mode: AutoresetMode) -> None:
+    kwargs = {"observation": "image", "image_size": (20, 30), "grayscale": True}
+    assert_same_walk([level_named(next(iter(CORNERS)))], mode, "numpy", 1, 5, **kwargs)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+@settings(max_examples=10, deadline=None)
+@given(data=st.data(), seed=st.integers(0, 99))
+def test_each_of_several_levels_is_what_it_is_alone(
+    mode: AutoresetMode, engine: str, data: st.DataObject, seed: int
+) -> None:
+    # All of one size, because single environments would have other spaces.
+    first = data.draw(levels(4))
+    others = [
+        level for level in data.draw(st.lists(levels(4), max_size=30)) if level.size == first.size
+    ]
+    assert_same_walk([first, *others], mode, engine, seed)
+
+
+def test_one_robot_walks_as_a_single_environment_with_its_seed() -> None:
+    level = level_named("deep-puddles")
+    assert len(level.starts) == 1
+    single, envs = level.make(), LevelVectorEnv(level, engine="numpy")
+    single.reset(seed=11)
+    envs.reset(seed=11)
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        action = int(rng.integers(5))
+        observation, reward, terminated, truncated, info = single.step(action)
+        observations, rewards, *flags, infos = envs.step([action])
+        assert np.array_equal(observations[0], observation)
+        assert (rewards[0], flags[0][0], flags[1][0]) == (reward, terminated, truncated)
+        assert infos["skidded"][0] == info["skidded"]
+        if terminated or truncated:
+            single.reset()
+            envs.step([0])

@@ -1,0 +1,304 @@
+"""With a list of seeds, each environment walks as a single one with its seed does."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from support.fleets import (
+    DIGEST,
+    ENGINES,
+    MODES,
+    assert_same_info,
+    levels,
+    same,
+    walked,
+)
+from support.playing import level_named
+
+import babyrobot_levels as brl
+from babyrobot_levels.envs.engine import loops
+from babyrobot_levels.envs.engine.draws import MOST_WORDS, OwnDraws
+from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.envs.vector.env import LevelVectorEnv
+from babyrobot_levels.library.level import Level
+
+SIZE = 5
+SEEDS = [3, 2**70, 0, 3, 12345]
+
+Single = Callable[[int], gymnasium.Env[Any, Any]]
+
+
+def single(levels: Sequence[Level], **kwargs: Any) -> Single:
+    """Return what makes single environments of levels, as `LevelVectorEnv` has them play these."""
+    return lambda number: gymnasium.make(
+        "babyrobot/Level-v0", level=levels[number % len(levels)], **kwargs
+    )
+
+
+def assert_same_walks(ours: Any, make: Single, seeds: list[Any], steps: int = 40) -> None:
+    """Walk a vector environment and single ones with the same seeds, and compare all they tell."""
+    mode = ours.metadata["autoreset_mode"]
+    theirs = SyncVectorEnv(
+        [lambda number=number: make(number) for number in range(SIZE)],  # type: ignore[misc]
+        autoreset_mode=mode,
+    )
+    rng = np.random.default_rng(1)
+    told: Any = ours.reset(seed=seeds)
+    wanted: Any = theirs.reset(seed=seeds)
+    assert same(told[0], wanted[0])
+    assert_same_info(told[1], wanted[1])
+    over = np.zeros(SIZE, np.bool_)
+    for _ in range(steps):
+        if mode is AutoresetMode.DISABLED and over.any():
+            # Some begin with new seeds, and the seeds of the others count for nothing.
+            new: Any = [*rng.integers(9, size=SIZE - 1).tolist(), None]
+            if rng.random() < 0.5:
+                new = None
+            told = ours.reset(seed=new, options={"reset_mask": over.copy()})
+            wanted = theirs.reset(seed=new, options={"reset_mask": over.copy()})
+            assert same(told[0], wanted[0])
+            assert_same_info(told[1], wanted[1])
+        actions = rng.integers(0, ours.single_action_space.n, SIZE)
+        told, wanted = ours.step(actions), theirs.step(actions)
+        for one, other in zip(told[:4], wanted[:4], strict=True):
+            assert same(one, other), (one, other)
+        wanted_info = {key: value for key, value in wanted[4].items() if key not in DIGEST}
+        assert_same_info(told[4], wanted_info)
+        over = told[2] | told[3]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+@settings(max_examples=30, deadline=None)
+@given(level=levels(), actions=st.sampled_from(ACTION_SETS), data=st.data())
+def test_each_environment_walks_as_a_single_one_with_its_seed(
+    mode: AutoresetMode, engine: str, level: Level, actions: str, data: st.DataObject
+) -> None:
+    seeds = data.draw(st.lists(st.integers(0, 2**65), min_size=SIZE, max_size=SIZE))
+    envs = LevelVectorEnv(level, num_envs=SIZE, engine=engine, autoreset_mode=mode, actions=actions)
+    assert_same_walks(envs, single([level], actions=actions), seeds)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+def test_long_walks_of_several_levels_with_several_starts(mode: AutoresetMode, engine: str) -> None:
+    starts = [[0, 0], [1, 0], [2, 0], [0, 1], [0, 2]]
+    ice = {"version": 1, "size": [4, 4], "skid": {"probability": 0.5, "to": "others"}}
+    played = [
+        brl.load({**ice, "start": starts[: 1 + number], "max_steps": 9}) for number in range(SIZE)
+    ]
+    envs = LevelVectorEnv(levels=played, num_envs=SIZE, engine=engine, autoreset_mode=mode)
+    # Words are drawn anew many times.
+    assert_same_walks(envs, single(played), SEEDS, 1500)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+def test_mazes_are_grown_from_each_environments_own_generator(
+    mode: AutoresetMode, engine: str
+) -> None:
+    level = brl.load("random-maze").replace(max_steps=6)
+    envs = LevelVectorEnv(level, num_envs=SIZE, engine=engine, autoreset_mode=mode)
+    theirs = [level.make() for _ in range(SIZE)]
+    _, info = envs.reset(seed=SEEDS)
+    for env, seed, number in zip(theirs, SEEDS, info["maze_seed"], strict=True):
+        assert env.reset(seed=seed)[1]["maze_seed"] == number
+    for _ in range(3):
+        _, info = envs.reset()
+        assert info["maze_seed"].tolist() == [env.reset()[1]["maze_seed"] for env in theirs]
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("is_list", [True, False])
+def test_levels_are_drawn_from_each_environments_own_generator(is_list: bool, engine: str) -> None:
+    suite = brl.load_suite("small-mazes")[:7]
+    played: Any = list(suite) if is_list else suite
+    envs = LevelVectorEnv(levels=played, num_envs=SIZE, draw_levels=True, engine=engine)
+    theirs: Any = [gymnasium.make("babyrobot/Suite-v0", suite=suite) for _ in range(SIZE)]
+    for seeds in (SEEDS, None, None):
+        observations, info = envs.reset(seed=seeds)
+        for number, env in enumerate(theirs):
+            observation, told = env.reset(seed=None if seeds is None else seeds[number])
+            assert info["level_index"][number] == told["level_index"]
+            assert observations[number].tolist() == observation.tolist()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_start_that_is_asked_for_is_not_drawn(engine: str) -> None:
+    level = level_named("four-corners")
+    envs, alone = LevelVectorEnv(level, num_envs=SIZE, engine=engine), level.make()
+    envs.reset(seed=SEEDS, options={"start": [1, 1]})
+    alone.reset(seed=SEEDS[1], options={"start": [1, 1]})
+    drawn = [(envs.reset()[0][1].tolist(), alone.reset()[0].tolist()) for _ in range(30)]
+    assert all(one == other for one, other in drawn)
+    assert len({tuple(one) for one, _ in drawn}) == 4
+
+
+def starts_of(envs: Any, times: int = 8) -> Any:
+    """Return where environments begin, `[times, num_envs]`."""
+    return np.array([envs.reset()[0] for _ in range(times)])
+
+
+def corners(engine: str = "numpy", num_envs: int = 4) -> Any:
+    return LevelVectorEnv("four-corners", num_envs=num_envs, observation="index", engine=engine)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_one_seed_for_all_is_shared_again(engine: str) -> None:
+    envs, fresh = corners(engine), corners(engine)
+    envs.reset(seed=[1, 2, 3, 4])
+    envs.reset(seed=5)
+    fresh.reset(seed=5)
+    assert starts_of(envs).tolist() == starts_of(fresh).tolist()
+    assert isinstance(envs.np_random, np.random.Generator)
+    assert envs.np_random_seed == 5
+    envs.reset(seed=[1, 2, 3, 4])
+    envs.np_random = np.random.default_rng(5)
+    fresh.reset(seed=5)
+    envs.reset()
+    assert starts_of(envs).tolist() == starts_of(fresh).tolist()
+    assert envs.np_random_seed == -1
+
+
+def test_generators_are_told() -> None:
+    envs = corners()
+    assert envs.np_random_seed >= 0
+    assert envs.get_attr("np_random") == (envs.np_random,) * 4
+    envs.reset(seed=[1, 2, 3, 4])
+    assert envs.get_attr("np_random") == envs.np_random
+    assert envs.get_attr("np_random_seed") == (1, 2, 3, 4)
+    generators = envs.np_random
+    assert envs.np_random_seed == (1, 2, 3, 4)
+    assert [type(each) for each in generators] == [np.random.Generator] * 4
+    envs.reset()
+    assert envs.np_random is generators
+
+
+def test_none_leaves_a_generator_as_it_is() -> None:
+    envs, others = corners(), corners()
+    envs.reset(seed=[1, None, 3, 4])
+    others.reset(seed=[1, None, 3, 4])
+    assert envs.np_random_seed[1] not in (1, 3, 4, others.np_random_seed[1])
+    envs.reset(seed=[5, 6, 7, 8])
+    others.reset(seed=[5, 6, 7, 8])
+    envs.reset(seed=[None, None, 1, 2])
+    others.reset()
+    assert envs.np_random_seed == (5, 6, 1, 2)
+    one, other = starts_of(envs), starts_of(others)
+    assert one[:, :2].tolist() == other[:, :2].tolist()
+    assert one[:, 2:].tolist() != other[:, 2:].tolist()
+
+
+def test_only_those_that_are_reset_are_seeded() -> None:
+    envs, others = corners(), corners()
+    envs.reset(seed=[5, 6, 7, 8])
+    others.reset(seed=[5, 6, 7, 8])
+    mask = np.array([True, False, False, True])
+    envs.reset(seed=[1, 2, 3, 4], options={"reset_mask": mask})
+    others.reset(options={"reset_mask": mask})
+    assert envs.np_random_seed == (1, 6, 7, 4)
+    one, other = starts_of(envs), starts_of(others)
+    assert one[:, 1:3].tolist() == other[:, 1:3].tolist()
+    assert one[:, [0, 3]].tolist() != other[:, [0, 3]].tolist()
+
+
+def test_environments_that_shared_a_generator_get_their_own() -> None:
+    envs, alone = corners(), corners(num_envs=1)
+    envs.reset(seed=9)
+    mask = np.array([False, True, False, False])
+    envs.reset(seed=[1, 2, 3, 4], options={"reset_mask": mask})
+    alone.reset(seed=[2])
+    assert len(set(envs.np_random_seed)) == 4
+    assert starts_of(envs)[:, 1].tolist() == starts_of(alone)[:, 0].tolist()
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("mode", MODES)
+def test_copies_go_on_with_their_generators(mode: AutoresetMode, engine: str) -> None:
+    envs = LevelVectorEnv(
+        level_named("all at once"),
+        num_envs=SIZE,
+        engine=engine,
+        autoreset_mode=mode,
+        max_episode_steps=7,
+    )
+    walked(envs, 20, SEEDS)
+    for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
+        one = copy.deepcopy(envs)
+        for _ in range(100):
+            if mode is AutoresetMode.DISABLED and one._robots.over.any():
+                mask = one._robots.over.copy()
+                results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
+                assert same(*results)
+            actions = one.action_space.sample()
+            assert same(one.step(actions), again.step(actions))
+        assert [*one.np_random_seed] == [*again.np_random_seed] == SEEDS
+
+
+def test_levels_without_chance_draw_nothing() -> None:
+    envs: Any = LevelVectorEnv("cliff-walking", num_envs=2)
+    envs.reset(seed=[4, 5])
+    for _ in range(20):
+        envs.step([1, 2])
+    assert envs.np_random[1].random() == np.random.default_rng(5).random()
+
+
+def test_many_environments_take_little_memory() -> None:
+    draws = OwnDraws(16_384)
+    assert draws.memory.nbytes < 10_000_000
+    assert OwnDraws(1).memory.nbytes < 4096
+
+
+def test_there_are_always_words_for_a_step() -> None:
+    draws = OwnDraws(2)
+    for number, seed in enumerate(SEEDS[:2]):
+        draws.follow(number, np.random.default_rng(seed))
+    taken: list[list[float]] = [[], []]
+    for _ in range(200):
+        draws.reserve()
+        # One robot takes as many as it can, and the other one as few.
+        for number, count in enumerate((MOST_WORDS, 1)):
+            taken[number] += [float(draws.uniform(np.array([number]))[0]) for _ in range(count)]
+    for seed, drawn in zip(SEEDS, taken, strict=False):
+        assert drawn == np.random.default_rng(seed).random(len(drawn)).tolist()
+
+
+@settings(max_examples=100, deadline=None)
+@given(
+    seed=st.integers(0, 2**64),
+    counts=st.lists(st.just(None) | st.integers(1, 9) | st.integers(1, 2**31), max_size=300),
+    is_thrown_away=st.booleans(),
+)
+def test_draws_are_those_of_a_generator(
+    seed: int, counts: list[int | None], is_thrown_away: bool
+) -> None:
+    theirs = np.random.default_rng(seed)
+    ours, loop = OwnDraws(1), OwnDraws(1)
+    for draws in (ours, loop):
+        draws.follow(0, np.random.default_rng(seed))
+        draws.reserve()
+    if is_thrown_away:
+        # Half a word of zeros is left over: for most counts, numbers would not be equally likely.
+        left_over = {"has_uint32": 1, "uinteger": 0}
+        theirs.bit_generator.state = {**theirs.bit_generator.state, **left_over}
+        ours.memory[0, 1] = loop.memory[0, 1] = 0
+    robot = np.zeros(1, np.intp)
+    for count in counts:
+        ours.reserve()
+        loop.reserve()
+        if count is None:
+            drawn: Any = theirs.random()
+            assert ours.uniform(robot)[0] == drawn == loops.uniform(loop.memory, 0, 0)
+        else:
+            drawn = theirs.integers(count)
+            assert ours.below(robot, np.array([count]))[0] == drawn
+            assert loops.below(loop.memory, 0, 0, count) == drawn

@@ -1,0 +1,331 @@
+"""The ASCII drawing, both ways, and what its faults are told like."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from support.worlds import LEGEND, World, drawings, level_of, level_of_text, worlds
+
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.validation import parse as load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.source import SourceFile
+
+MAX_SIZE = 1024
+SHOWN = """\
++---+---+---+
+| S     |   |
++   +---+- -+
+|###  o : E |
++---+---+---+
+"""
+
+
+def parse(text: str, known: str = "~x9") -> tuple[d.Drawing | None, list[d.DrawingProblem]]:
+    return d.parse(text, lambda character: character in known, MAX_SIZE)
+
+
+def drawn(text: str, **fields: Any) -> Level:
+    return level_of({"version": 1, "map": text, **fields})
+
+
+# -- both ways -------------------------------------------------------------------------------
+
+
+@settings(deadline=None)
+@given(drawings())
+def test_what_is_composed_parses_to_the_same(drawing: d.Drawing) -> None:
+    text = d.compose(drawing)
+    assert parse(text) == (drawing, [])
+    assert d.compose(drawing) == text
+
+
+@settings(deadline=None)
+@given(drawings())
+def test_the_drawing_of_a_drawn_level_stays_the_same(drawing: d.Drawing) -> None:
+    """Draw, parse, draw. Walls that nobody can meet may get lost the first time."""
+    first = drawn(d.compose(drawing), legend=LEGEND).draw()
+    assert drawn(first, legend=LEGEND).draw() == first
+
+
+@settings(deadline=None)
+@given(drawings(cells=" SEoO~x9"))
+def test_without_blocked_cells_a_drawn_level_draws_what_was_drawn(drawing: d.Drawing) -> None:
+    text = d.compose(drawing)
+    assert drawn(text, legend=LEGEND).draw() == text
+
+
+@settings(deadline=None)
+@given(worlds())
+def test_the_drawing_of_any_level_can_be_pasted_back(world: World) -> None:
+    level = level_of(world)
+    copy = drawn(level.draw())
+    assert copy.draw() == level.draw()
+    assert copy.size == level.size
+    assert set(copy.starts) == set(level.starts)
+    assert set(copy.exits) == set(level.exits)
+    assert (copy.grid().open == level.grid().open).all()
+    assert (copy.grid().blocked == level.grid().blocked).all()
+    assert copy.grid().glass.keys() == level.grid().glass.keys()
+
+
+@settings(deadline=None)
+@given(drawings())
+def test_a_drawing_is_the_same_game_as_its_fields(drawing: d.Drawing) -> None:
+    level = drawn(d.compose(drawing), legend=LEGEND)
+    fields: World = {
+        "version": 1,
+        "size": [drawing.width, drawing.height],
+        "start": [list(cell) for cell in drawing.find("S")],
+        "exit": [list(cell) for cell in drawing.find("E")] or "none",
+        "puddles": [{"at": list(cell)} for cell in drawing.find("o")]
+        + [{"at": list(cell), "size": "large"} for cell in drawing.find("O")],
+        "blocked": [{"at": list(cell)} for cell in drawing.find("#")],
+        "areas": [
+            {"at": list(cell), **traits}
+            for character, traits in LEGEND.items()
+            for cell in drawing.find(character)
+        ],
+        "walls": [
+            {"at": [x, y], "side": side} | ({"pass": 0.5} if mark == d.GLASS else {})
+            for side, rows in (("E", drawing.east), ("S", drawing.south))
+            for y, row in enumerate(rows)
+            for x, mark in enumerate(row)
+            if mark != d.OPEN
+        ],
+    }
+    assert level_of(fields).digest == level.digest
+
+
+def test_a_drawing_says_all_the_fields_it_stands_for() -> None:
+    level = drawn(SHOWN)
+    assert level.size == (3, 2)
+    assert level.start == (0, 0)
+    assert level.exit == (2, 1)
+    assert [(p.at, p.size) for p in level.puddles] == [((1, 1), "small")]
+    assert [(r.at, r.size) for r in level.blocked] == [((0, 1), (1, 1))]
+    assert level.grid().glass == {
+        (2, "S"): 0.5,
+        (5, "N"): 0.5,
+        (4, "E"): 0.5,
+        (5, "W"): 0.5,
+    }
+
+
+def test_many_starts_and_no_exit() -> None:
+    level = drawn("+---+---+\n| S   S |\n+---+---+\n")
+    assert level.starts == ((0, 0), (1, 0))
+    assert level.exit == "none"
+
+
+def test_a_wall_entry_gives_drawn_glass_its_probability() -> None:
+    level = drawn(SHOWN, walls=[{"at": [2, 0], "side": "S", "pass": 0.25, "color": "red"}])
+    assert level.grid().glass[2, "S"] == 0.25
+    assert level.grid().glass[4, "E"] == 0.5
+    assert level.draw() == SHOWN
+
+
+def test_a_wall_entry_that_only_colours_leaves_glass_as_it_is() -> None:
+    level = drawn(SHOWN, walls=[{"at": [2, 0], "side": "S", "color": "red"}])
+    assert level.grid().glass[2, "S"] == 0.5
+
+
+def test_areas_beside_a_map_lie_on_the_legend() -> None:
+    text = "+---+---+\n| S   ~ |\n+---+---+\n"
+    legend = {"~": {"reward": -3, "skid": 0.5}}
+    level = drawn(text, legend=legend, areas=[{"at": [1, 0], "reward": -8}])
+    ((_, _, reward, _),) = level.compile().outcomes(0, 2)
+    assert reward == -8
+    assert len(level.compile().outcomes(1, 4)) == 2
+
+
+def test_openings_and_mazes_go_with_a_drawing() -> None:
+    level = drawn(SHOWN, openings=[{"at": [1, 0], "side": "E"}])
+    assert level.draw() == SHOWN.replace("| S     |   |", "| S         |")
+    assert drawn(SHOWN, maze={"seed": 1}).draw() != SHOWN
+
+
+def test_a_start_hides_a_puddle() -> None:
+    level = level_of({"version": 1, "size": [2, 1], "puddles": [{"at": [0, 0]}]})
+    assert level.draw() == "+---+---+\n| S   E |\n+---+---+\n"
+
+
+# -- what does not matter ----------------------------------------------------------------------
+
+
+@settings(deadline=None)
+@given(drawings(4), st.integers(0, 5), st.integers(0, 3), st.integers(0, 3), st.data())
+def test_indentation_blank_lines_and_blanks_at_the_end_do_not_matter(
+    drawing: d.Drawing, indent: int, before: int, after: int, data: st.DataObject
+) -> None:
+    lines = d.compose(drawing).splitlines()
+    ends = [" " * data.draw(st.integers(0, 3)) for _ in lines]
+    blank = [" " * data.draw(st.integers(0, 9)) for _ in range(before + after)]
+    shown = [" " * indent + line + end for line, end in zip(lines, ends, strict=True)]
+    text = "\n".join([*blank[:before], *shown, *blank[before:]])
+    assert parse(text) == (drawing, [])
+
+
+@settings(deadline=None, max_examples=200)
+@given(drawings(3), st.data())
+def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
+    drawing: d.Drawing, data: st.DataObject
+) -> None:
+    text = d.compose(drawing)
+    place = data.draw(st.integers(0, len(text) - 1))
+    character = data.draw(st.sampled_from("+-|: #SEoO~?\n\t"))
+    assume(text[place] != character)
+    changed = text[:place] + character + text[place + 1 :]
+    other, problems = parse(changed)
+    if other is None:
+        assert problems
+        lines = changed.split("\n")
+        for problem in problems:
+            assert 0 <= problem.row < len(lines)
+            assert 0 <= problem.column <= len(lines[problem.row])
+            assert problem.length >= 1
+    else:
+        assert not problems
+        assert parse(d.compose(other)) == (other, [])
+
+
+# -- faults ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "row", "column", "length", "message"),
+    [
+        ("", 0, 0, 1, "empty"),
+        ("\n  \n", 0, 0, 1, "empty"),
+        ("+--+\n| S|\n+--+", 0, 0, 4, "first line"),
+        ("+\n|\n+", 0, 0, 1, "first line"),
+        ("+---+", 0, 0, 5, "ends in the middle"),
+        ("+---+\n| S |", 1, 0, 5, "ends in the middle"),
+        ("+---+\n| S |\n+---+\n| S |", 3, 0, 5, "ends in the middle"),
+        ("+---+\n| S  |\n+---+", 1, 5, 1, "has 6 characters, the first has 5"),
+        ("+---+\n| S\n+---+", 1, 3, 1, "has 3 characters, the first has 5"),
+        ("+---+\n\n+---+", 1, 0, 1, "has 0 characters"),
+        ("*---+\n| S |\n+---+", 0, 0, 1, "a corner is `+`, not `*`"),
+        ("+---+\n| S |\n+---*", 2, 4, 1, "a corner is `+`, not `*`"),
+        ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is no wall"),
+        ("+---+\n| S |\n+-- +\n|   |\n+---+", 2, 1, 3, "`-- ` is no wall"),
+        ("+   +\n| S |\n+---+", 0, 1, 3, "the wall around the level"),
+        ("+---+\n| S |\n+- -+", 2, 1, 3, "the wall around the level"),
+        ("+---+\n: S |\n+---+", 1, 0, 1, "the wall around the level"),
+        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` stands between two cells"),
+        ("+---+\n|SS |\n+---+", 1, 1, 3, "`SS ` is no cell"),
+        ("+---+\n|## |\n+---+", 1, 1, 3, "`## ` is no cell"),
+        ("+---+\n| ? |\n+---+", 1, 2, 1, "the legend does not say what `?` is"),
+        ("+---+\n| s |\n+---+", 1, 2, 1, "the legend does not say what `s` is"),
+        ("\n  +---+\n  | ? |\n  +---+", 2, 4, 1, "the legend does not say"),
+    ],
+)
+def test_faults(text: str, row: int, column: int, length: int, message: str) -> None:
+    drawing, problems = parse(text)
+    assert drawing is None
+    assert (row, column, length) in [(p.row, p.column, p.length) for p in problems]
+    (fault,) = [p for p in problems if (p.row, p.column) == (row, column)]
+    assert message in fault.message
+
+
+def test_all_faults_are_told_at_once() -> None:
+    _, problems = parse("+---+---+\n| ?   ! |\n+ - + - +\n|SS     ;\n+---+---*\n")
+    assert [(p.row, p.column) for p in problems] == [
+        (1, 2),
+        (1, 6),
+        (2, 1),
+        (2, 5),
+        (3, 8),
+        (3, 1),
+        (4, 8),
+    ]
+
+
+def test_a_drawing_can_be_too_large() -> None:
+    cells = "+---" * 5 + "+\n" + "|   " * 5 + "|\n" + "+---" * 5 + "+\n"
+    assert d.parse(cells, lambda _: False, 5)[0] is not None
+    drawing, problems = d.parse(cells, lambda _: False, 4)
+    assert drawing is None
+    assert "at most 4 cells" in problems[0].message
+
+
+# -- faults in a file --------------------------------------------------------------------------
+
+
+def faults(text: str) -> list[Diagnostic]:
+    level, diagnostics = load(SourceFile("level.yaml", text), Level)
+    assert level is None
+    return diagnostics
+
+
+@pytest.mark.parametrize("indent", [1, 2, 4, 8])
+@pytest.mark.parametrize("deeper", [0, 3])
+@pytest.mark.parametrize("blank_lines", [0, 2])
+def test_a_fault_points_into_the_file(indent: int, deeper: int, blank_lines: int) -> None:
+    """The block may be indented more than once, and may begin with blank lines."""
+    mark = f"|{indent}" if deeper else "|"
+    lines = [" " * (indent + deeper) + line for line in ("+---+", "| ? |", "+---+")]
+    text = "\n".join(["version: 1", f"map: {mark}", *[""] * blank_lines, *lines, ""])
+    (fault,) = faults(text)
+    assert fault.code == "BR312"
+    assert (fault.line, fault.column) == (4 + blank_lines, indent + deeper + 3)
+    assert fault.source is not None
+    assert fault.source.line(fault.line)[fault.column - 1] == "?"
+
+
+def test_a_fault_in_a_quoted_drawing_points_at_the_text() -> None:
+    (fault,) = faults('version: 1\nmap: "+---+\\n| ? |\\n+---+"\n')
+    assert (fault.code, fault.line, fault.column) == ("BR312", 2, 6)
+
+
+def test_a_fault_in_a_drawing_behind_an_alias_points_at_a_place_in_the_file() -> None:
+    text = "version: 1\ndescription: &drawing |\n  +---+\n  | ? |\n  +---+\nmap: *drawing\n"
+    (fault,) = faults(text)
+    assert fault.code == "BR312"
+    assert (fault.line, fault.column) in [(6, 6), (4, 5)]
+
+
+@pytest.mark.parametrize(
+    "field",
+    [
+        "size: [1, 1]",
+        "start: [0, 0]",
+        "exit: none",
+        "puddles: []",
+        "blocked: []",
+    ],
+)
+def test_what_the_drawing_says_cannot_be_said_again(field: str) -> None:
+    (fault,) = faults(f"version: 1\nmap: |\n  +---+\n  | S |\n  +---+\n{field}\n")
+    assert (fault.code, fault.line, fault.column) == ("BR206", 6, 1)
+
+
+def test_walls_beside_a_map_must_be_drawn() -> None:
+    fields = """\
+version: 1
+walls:
+  - {at: [0, 0], side: E, color: red}
+  - {at: [0, 0], side: S, pass: 0.5}
+  - {at: [1, 0], side: S, pass: 0}
+  - {at: [0, 0], side: W}
+map: |
+  +---+---+
+  | S     |
+  +---+- -+
+  |     E |
+  +---+---+
+"""
+    assert [(f.code, f.line, f.column) for f in faults(fields)] == [
+        ("BR314", 3, 5),
+        ("BR314", 4, 33),
+        ("BR314", 5, 33),
+    ]
+
+
+def test_a_drawn_text_level() -> None:
+    text = "version: 1\nmap: |\n" + "".join(f"  {line}\n" for line in SHOWN.splitlines())
+    assert level_of_text(text).draw() == SHOWN

@@ -1,0 +1,570 @@
+"""Levels as users hold them: written, changed, saved, copied, and never altered."""
+
+from __future__ import annotations
+
+import copy
+import os
+import pickle
+import stat
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+from support.reports import GOOD
+from support.worlds import (
+    AWKWARD,
+    LEGEND,
+    World,
+    decorated_worlds,
+    drawings,
+    level_of,
+    level_of_text,
+    texts,
+)
+
+import babyrobot_levels as brl
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.library.level import Level, slug
+from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.text import files
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
+
+# -- as text -----------------------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=150)
+@given(decorated_worlds())
+def test_yaml_and_back(world: World) -> None:
+    level = level_of(world)
+    text = level.to_yaml()
+    again = level_of_text(text)
+    assert again.to_dict() == level.to_dict()
+    assert again.digest == level.digest
+    assert again.to_yaml() == text
+
+
+@settings(deadline=None, max_examples=50)
+@given(drawings(5))
+def test_drawn_levels_to_yaml_and_back(drawing: d.Drawing) -> None:
+    text = d.compose(drawing)
+    level = level_of({"version": 1, "map": text, "legend": LEGEND, "areas": [{"at": [0, 0]}]})
+    again = level_of_text(level.to_yaml())
+    assert again.to_dict() == level.to_dict()
+    assert again.to_dict()["map"] == text
+    assert "walls" not in again.to_dict()
+    assert again.digest == level.digest
+    assert "map: |\n" in level.to_yaml(), "a drawing is written so that one can see it"
+
+
+@pytest.mark.parametrize("text", AWKWARD, ids=repr)
+def test_awkward_texts_survive(text: str) -> None:
+    world = {"version": 1, "title": text, "areas": [{"at": [0, 0], "label": text}]}
+    level = level_of_text(level_of(world).to_yaml())
+    assert level.title == text
+    assert level.areas[0].label == text
+
+
+@settings(deadline=None, max_examples=300)
+@given(texts, st.dictionaries(texts.filter(lambda key: key != "<<"), texts, max_size=3))
+def test_what_is_emitted_reads_back(text: str, mapping: dict[str, str]) -> None:
+    data = {"text": text, "list": [text, 1, 0.5, None, True], "mapping": mapping}
+    document = read(SourceFile("x.yaml", emit(data)))
+    assert document.data == data
+    assert not document.problems
+
+
+trees = st.recursive(
+    st.none() | st.booleans() | st.integers(-(10**30), 10**30) | st.floats(allow_nan=False) | texts,
+    lambda inner: st.lists(inner, max_size=4) | st.dictionaries(texts, inner, max_size=4),
+    max_leaves=20,
+)
+wrappings = st.sampled_from(["in a list", "before one", "behind one", "in a mapping", "below one"])
+
+
+def wrapped(value: Any, ways: list[str]) -> Any:
+    """Return a value with others around it, of which one is empty at times."""
+    for way in ways:
+        value = {
+            "in a list": [value],
+            "before one": [value, {}],
+            "behind one": [1, value],
+            "in a mapping": {"key": value},
+            "below one": {"key": [], "other": value},
+        }[way]
+    return value
+
+
+@settings(deadline=None, max_examples=300)
+@given(trees, st.integers(0, 50).flatmap(lambda n: st.lists(wrappings, min_size=n, max_size=n)))
+@example([], ["in a list"] * 45)
+@example({}, ["in a list"] * 45)
+@example([], ["in a mapping"] * 45)
+@example(float("inf"), [])
+def test_what_is_emitted_reads_back_however_deep_it_is(tree: Any, ways: list[str]) -> None:
+    data = {"walls": wrapped(tree, ways)}
+    document = read(SourceFile("x.yaml", emit(data)))
+    assert document.data == data
+    assert not document.problems
+
+
+@pytest.mark.parametrize(
+    "number", [0, -1, 10**15, 2**53, 0.1, 1e-9, -2.5, 1e20, 1e308, 5e-324, 1 / 3, 123456789.125]
+)
+def test_numbers_read_back_exactly(number: float) -> None:
+    level = level_of({"version": 1, "rewards": {"step": number}})
+    assert level_of_text(level.to_yaml()).rewards.step == number
+
+
+def test_fields_are_written_in_their_order_and_only_those_that_were_given() -> None:
+    text = "size: [4, 2]\nexit: none\nversion: 1\nname: x\n"
+    assert level_of_text(text).to_yaml() == "version: 1\nname: x\nsize: [4, 2]\nexit: none\n"
+    assert level_of_text("version: 1\n").to_dict() == {"version": 1}
+
+
+def test_canonical_yaml_is_easy_to_read() -> None:
+    world = {
+        "version": 1,
+        "title": "A level: with walls",
+        "description": "Two\nlines\n",
+        "walls": [{"at": [0, 0], "side": "north", "length": 2}, {"at": [1, 1], "side": "E"}],
+        "skid": {"probability": 0.5, "to": "sides"},
+        "theme": {"colors": {"base": "#aabbcc"}},
+    }
+    assert (
+        level_of(world).to_yaml()
+        == """\
+version: 1
+title: "A level: with walls"
+description: |
+  Two
+  lines
+walls:
+  - {at: [0, 0], side: N, length: 2}
+  - {at: [1, 1], side: E}
+skid: {probability: 0.5, to: sides}
+theme:
+  colors: {base: "#aabbcc"}
+"""
+    )
+
+
+# -- other levels ------------------------------------------------------------------------------
+
+
+def test_replace_gives_another_level() -> None:
+    level = level_of({"version": 1, "size": [4, 4], "title": "x"})
+    other = level.replace(size=(5, 3), title=None, skid={"probability": 0.5})
+    assert (other.size, other.title, other.exit) == ((5, 3), None, (4, 2))
+    assert (level.size, level.title, level.exit) == ((4, 4), "x", (3, 3))
+    assert other.digest != level.digest
+    assert other.replace(skid=None, size=[4, 4]).digest == level.digest
+
+
+def test_replace_takes_what_a_level_holds() -> None:
+    level = level_of({"version": 1, "areas": [{"at": [0, 0], "reward": 1}]})
+    other = level_of({"version": 1, "walls": [{"at": [0, 0], "side": "E", "pass": 0.5}]})
+    both = level.replace(walls=other.walls, theme=other.theme)
+    assert both.walls == other.walls
+    assert both.areas == level.areas
+
+
+def test_replace_of_a_drawing_forgets_what_it_said() -> None:
+    level = level_of({"version": 1, "map": "+---+---+\n| S | E |\n+---+---+\n"})
+    other = level.replace(map=None)
+    assert (other.size, other.walls, other.exit) == ((3, 3), (), (2, 2))
+    wider = level.replace(map="+---+---+---+\n| S   o   E |\n+---+---+---+\n")
+    assert (wider.size, wider.walls, len(wider.puddles)) == ((3, 1), (), 1)
+
+
+@pytest.mark.parametrize(
+    "fields", [{"size": (0, 3)}, {"start": (2, 2)}, {"sise": 3}, {"map": "x"}, {"version": 2}]
+)
+def test_replace_refuses_what_is_not_valid(fields: dict[str, Any]) -> None:
+    with pytest.raises(LevelError):
+        level_of({"version": 1}).replace(**fields)
+
+
+def test_random_mazes_need_a_seed() -> None:
+    level = level_of({"version": 1, "size": [6, 6], "maze": {"seed": "random", "loops": 0.5}})
+    assert level.has_random_maze
+    for use in (level.grid, level.compile, level.draw, lambda: level.digest):
+        with pytest.raises(LevelError, match="with_maze_seed"):
+            use()
+    grown = level.with_maze_seed(7)
+    assert not grown.has_random_maze
+    assert level.has_random_maze
+    written = {"seed": 7, "loops": 0.5}
+    assert grown.to_dict()["maze"] == written
+    assert grown.digest == level_of({"version": 1, "size": [6, 6], "maze": written}).digest
+    assert grown.with_maze_seed(8).digest != grown.digest
+
+
+def test_a_level_that_was_compiled_can_have_another_seed() -> None:
+    level = level_of({"version": 1, "size": [6, 6], "maze": {"seed": 1}})
+    tables, digest = level.compile(), level.digest
+    assert level.with_maze_seed(2).digest != digest
+    assert level.with_maze_seed(2).compile() is not tables
+    assert level.compile() is tables
+    assert level.with_maze_seed(1).digest == digest
+
+
+def test_only_a_maze_has_a_seed() -> None:
+    with pytest.raises(LevelError, match="no maze"):
+        level_of({"version": 1}).with_maze_seed(1)
+
+
+@pytest.mark.parametrize("seed", [1.5, "x", None, True])
+def test_a_seed_is_a_whole_number(seed: Any) -> None:
+    with pytest.raises(LevelError):
+        level_of({"version": 1, "maze": {"seed": 1}}).with_maze_seed(seed)
+
+
+def test_mappings_tell_what_is_wrong_with_them() -> None:
+    with pytest.raises(LevelError) as caught:
+        from_mapping({"version": 1, "walls": [{"at": [0, 0]}, {"at": [9, 9], "side": "E"}]})
+    first, second = caught.value.diagnostics
+    assert (first.code, first.message) == ("BR202", "the field `side` is missing")
+    assert second.message.startswith("the cell [9, 9] is off the grid")
+    # They point into the mapping as a file would hold it.
+    assert "- {at: [0, 0]}" in str(caught.value)
+    assert "- {at: [9, 9], side: E}" in str(caught.value)
+
+
+def test_a_mapping_is_not_changed() -> None:
+    data = {"version": 1, "walls": [{"at": [0, 0], "side": "E"}, 5]}
+    before = copy.deepcopy(data)
+    with pytest.raises(LevelError):
+        from_mapping(data)
+    assert data == before
+
+
+def test_slugs() -> None:
+    assert slug("First Maze (2)") == "first-maze-2"
+    assert slug("迷路") is None
+
+
+# -- frozen, copied, pickled -------------------------------------------------------------------
+
+
+def test_levels_are_frozen() -> None:
+    level = level_of(
+        {"version": 1, "walls": [{"at": [0, 0], "side": "E"}], "maze": {"seed": 1}, "theme": {}}
+    )
+    for thing, name in [
+        (level, "size"),
+        (level, "title"),
+        (level.walls[0], "at"),
+        (level.maze, "seed"),
+        (level.rewards, "step"),
+        (level.theme, "colors"),
+        (level.display.robot, "speed"),
+    ]:
+        with pytest.raises(ValidationError, match="frozen"):
+            setattr(thing, name, 1)
+        with pytest.raises(ValidationError, match="frozen"):
+            delattr(thing, name)
+    assert isinstance(level.walls, tuple)
+
+
+@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+def test_levels_can_be_pickled_and_copied(path: Path) -> None:
+    level = brl.loads(path.read_text(encoding="utf-8"))
+    if not level.has_random_maze:
+        level.compile()
+    for other in (
+        pickle.loads(pickle.dumps(level)),
+        copy.copy(level),
+        copy.deepcopy(level),
+        level.model_copy(),
+    ):
+        assert isinstance(other, Level)
+        assert other == level
+        assert other.to_dict() == level.to_dict()
+        if not level.has_random_maze:
+            assert other.digest == level.digest
+
+
+def test_equal_levels_are_equal_whether_compiled_or_not() -> None:
+    one, other = level_of({"version": 1}), level_of({"version": 1})
+    one.compile()
+    assert one == other
+    assert one != level_of({"version": 1, "size": [4, 4]})
+
+
+def test_errors_can_be_pickled() -> None:
+    with pytest.raises(LevelError) as caught:
+        brl.loads("version: 1\nsize: 3\n")
+    error = pickle.loads(pickle.dumps(caught.value))
+    assert isinstance(error, LevelError)
+    assert error.diagnostics == caught.value.diagnostics
+    assert str(error) == str(caught.value)
+    assert "1 error\n" in str(error)
+    missing = pickle.loads(pickle.dumps(LevelNotFoundError("maz", ["maze"])))
+    assert (missing.name, missing.nearest) == ("maz", ("maze",))
+    assert "did you mean 'maze'?" in str(missing)
+
+
+# -- saved -------------------------------------------------------------------------------------
+
+FILE = """\
+# My level, with remarks.
+
+version: 1   # the language
+
+title:   'A  title'  # kept
+size: [4,4]    # small
+walls:   # some of them
+  # the first
+  - at: [0, 0]
+    side: E      # east
+  - {at: [1, 1],   side: S}
+
+# Puddles are wet.
+puddles:
+- at: [2, 2]
+  # a comment inside
+
+rewards: {step: -1}
+# The end.
+"""
+
+
+def saved(level: Level, folder: Path) -> str:
+    path = folder / "level.yaml"
+    level.save(path)
+    return path.read_text(encoding="utf-8")
+
+
+def test_what_was_not_changed_is_saved_as_it_was(tmp_path: Path) -> None:
+    assert saved(brl.loads(FILE), tmp_path) == FILE
+
+
+@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+def test_good_files_are_saved_as_the_same_level(path: Path, tmp_path: Path) -> None:
+    level = brl.loads(path.read_text(encoding="utf-8"))
+    again = brl.loads(saved(level, tmp_path))
+    assert again.to_dict() == level.to_dict()
+
+
+@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"title": "another"},
+        {"description": "two\nlines\n"},
+        {"discount": 0.5, "author": "me"},
+        {"openings": None, "rewards": {"step": -2}, "max_steps": 7},
+        {"walls": None, "areas": None, "legend": None, "map": None, "wind": None, "size": [20, 20]},
+    ],
+    ids=lambda fields: "-".join(fields),
+)
+def test_changed_fields_are_saved(path: Path, fields: dict[str, Any], tmp_path: Path) -> None:
+    level = brl.loads(path.read_text(encoding="utf-8"))
+    changed = level.replace(**fields)
+    text = saved(changed, tmp_path)
+    assert brl.loads(text).to_dict() == changed.to_dict()
+    kept = [line for line in text.splitlines() if line.lstrip().startswith("#")]
+    assert kept == [
+        line
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if line.lstrip().startswith("#")
+    ]
+
+
+def test_only_the_lines_of_changed_fields_are_new(tmp_path: Path) -> None:
+    level = brl.loads(FILE)
+    text = saved(level.replace(size=[5, 4], discount=0.9), tmp_path)
+    assert text == FILE.replace("[4,4]    # small", "[5, 4]    # small").replace(
+        "rewards: {step: -1}\n", "rewards: {step: -1}\ndiscount: 0.9\n"
+    )
+
+
+def test_a_field_that_is_gone_takes_its_lines_with_it(tmp_path: Path) -> None:
+    text = saved(brl.loads(FILE).replace(title=None, rewards=None), tmp_path)
+    expected = FILE.replace("title:   'A  title'  # kept\n", "").replace(
+        "rewards: {step: -1}\n", ""
+    )
+    assert text == expected
+
+
+def test_comments_above_and_below_a_changed_field_stay(tmp_path: Path) -> None:
+    text = saved(brl.loads(FILE).replace(puddles=[{"at": [3, 0]}]), tmp_path)
+    assert "# Puddles are wet.\npuddles:\n  - {at: [3, 0]}\n" in text
+    assert text.endswith("\nrewards: {step: -1}\n# The end.\n")
+    assert text.startswith(FILE[: FILE.index("puddles:")])
+
+
+def test_a_new_field_is_put_where_it_belongs(tmp_path: Path) -> None:
+    text = saved(brl.loads(FILE).replace(name="my-level", start=[1, 0]), tmp_path)
+    lines = [line.split(":")[0] for line in text.splitlines() if line[:1].isalpha()]
+    assert lines == ["version", "name", "title", "size", "start", "walls", "puddles", "rewards"]
+
+
+def test_carriage_returns_are_kept(tmp_path: Path) -> None:
+    text = FILE.replace("\n", "\r\n")
+    path = tmp_path / "level.yaml"
+    brl.loads(text).save(path)
+    assert path.read_bytes().decode() == text
+    brl.loads(text).replace(size=[5, 5]).save(path)
+    assert path.read_bytes().decode() == text.replace("[4,4]", "[5, 5]")
+
+
+def test_a_file_without_a_last_line_end_can_be_added_to(tmp_path: Path) -> None:
+    level = brl.loads("version: 1\nsize: [4, 4]").replace(discount=0.5)
+    assert brl.loads(saved(level, tmp_path)).to_dict() == level.to_dict()
+
+
+def test_a_level_in_flow_style_is_saved_whole(tmp_path: Path) -> None:
+    level = brl.loads("{version: 1, size: [4, 4]} # comment\n")
+    assert saved(level, tmp_path) == "{version: 1, size: [4, 4]} # comment\n"
+    assert saved(level.replace(size=[5, 5]), tmp_path) == "version: 1\nsize: [5, 5]\n"
+
+
+def test_aliases_do_not_spoil_what_is_saved(tmp_path: Path) -> None:
+    text = "version: 1\nstart: &a [1, 1]\nwarps:\n  - {at: [0, 0], to: *a}\n"
+    level = brl.loads(text).replace(start=[2, 1])
+    assert brl.loads(saved(level, tmp_path)).to_dict() == level.to_dict()
+
+
+def test_a_level_without_a_text_is_saved_as_canonical_yaml(tmp_path: Path) -> None:
+    level = level_of({"version": 1, "size": [4, 4]})
+    assert saved(level, tmp_path) == level.to_yaml()
+
+
+@settings(deadline=None, max_examples=100)
+@given(decorated_worlds(), decorated_worlds())
+def test_any_level_can_be_spliced_into_any_text(one: World, other: World) -> None:
+    from babyrobot_levels.text.splice import splice
+
+    text, data = emit(level_of(one).to_dict()), level_of(other).to_dict()
+    result = splice(text, data, list(Level.model_fields))
+    assert result is not None
+    assert level_of_text(result).to_dict() == data
+
+
+# -- files -------------------------------------------------------------------------------------
+
+
+def test_writing_makes_folders_and_replaces_files(tmp_path: Path) -> None:
+    path = tmp_path / "a" / "b" / "level.yaml"
+    files.write_text(path, "one\n")
+    files.write_text(path, "zwölf\r\n")
+    assert path.read_bytes() == "zwölf\r\n".encode()
+    assert [p.name for p in path.parent.iterdir()] == ["level.yaml"]
+
+
+@pytest.mark.parametrize("broken", ["replace", "fsync", "chmod"])
+def test_a_failing_write_leaves_the_old_file_and_no_other(
+    broken: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "level.yaml"
+    path.write_text("old\n")
+
+    def fail(*_: object, **__: object) -> None:
+        raise OSError("the disk is full")
+
+    monkeypatch.setattr(os, broken, fail)
+    with pytest.raises(OSError, match="full"):
+        files.write_text(path, "new\n")
+    assert path.read_text() == "old\n"
+    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
+
+
+def test_a_text_that_cannot_be_encoded_leaves_the_old_file(tmp_path: Path) -> None:
+    path = tmp_path / "level.yaml"
+    path.write_text("old\n")
+    with pytest.raises(UnicodeEncodeError):
+        files.write_text(path, "\ud800")
+    assert path.read_text() == "old\n"
+    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="paths are short there")
+def test_a_name_may_be_as_long_as_names_can_be(tmp_path: Path) -> None:
+    path = tmp_path / f"{'x' * 250}.yaml"
+    files.write_text(path, "new\n")
+    assert path.read_text() == "new\n"
+
+
+def test_on_windows_a_file_that_may_not_be_written_stays_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """There, a file without the permission to write can be neither replaced nor taken away."""
+
+    def is_kept(path: Path) -> bool:
+        return path.exists() and not path.stat().st_mode & stat.S_IWUSR
+
+    replace, unlink = Path.replace, Path.unlink
+
+    def replacing(path: Path, target: Path) -> Path:
+        if is_kept(target):
+            raise PermissionError(13, "Access is denied")
+        return replace(path, target)
+
+    def unlinking(path: Path, missing_ok: bool = False) -> None:
+        if is_kept(path):
+            raise PermissionError(13, "Access is denied")
+        unlink(path, missing_ok)
+
+    path = tmp_path / "level.yaml"
+    path.write_text("old\n")
+    path.chmod(0o444)
+    monkeypatch.setattr(sys, "platform", "win32")
+    monkeypatch.setattr(Path, "replace", replacing)
+    monkeypatch.setattr(Path, "unlink", unlinking)
+    with pytest.raises(PermissionError):
+        files.write_text(path, "new\n")
+    assert path.read_text() == "old\n"
+    assert [p.name for p in tmp_path.iterdir()] == ["level.yaml"]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="permissions of POSIX")
+def test_permissions_are_kept(tmp_path: Path) -> None:
+    path = tmp_path / "level.yaml"
+    path.write_text("old\n")
+    path.chmod(0o640)
+    files.write_text(path, "new\n")
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
+    mask = os.umask(0o027)
+    try:
+        files.write_text(tmp_path / "fresh.yaml", "new\n")
+    finally:
+        os.umask(mask)
+    assert stat.S_IMODE((tmp_path / "fresh.yaml").stat().st_mode) == 0o640
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links of POSIX")
+def test_writing_through_a_link_keeps_the_link(tmp_path: Path) -> None:
+    (tmp_path / "real.yaml").write_text("old\n")
+    (tmp_path / "link.yaml").symlink_to("real.yaml")
+    files.write_text(tmp_path / "link.yaml", "new\n")
+    assert (tmp_path / "link.yaml").is_symlink()
+    assert (tmp_path / "real.yaml").read_text() == "new\n"
+
+
+# -- as a value ------------------------------------------------------------------------------
+
+
+def test_levels_are_keys_of_dictionaries() -> None:
+    names = {brl.load(name): name for name in ("garden", "maze", "random-maze", "four-corners")}
+    assert [names[brl.load(name)] for name in ("maze", "garden")] == ["maze", "garden"]
+    assert len({brl.load("maze"), brl.load("maze"), brl.loads("version: 1\n")}) == 2
+
+
+def test_in_a_line() -> None:
+    assert (
+        repr(brl.load("final-maze")) == str(brl.load("final-maze")) == "<Level 'final-maze': 8x5>"
+    )
+    assert repr(brl.loads("version: 1\n")) == "<Level: 3x3>"
+
+
+def test_a_text_is_a_text() -> None:
+    with pytest.raises(TypeError, match="the text of a level is a str, not bytes"):
+        brl.loads(b"version: 1")  # type: ignore[arg-type]

@@ -1,0 +1,552 @@
+"""The exact tables: their laws, and their agreement with the language's rules in plain Python."""
+
+from __future__ import annotations
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from support.reference import ACTIONS, Cell, Outcomes, Reference, World
+from support.worlds import level_of, worlds
+
+from babyrobot_levels import Action
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
+
+STAY, NORTH, EAST, SOUTH, WEST = Action
+
+laws = settings(deadline=None, max_examples=80)
+
+
+def outcomes(world: World, cell: Cell, action: int) -> Outcomes:
+    """Return what the compiled level leads to, by cell."""
+    mdp = level_of(world).compile()
+    found = mdp.outcomes(cell[1] * mdp.width + cell[0], action)
+    return {
+        ((state % mdp.width, state // mdp.width), reward, terminal): probability
+        for probability, state, reward, terminal in found
+    }
+
+
+def chances(world: World, cell: Cell, action: int) -> dict[Cell, float]:
+    """Return the probability of each next cell, rounded."""
+    result: dict[Cell, float] = {}
+    for (after, _, _), probability in outcomes(world, cell, action).items():
+        result[after] = round(result.get(after, 0) + probability, 12)
+    return result
+
+
+def only(world: World, cell: Cell, action: int) -> tuple[Cell, float, bool]:
+    """Return the one outcome of an action."""
+    ((outcome, probability),) = outcomes(world, cell, action).items()
+    assert probability == 1.0
+    return outcome
+
+
+def corridor(width: int, **fields: object) -> World:
+    """Return a level of one row with the exit at its eastern end."""
+    return {"version": 1, "size": [width, 1], **fields}
+
+
+def field(size: int = 3, **fields: object) -> World:
+    """Return an empty square without an exit."""
+    return {"version": 1, "size": [size, size], "exit": "none", **fields}
+
+
+# -- laws ------------------------------------------------------------------------------------
+
+
+@laws
+@given(worlds())
+def test_probabilities_are_distributions(world: World) -> None:
+    mdp = level_of(world).compile()
+    assert (mdp.probability >= 0).all()
+    assert np.abs(mdp.probability.sum(axis=2) - 1).max() <= 1e-12
+    assert abs(mdp.start.sum() - 1) <= 1e-12
+    starts = world["start"] if isinstance(world["start"][0], list) else [world["start"]]
+    assert sorted(np.flatnonzero(mdp.start)) == sorted(y * mdp.width + x for x, y in starts)
+
+
+@laws
+@given(worlds())
+def test_outcomes_are_distinct_and_sorted(world: World) -> None:
+    mdp = level_of(world).compile()
+    for state in range(mdp.num_states):
+        for action in range(5):
+            found = [outcome[1:] for outcome in mdp.outcomes(state, action)]
+            assert found == sorted(set(found))
+            padding = mdp.probability[state, action, len(found) :]
+            assert not padding.any()
+
+
+@laws
+@given(worlds())
+def test_next_states_are_cells_that_exist(world: World) -> None:
+    level = level_of(world)
+    mdp, blocked = level.compile(), level.grid().blocked.ravel()
+    reached = mdp.next_state[~blocked][mdp.probability[~blocked] > 0]
+    assert not blocked[reached].any()
+
+
+@laws
+@given(worlds())
+def test_terminal_is_exactly_where_the_episode_is_over(world: World) -> None:
+    mdp, reference = level_of(world).compile(), Reference(world)
+    happens = mdp.probability > 0
+    assert (mdp.terminal[happens] == mdp.over[mdp.next_state][happens]).all()
+    assert mdp.over.tolist() == [reference.is_over(cell) for cell in reference.cells]
+
+
+@laws
+@given(worlds())
+def test_where_the_episode_is_over_nothing_happens_any_more(world: World) -> None:
+    mdp = level_of(world).compile()
+    for state in np.flatnonzero(mdp.over).tolist():
+        for action in range(5):
+            assert mdp.outcomes(state, action) == [(1.0, state, 0.0, True)]
+        assert mdp.possible[state].tolist() == [1, 0, 0, 0, 0]
+
+
+@laws
+@given(worlds())
+def test_possible_actions_are_those_that_nothing_refuses(world: World) -> None:
+    mdp, reference = level_of(world).compile(), Reference(world)
+    assert mdp.possible.tolist() == [reference.possible(cell) for cell in reference.cells]
+
+
+@laws
+@given(worlds())
+def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
+    calm = {**world, "skid": None, "puddles": [], "areas": []}
+    level = level_of({name: value for name, value in calm.items() if value is not None})
+    mdp = level.compile()
+    anywhere = sorted(int(state) for state in np.flatnonzero(mdp.start))
+    for state in range(mdp.num_states):
+        for action in range(5):
+            found = mdp.outcomes(state, action)
+            target = int(mdp.target[state, action])
+            if mdp.hindered[state, action] == GLASS:
+                assert target == mdp.num_states or target in {after for _, after, _, _ in found}
+            elif target == mdp.num_states:
+                assert sorted({after for _, after, _, _ in found}) == anywhere
+            else:
+                assert {after for _, after, _, _ in found} == {target}
+
+
+@laws
+@given(worlds())
+def test_arrays_are_as_documented_and_read_only(world: World) -> None:
+    mdp = level_of(world).compile()
+    states, actions = mdp.width * mdp.height, 5
+    most = mdp.probability.shape[2]
+    shapes = {
+        "probability": ((states, actions, most), np.float64),
+        "next_state": ((states, actions, most), np.int32),
+        "reward": ((states, actions, most), np.float64),
+        "terminal": ((states, actions, most), np.bool_),
+        "start": ((states,), np.float64),
+        "over": ((states,), np.bool_),
+        "possible": ((states, actions), np.int8),
+        "target": ((states, actions), np.int32),
+        "hindered": ((states, actions), np.int8),
+    }
+    for name, (shape, dtype) in shapes.items():
+        array = getattr(mdp, name)
+        assert (array.shape, array.dtype) == (shape, dtype), name
+        with pytest.raises(ValueError, match="read-only"):
+            array[...] = 0
+
+
+def test_pickled_tables_are_read_only_too() -> None:
+    mdp = level_of(field()).compile()
+    copy: Mdp = pickle.loads(pickle.dumps(mdp))
+    assert (copy.next_state == mdp.next_state).all()
+    with pytest.raises(ValueError, match="read-only"):
+        copy.next_state[...] = 0
+
+
+def test_tables_are_made_once_and_shared() -> None:
+    level = level_of(field())
+    assert level.compile() is level.compile()
+    assert level.grid() is level.grid()
+
+
+# -- the rules, once more ----------------------------------------------------------------------
+
+
+@settings(deadline=None, max_examples=400)
+@given(worlds())
+def test_tables_are_those_of_the_reference(world: World) -> None:
+    mdp, reference = level_of(world).compile(), Reference(world)
+    for (cell, action), expected in reference.transitions().items():
+        state = cell[1] * mdp.width + cell[0]
+        found = {
+            ((after % mdp.width, after // mdp.width), reward, terminal): probability
+            for probability, after, reward, terminal in mdp.outcomes(state, ACTIONS.index(action))
+        }
+        assert found == pytest.approx(dict(expected), abs=1e-12), (cell, action)
+
+
+# -- skidding ----------------------------------------------------------------------------------
+
+
+def test_open_shares_the_skid_among_the_other_open_directions() -> None:
+    world = field(skid=0.3, walls=[{"at": [1, 1], "side": "W"}])
+    assert chances(world, (1, 1), NORTH) == {(1, 0): 0.7, (2, 1): 0.15, (1, 2): 0.15}
+
+
+def test_open_does_not_skid_when_a_wall_refuses_the_move() -> None:
+    assert chances(field(skid=0.3), (0, 0), NORTH) == {(0, 0): 1.0}
+
+
+def test_open_stays_where_no_other_direction_is_open() -> None:
+    world = corridor(2, skid=0.3, rewards={"bump": -9})
+    assert outcomes(world, (0, 0), EAST) == {((1, 0), 0.0, True): 0.7, ((0, 0), -1.0, False): 0.3}
+
+
+def test_open_never_skids_into_glass() -> None:
+    world = field(skid=0.3, walls=[{"at": [1, 1], "side": "W", "pass": 1}])
+    assert chances(world, (1, 1), NORTH) == {(1, 0): 0.7, (2, 1): 0.15, (1, 2): 0.15}
+
+
+def test_sides_skids_left_and_right_and_stays_at_walls() -> None:
+    world = field(skid={"probability": 0.5, "to": "sides"}, walls=[{"at": [1, 1], "side": "W"}])
+    assert chances(world, (1, 1), NORTH) == {(1, 0): 0.5, (2, 1): 0.25, (1, 1): 0.25}
+    assert chances(world, (0, 0), NORTH) == {(0, 0): 0.75, (1, 0): 0.25}
+
+
+def test_others_skids_in_all_three_other_directions() -> None:
+    world = field(skid={"probability": 0.75, "to": "others"}, walls=[{"at": [1, 1], "side": "S"}])
+    expected = {(1, 0): 0.25, (2, 1): 0.25, (0, 1): 0.25, (1, 1): 0.25}
+    assert chances(world, (1, 1), NORTH) == expected
+
+
+@pytest.mark.parametrize("rule", ["sides", "others"])
+def test_glass_is_a_wall_to_a_skid(rule: str) -> None:
+    world = field(
+        skid={"probability": 1, "to": rule}, walls=[{"at": [1, 1], "side": "E", "pass": 1}]
+    )
+    assert (2, 1) not in chances(world, (1, 1), NORTH)
+
+
+def test_it_is_the_cell_that_is_left_that_makes_skid() -> None:
+    world = field(puddles=[{"at": [1, 1]}])
+    assert chances(world, (1, 1), NORTH)[1, 0] == 0.6
+    assert chances(world, (0, 1), EAST) == {(1, 1): 1.0}
+
+
+def test_a_skid_against_a_wall_bumps() -> None:
+    world = field(skid={"probability": 0.5, "to": "sides"}, rewards={"bump": -5})
+    assert outcomes(world, (0, 1), NORTH) == {
+        ((0, 0), -1.0, False): 0.5,
+        ((0, 1), -5.0, False): 0.25,
+        ((1, 1), -1.0, False): 0.25,
+    }
+
+
+def test_stay_never_skids() -> None:
+    world = field(skid={"probability": 1, "to": "others"})
+    assert chances(world, (1, 1), STAY) == {(1, 1): 1.0}
+
+
+# -- glass -------------------------------------------------------------------------------------
+
+
+def glass(**fields: object) -> World:
+    """Return a corridor of three with glass on the east of its middle cell."""
+    wall = {"at": [1, 0], "side": "E", "pass": 0.25}
+    return corridor(4, walls=[wall], **fields)
+
+
+def test_glass_lets_through_or_bounces_the_robot_back() -> None:
+    assert outcomes(glass(), (1, 0), EAST) == {
+        ((0, 0), -2.0, False): 0.75,
+        ((2, 0), -1.0, False): 0.25,
+    }
+
+
+def test_glass_works_from_both_sides() -> None:
+    assert chances(glass(), (2, 0), WEST) == {(1, 0): 0.25, (3, 0): 0.75}
+
+
+def test_a_bounce_stays_where_a_wall_is_behind() -> None:
+    world = corridor(3, walls=[{"at": [0, 0], "side": "E", "pass": 0.25}], rewards={"bump": -50})
+    assert outcomes(world, (0, 0), EAST) == {
+        ((0, 0), -2.0, False): 0.75,
+        ((1, 0), -1.0, False): 0.25,
+    }
+
+
+def test_a_bounce_stays_where_glass_is_behind() -> None:
+    wall = {"at": [1, 0], "pass": 0.25}
+    world = corridor(3, walls=[{**wall, "side": "E"}, {**wall, "side": "W"}], exit="none")
+    assert chances(world, (1, 0), EAST) == {(1, 0): 0.75, (2, 0): 0.25}
+
+
+def test_a_bounce_can_reach_an_exit() -> None:
+    world = glass(exit=[0, 0], start=[1, 0])
+    assert outcomes(world, (1, 0), EAST)[(0, 0), -1.0, True] == 0.75
+
+
+def test_skidding_makes_glass_harder_and_nothing_else() -> None:
+    for rule in ("open", "sides", "others"):
+        world = glass(skid={"probability": 0.5, "to": rule})
+        assert chances(world, (1, 0), EAST) == {(2, 0): 0.125, (0, 0): 0.875}
+
+
+def test_glass_that_always_lets_through_is_still_glass() -> None:
+    world = corridor(3, walls=[{"at": [0, 0], "side": "E", "pass": 1}])
+    assert only(world, (0, 0), EAST) == ((1, 0), -1.0, False)
+    assert level_of(world).compile().hindered[0, EAST] == GLASS
+    assert level_of(world).compile().possible[0].tolist() == [1, 0, 1, 0, 0]
+
+
+def test_glass_beside_a_blocked_cell_is_a_wall() -> None:
+    world = corridor(
+        3,
+        start=[1, 0],
+        blocked=[{"at": [0, 0]}],
+        walls=[{"at": [1, 0], "side": "W", "pass": 1}],
+    )
+    assert only(world, (1, 0), WEST)[0] == (1, 0)
+    assert level_of(world).compile().hindered[1, WEST] == REFUSED
+
+
+def test_an_opening_takes_glass_away() -> None:
+    world = glass(openings=[{"at": [2, 0], "side": "W"}])
+    assert chances(world, (1, 0), EAST) == {(2, 0): 1.0}
+
+
+# -- warps -------------------------------------------------------------------------------------
+
+
+def test_a_chain_of_warps_is_followed_and_its_first_reward_counts() -> None:
+    warps = [
+        {"at": [1, 0], "to": [2, 0]},
+        {"at": [2, 0], "to": [4, 0], "reward": 5},
+        {"at": [4, 0], "to": [3, 0], "reward": 7},
+    ]
+    assert only(corridor(6, warps=warps), (0, 0), EAST) == ((3, 0), 5.0, False)
+
+
+def test_a_warp_to_an_exit_gives_the_exits_reward_unless_it_has_its_own() -> None:
+    warp = {"at": [1, 0], "to": [3, 0]}
+    rewards = {"exit": 10}
+    assert only(corridor(4, warps=[warp], rewards=rewards), (0, 0), EAST) == ((3, 0), 10.0, True)
+    warped = corridor(4, warps=[{**warp, "reward": 2}], rewards=rewards)
+    assert only(warped, (0, 0), EAST) == ((3, 0), 2.0, True)
+
+
+def test_a_warp_to_start_leads_to_each_start_evenly() -> None:
+    world = corridor(4, start=[[0, 0], [1, 0]], warps=[{"at": [2, 0], "to": "start", "reward": -9}])
+    assert outcomes(world, (1, 0), EAST) == {
+        ((0, 0), -9.0, False): 0.5,
+        ((1, 0), -9.0, False): 0.5,
+    }
+
+
+def test_moves_from_a_warp_that_is_refused_are_warped() -> None:
+    """Nobody can stand on the warp, but the tables follow the rules there as well."""
+    world = field(warps=[{"at": [2, 0], "to": [1, 1], "reward": 3}])
+    assert only(world, (2, 0), NORTH) == ((1, 1), 3.0, False)
+    assert only(world, (2, 0), STAY) == ((2, 0), -1.0, False)
+
+
+def test_a_bounce_onto_a_warp_is_warped_and_costs_as_well() -> None:
+    world = glass(start=[1, 0], warps=[{"at": [0, 0], "to": [1, 0], "reward": 3}])
+    assert outcomes(world, (1, 0), EAST)[(1, 0), 2.0, False] == 0.75
+
+
+def test_leave_acts_on_every_move_and_on_no_stay() -> None:
+    world = field(
+        start=[0, 0],
+        skid=1.0,
+        wind={"south": [1, 1, 1]},
+        warps=[{"at": [1, 0], "to": [2, 2], "when": "leave", "reward": 4}],
+        rewards={"bump": -5},
+    )
+    for action in (NORTH, EAST, SOUTH, WEST):
+        assert only(world, (1, 0), action) == ((2, 2), 4.0, False)
+    assert only(world, (1, 0), STAY) == ((1, 0), -1.0, False)
+    assert level_of(world).compile().possible[1].tolist() == [1, 1, 1, 1, 1]
+    assert (level_of(world).compile().hindered[1] == FREE).all()
+
+
+def test_leave_leads_on_through_enter_warps() -> None:
+    warps = [
+        {"at": [1, 0], "to": [2, 0], "when": "leave"},
+        {"at": [2, 0], "to": [3, 0], "reward": 6},
+    ]
+    assert only(corridor(5, warps=warps), (1, 0), WEST) == ((3, 0), 6.0, False)
+
+
+@pytest.mark.parametrize("when", ["enter", "leave"])
+def test_where_the_episode_is_over_a_warp_does_nothing(when: str) -> None:
+    world = corridor(
+        4,
+        areas=[{"at": [1, 0], "ends": True}],
+        warps=[{"at": [1, 0], "to": [2, 0], "when": when}],
+    )
+    for action in Action:
+        assert only(world, (1, 0), action) == ((1, 0), 0.0, True)
+
+
+# -- wind --------------------------------------------------------------------------------------
+
+
+def test_wind_is_that_of_the_cell_that_is_left() -> None:
+    world = field(5, wind={"north": [0, 2, 0, 0, 0]})
+    assert only(world, (1, 4), EAST)[0] == (2, 2)
+    assert only(world, (0, 4), EAST)[0] == (1, 4)
+
+
+def test_the_moves_own_axis_comes_first() -> None:
+    """East first and then north: the wall over (1, 2) is in the way, the one over (2, 2) not."""
+    world = field(wind={"north": [0, 1, 0]}, walls=[{"at": [1, 2], "side": "N"}])
+    assert only(world, (1, 2), EAST)[0] == (2, 1)
+    world = field(wind={"north": [0, 1, 0]}, walls=[{"at": [2, 2], "side": "N"}])
+    assert only(world, (1, 2), EAST)[0] == (2, 2)
+
+
+def test_wind_stops_at_walls_and_at_glass() -> None:
+    for chance in (0, 1):
+        wall = {"at": [0, 1], "side": "N", "pass": chance}
+        world = field(4, wind={"north": [3, 0, 0, 0]}, walls=[wall])
+        assert only(world, (0, 3), NORTH)[0] == (0, 1)
+
+
+def test_a_move_that_the_wind_cancels_is_not_refused() -> None:
+    world = field(wind={"south": [1, 0, 0]}, rewards={"bump": -5})
+    for cell in ((0, 0), (0, 1)):
+        assert only(world, cell, NORTH) == (cell, -1.0, False)
+        assert level_of(world).compile().possible[cell[1] * 3, NORTH] == 1
+
+
+def test_a_stronger_wind_blows_the_robot_back() -> None:
+    world = field(wind={"south": [2, 0, 0]}, rewards={"bump": -5})
+    assert only(world, (0, 0), NORTH) == ((0, 1), -1.0, False)
+
+
+def test_a_refused_move_still_drifts_and_bumps() -> None:
+    world = field(wind={"east": [1, 0, 0]}, rewards={"bump": -5})
+    assert only(world, (0, 0), NORTH) == ((1, 0), -5.0, False)
+
+
+def test_a_move_that_the_wind_cancels_may_skid() -> None:
+    """The wind keeps the robot off the wall, so that the wall does not refuse the move."""
+    world = field(skid=0.5, wind={"south": [1, 0, 0]})
+    assert chances(world, (0, 0), NORTH) == {(0, 0): 0.5, (1, 1): 0.25, (0, 2): 0.25}
+
+
+def test_exits_on_the_way_do_not_count() -> None:
+    world = corridor(4, exit=[2, 0], wind={"east": [2]})
+    assert only(world, (0, 0), EAST) == ((3, 0), -1.0, False)
+
+
+def test_stay_is_not_moved_by_wind() -> None:
+    world = field(wind={"east": [2, 2, 2]})
+    assert only(world, (0, 0), STAY) == ((0, 0), -1.0, False)
+
+
+def test_a_bounce_is_not_moved_by_wind() -> None:
+    world = field(wind={"south": [0, 1, 0]}, walls=[{"at": [1, 0], "side": "E", "pass": 0.25}])
+    assert chances(world, (1, 0), EAST) == {(0, 0): 0.75, (2, 1): 0.25}
+
+
+def test_glass_is_not_tried_when_the_wind_cancels_the_move() -> None:
+    world = corridor(
+        3, exit="none", wind={"west": [1]}, walls=[{"at": [1, 0], "side": "E", "pass": 1}]
+    )
+    assert only(world, (1, 0), EAST) == ((1, 0), -1.0, False)
+
+
+# -- rewards and ends --------------------------------------------------------------------------
+
+
+def test_rewards_come_in_the_order_of_the_language() -> None:
+    area = {"at": [0, 0], "size": [3, 1], "reward": -3}
+    world = corridor(4, start=[1, 0], areas=[area])
+    assert only(world, (1, 0), WEST)[1] == -3
+    closer = {**world, "rewards": {"closer": 2, "farther": -7}}
+    assert only(closer, (1, 0), WEST)[1] == -7
+    assert only(closer, (1, 0), EAST)[1] == 2
+    assert only(closer, (2, 0), EAST)[1] == 0
+    assert only(closer, (1, 0), NORTH)[1] == -3
+    bump = {**world, "rewards": {"closer": 2, "farther": -7, "bump": -5}}
+    assert only(bump, (1, 0), NORTH)[1] == -5
+    assert only(bump, (1, 0), STAY)[1] == -3
+
+
+def test_a_puddle_wins_over_an_area_and_an_area_over_step() -> None:
+    world = corridor(
+        5,
+        areas=[{"at": [1, 0], "size": [2, 1], "reward": -3}],
+        puddles=[{"at": [1, 0], "size": "large"}],
+        rewards={"step": -7},
+    )
+    assert only(world, (0, 0), EAST)[1] == -4
+    assert only(world, (3, 0), WEST)[1] == -3
+    assert outcomes(world, (2, 0), EAST) == {((3, 0), -7.0, False): 1.0}
+
+
+def test_later_areas_win_property_by_property() -> None:
+    areas = [
+        {"at": [1, 0], "reward": -3, "ends": True},
+        {"at": [1, 0], "skid": 0.5},
+        {"at": [1, 0], "reward": -4},
+    ]
+    assert only(corridor(3, areas=areas), (0, 0), EAST) == ((1, 0), -4.0, True)
+    areas.append({"at": [1, 0], "ends": False})
+    assert only(corridor(3, areas=areas), (0, 0), EAST) == ((1, 0), -4.0, False)
+    assert chances(corridor(3, areas=areas), (1, 0), EAST) == {(2, 0): 0.5, (0, 0): 0.5}
+
+
+def test_an_area_below_a_puddle_still_ends_the_episode() -> None:
+    world = corridor(3, areas=[{"at": [1, 0], "ends": True, "reward": 8}], puddles=[{"at": [1, 0]}])
+    assert only(world, (0, 0), EAST) == ((1, 0), -2.0, True)
+
+
+def test_a_number_means_the_rule_open_whatever_the_level_says() -> None:
+    world = field(skid={"probability": 0.5, "to": "others"}, areas=[{"at": [0, 0], "skid": 0.5}])
+    assert chances(world, (0, 0), NORTH) == {(0, 0): 1.0}
+
+
+def test_puddle_types_keep_what_is_not_given() -> None:
+    world = corridor(4, puddles=[{"at": [1, 0]}], puddle_types={"small": {"reward": -9}})
+    assert only(world, (0, 0), EAST)[1] == -9
+    assert chances(world, (1, 0), EAST) == {(2, 0): 0.6, (0, 0): 0.4}
+
+
+def test_stay_gives_the_reward_of_the_own_cell_or_its_own() -> None:
+    world = corridor(3, puddles=[{"at": [1, 0]}])
+    assert only(world, (1, 0), STAY) == ((1, 0), -2.0, False)
+    assert only({**world, "rewards": {"stay": 0.5}}, (1, 0), STAY) == ((1, 0), 0.5, False)
+
+
+def test_closer_and_farther_speak_of_the_nearest_exit_as_the_crow_flies() -> None:
+    rewards = {"closer": 1, "farther": -2, "step": 0}
+    world = {
+        "version": 1,
+        "size": [7, 1],
+        "start": [3, 0],
+        "exit": [[0, 0], [6, 0]],
+        "rewards": rewards,
+    }
+    assert only(world, (3, 0), WEST)[1] == 1
+    assert only(world, (3, 0), EAST)[1] == 1
+    assert only(world, (2, 0), EAST)[1] == -2
+    level = {"version": 1, "size": [4, 1], "start": [0, 0], "exit": [[0, 0], [3, 0]]}
+    level |= {"start": [1, 0], "rewards": rewards, "walls": [{"at": [1, 0], "side": "W"}]}
+    assert only(level, (1, 0), EAST)[1] == 0, "as far from the one as from the other"
+
+
+def test_without_exits_nothing_is_closer() -> None:
+    assert only(field(rewards={"closer": 5, "farther": 6}), (1, 1), NORTH)[1] == -1
+
+
+def test_the_tables_can_be_had_as_gymnasium_has_them() -> None:
+    mdp = level_of(corridor(2)).compile()
+    with_stay, moves = mdp.to_toy_text(), mdp.to_toy_text(first_action=1)
+    assert with_stay[0][EAST] == moves[0][EAST - 1] == [(1.0, 1, 0.0, True)]
+    assert sorted(with_stay[0]) == [0, 1, 2, 3, 4]
+    assert sorted(moves[0]) == [0, 1, 2, 3]

@@ -1,0 +1,55 @@
+"""A level as the last line of a cell."""
+
+from __future__ import annotations
+
+import base64
+import io
+import xml.etree.ElementTree as ET
+
+import pytest
+from IPython.core.formatters import DisplayFormatter
+from PIL import Image
+
+import babyrobot_levels as brl
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.svg import to_svg
+
+PICTURES = {"image/svg+xml", "image/png", "text/plain"}
+
+
+def shown(level: brl.Level) -> dict[str, str]:
+    """Return what IPython makes of a level."""
+    bundle, _ = DisplayFormatter().format(level)  # type: ignore[no-untyped-call]
+    return dict(bundle)
+
+
+def test_a_level_shows_its_picture_and_its_drawing() -> None:
+    level = brl.load("final-maze")
+    bundle = shown(level)
+    assert set(bundle) == PICTURES
+    assert bundle["image/svg+xml"] == to_svg(build_scene(level))
+    assert bundle["text/plain"] == level.draw()
+    picture = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
+    svg = ET.fromstring(bundle["image/svg+xml"])
+    assert (str(picture.width), str(picture.height)) == (svg.get("width"), svg.get("height"))
+
+
+def test_a_level_whose_maze_is_random_shows_one_of_its_mazes() -> None:
+    level = brl.load("random-maze")
+    assert shown(level) == shown(level.with_maze_seed(0))
+
+
+def test_the_picture_of_a_large_level_fits_on_a_screen() -> None:
+    bundle = shown(brl.Level(version=1, size=(60, 100)))
+    svg = ET.fromstring(bundle["image/svg+xml"])
+    assert max(float(svg.get(side) or 0) for side in ("width", "height")) == pytest.approx(2048)
+    picture = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
+    assert 900_000 < picture.width * picture.height <= 1_000_000
+    assert picture.width / picture.height == pytest.approx(0.6, rel=0.01)
+    assert sum(map(len, bundle.values())) < 500_000
+
+
+def test_of_a_level_that_is_far_too_large_only_words_are_shown() -> None:
+    bundle = shown(brl.Level(version=1, size=(1024, 1024), title="All of it"))
+    assert set(bundle) == {"text/plain"}
+    assert bundle["text/plain"] == "All of it: 1024 × 1024 cells, too many for a notebook"

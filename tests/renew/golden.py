@@ -1,0 +1,63 @@
+"""Write the expected SVG texts of `golden` anew. Look at the pictures before you keep them.
+
+From the top of the repository: `PYTHONPATH=tests python -m renew.golden`
+"""
+
+from __future__ import annotations
+
+from support.places import TESTS
+
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.pose import Mood, Pose
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
+from babyrobot_levels.render.svg import to_svg
+
+FOLDER = TESTS / "render" / "golden"
+
+INFO = {
+    "values": [[1, -2.5, 1e6, None], [float("inf"), float("-inf"), 0, -13.25], [None] * 4],
+    "policy": [["E", "S", 0, -1], [{1, 2, 3, 4}, "W", "N", "S"], ["E", "E", "E", None]],
+    "action_values": [[[None] * 5] * 4] * 2 + [[[0, -1, -2.25, -3.5, -4], *[[None] * 5] * 3]],
+    "visits": [[120, 3, 1, 0], [0, 9, 2, 1], [0, 0, 0, 4]],
+    "text": [((1, 2), "a note"), ((2.5, 0), "between", "gold")],
+    "side_panel": ["beside the grid"],
+    "bottom_panel": ["below"],
+}
+
+
+def pictures() -> dict[str, Scene]:
+    """Return the pictures by name: levels, one of them with an overlay, and the robot's poses."""
+    found = {path.stem: build_scene(load(str(path))) for path in sorted(FOLDER.glob("*.yaml"))}
+    level = load(str(FOLDER / "little-of-all.yaml"))
+    found["overlay"] = build_scene(level, state=5, overlay=overlay_from(INFO, level))
+    return found | {"poses": poses()}
+
+
+def poses() -> Scene:
+    """Return a sheet of poses: facings from left to right, moods and themes from top to bottom."""
+    rows = [[Pose(facing, mood) for facing in Action] for mood in Mood] + [
+        [Pose(Action.EAST, phase=phase / 5) for phase in range(5)]
+    ]
+    shapes: list[Shape] = []
+    for y, (row, theme) in enumerate(zip(rows, BUILTIN_THEMES.values(), strict=False)):
+        shapes.append(Rect(0, CELL * y, 5 * CELL, CELL, theme.colors.base))
+        for x, pose in enumerate(row):
+            shapes += robot_shapes(theme, CELL * x, CELL * y, pose)
+    return Scene(5 * CELL, len(rows) * CELL, tuple(shapes), "Poses")
+
+
+def svg(name: str) -> str:
+    """Return the picture of that name."""
+    return to_svg(pictures()[name])
+
+
+if __name__ == "__main__":
+    for name in pictures():
+        (FOLDER / f"{name}.svg").write_text(svg(name), encoding="utf-8", newline="\n")
+    print(f"{len(pictures())} pictures")
