@@ -119,7 +119,7 @@ def bare(num_envs: int) -> Measure:
     level = brl.load(LEVEL)
     tables = build_tables([level.compile()], [2**62], 0)
     width = level.size[0]
-    states = np.arange(tables.over.size)
+    states = np.arange(tables.is_terminal.size)
     shown = np.stack([states % width, states // width], axis=1)
 
     @numba.njit
@@ -160,14 +160,14 @@ def bare(num_envs: int) -> Measure:
 
     def step(action: Any) -> None:
         used = walk(
-            action, state, tables.next_state, tables.reward, tables.chance, tables.first,
-            tables.threshold, tables.over, shown, block, start, *results,
+            action, state, tables.next_state, tables.reward, tables.stochastic, tables.first,
+            tables.threshold, tables.is_terminal, shown, block, start, *results,
         )  # fmt: skip
         source.random(out=block[:used])
 
     actions = []
     for _ in range(steps):
-        possible = masks_at(tables.standing, state, 5).astype(bool)
+        possible = masks_at(tables.state_info, state, 5).astype(bool)
         actions.append(np.argmax(source.random((num_envs, 5)) * possible, axis=1))
         step(actions[-1])
 

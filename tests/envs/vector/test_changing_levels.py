@@ -19,11 +19,18 @@ from hypothesis import strategies as st
 from support.fleets import ENGINES, MODES, levels, same, walked
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.engine.slots import Room, empty_tables, needed, write_level
-from babyrobot_levels.envs.engine.tables import ALWAYS, build_tables, outcomes_of
+from babyrobot_levels.envs.engine.tables import (
+    ALWAYS,
+    Room,
+    build_tables,
+    empty_tables,
+    needed,
+    outcomes_of,
+    write_level,
+)
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.spaces import ACTION_SETS
-from babyrobot_levels.envs.vector import slots
+from babyrobot_levels.envs.vector import levels as level_slots
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.suite import SuiteVectorEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
@@ -170,7 +177,7 @@ def test_the_spec_as_json_makes_the_same_game() -> None:
     [
         ({"levels": load_suite(DRY)[5:5]}, "at least one level"),
         ({"levels": "small-mazes"}, "a list of levels or a suite, not 'small-mazes'"),
-        ({"levels": [GROWS, "maze"]}, r"played alone.*draw_levels=True"),
+        ({"levels": [GROWS, "maze"]}, r"must be the only one.*draw_levels=True"),
     ],
 )
 def test_what_cannot_be_made(arguments: dict[str, Any], message: str) -> None:
@@ -201,7 +208,7 @@ class Shadows:
         """Begin in the level, and where, a vector environment has begun; compare what is shown."""
         assert info[f"_{self._word}"][number]
         level = envs.call("level")[number]
-        state = int(envs._robots.state[number] - envs._tables.offset[envs._robots.level[number]])
+        state = int(envs._envs.state[number] - envs._tables.offset[envs._envs.level[number]])
         y, x = divmod(state, level.size[0])
         asked = {self._option: int(info[self._word][number]), "start": (x, y)}
         told, own = self._envs[number].reset(options=asked)
@@ -268,7 +275,7 @@ def test_what_chance_brings_is_in_the_tables_of_the_level(
     family: str, mode: AutoresetMode, engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Each level takes the slot of another one, which may have had more outcomes.
-    monkeypatch.setattr(slots, "KEPT_STATES", 1)
+    monkeypatch.setattr(level_slots, "KEPT_STATES", 1)
     envs: Any = make(family, 40, observation="index", autoreset_mode=mode, engine=engine)
     width = envs.levels.largest[0] if isinstance(envs.levels, Suite) else 4
     shown, _ = envs.reset(seed=1)
@@ -338,7 +345,7 @@ def test_what_was_played_before_has_no_influence(
     first = walked(envs, 80, 4)
     walked(envs, 200, 5)
     assert same(walked(envs, 80, 4), first)
-    monkeypatch.setattr(slots, "KEPT_STATES", 1)
+    monkeypatch.setattr(level_slots, "KEPT_STATES", 1)
     assert same(walked(make(family, engine=engine), 80, 4), first)
 
 
@@ -478,7 +485,9 @@ def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
     envs.reset(seed=1)
     envs.step(np.zeros(SIZE, int))
     before, levels = copy.deepcopy(envs), envs.call("level")
-    with pytest.raises(error.InvalidAction, match="7, told to environment 2, is no action"):
+    with pytest.raises(
+        error.InvalidAction, match="7, the action of environment 2, is not an action"
+    ):
         envs.step([0, 0, 7, 0, 0])
     assert envs.call("level") == levels
     assert same(envs.step(np.zeros(SIZE, int)), before.step(np.zeros(SIZE, int)))
@@ -499,7 +508,7 @@ def test_copies_go_on_with_the_same_episodes(
         assert np.array_equal(one.render(), again.render())
         assert one.call("level") == again.call("level")
         assert same(one.action_masks(), again.action_masks())
-        over = np.asarray(one._robots.over)
+        over = np.asarray(one._envs.done)
         for _ in range(40):
             if mode is AutoresetMode.DISABLED and over.any():
                 mask = over.copy()
@@ -533,7 +542,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
         if (terminated | truncated).any():
             envs.step(envs.action_space.sample())
             break
-    starts = np.unique(envs._robots.state % envs._tables.offset[1])
+    starts = np.unique(envs._envs.state % envs._tables.offset[1])
     assert starts.size > 1
     pictures.append(envs.render())
     assert len({picture.shape for picture in pictures}) == 1
@@ -541,7 +550,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
     if "level" in FAMILIES[family]:
         alone = LevelVectorEnv(levels=envs.call("level"), render_mode="rgb_array")
         ours, theirs = envs._tables.offset, alone._tables.offset
-        alone._robots.state[:] = envs._robots.state - ours[envs._robots.level] + theirs[:-1]
+        alone._envs.state[:] = envs._envs.state - ours[envs._envs.level] + theirs[:-1]
         assert np.array_equal(alone.render(), pictures[-1])
 
 
@@ -562,16 +571,16 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     for mdp, each in zip(mdps, outcomes, strict=True):
         write_level(tables, span, mdp, each)
     write_level(fresh, span, mdps[-1], outcomes[-1])
-    for name in ("chance", "threshold", "first", "limit", "starts", "first_start"):
+    for name in ("stochastic", "threshold", "first", "limit", "starts", "first_start"):
         assert np.array_equal(getattr(tables, name), getattr(fresh, name)), name
     alone = build_tables(mdps[-1:], [9], first_action)
-    base, num_rows = room.states, alone.rest
+    base, num_rows = room.states, alone.idle_row
     assert tables.starts[span.starts].tolist() == (alone.starts + base).tolist()
-    for name in ("over", "standing"):
+    for name in ("is_terminal", "state_info"):
         own = getattr(alone, name)
         assert np.array_equal(getattr(tables, name)[base : base + own.size], own)
     for row in range(num_rows):
-        ours, theirs = tables.chance[span.rows.start + row], alone.chance[row]
+        ours, theirs = tables.stochastic[span.rows.start + row], alone.stochastic[row]
         assert (ours < 0) == (theirs < 0)
         count = alone.threshold[theirs].tolist().index(ALWAYS) + 1 if theirs >= 0 else 1
         first = tables.first[ours] if ours >= 0 else span.rows.start + row
@@ -579,7 +588,7 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
         where, there = slice(first, first + count), slice(other, other + count)
         assert np.array_equal(tables.next_state[where], alone.next_state[there] + base)
         assert np.array_equal(tables.reward[where], alone.reward[there])
-        assert np.array_equal(tables.arrival[where], alone.arrival[there])
+        assert np.array_equal(tables.outcome_info[where], alone.outcome_info[there])
         if ours >= 0:
             assert np.array_equal(tables.threshold[ours, :count], alone.threshold[theirs, :count])
             assert (tables.threshold[ours, count:] == ALWAYS).all()
@@ -601,7 +610,7 @@ def test_memory_is_bounded(
     family: str, num_slots: int, given: dict[str, Any], steps: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # As many as twelve of the largest levels of the suite have.
-    monkeypatch.setattr(slots, "KEPT_STATES", 240)
+    monkeypatch.setattr(level_slots, "KEPT_STATES", 240)
     if family == "wet":
         given = {"suite": {**WET, "count": 10**6}, **given}
     envs: Any = make(family, 4, max_episode_steps=1, **given)

@@ -54,7 +54,7 @@ def assert_same_walk(
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("mode", MODES)
 @settings(max_examples=25, deadline=None)
-@given(level=levels(), actions=st.sampled_from(ACTION_SETS), seed=st.integers(0, 99))
+@given(level=levels(), actions=st.sampled_from([*ACTION_SETS]), seed=st.integers(0, 99))
 def test_it_walks_as_single_environments_do(
     mode: AutoresetMode, engine: str, level: Level, actions: str, seed: int
 ) -> None:

@@ -79,7 +79,7 @@ def assert_same_walks(ours: Any, make: Single, seeds: list[Any], steps: int = 40
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("mode", MODES)
 @settings(max_examples=30, deadline=None)
-@given(level=levels(), actions=st.sampled_from(ACTION_SETS), data=st.data())
+@given(level=levels(), actions=st.sampled_from([*ACTION_SETS]), data=st.data())
 def test_each_environment_walks_as_a_single_one_with_its_seed(
     mode: AutoresetMode, engine: str, level: Level, actions: str, data: st.DataObject
 ) -> None:
@@ -235,8 +235,8 @@ def test_copies_go_on_with_their_generators(mode: AutoresetMode, engine: str) ->
     for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
         one = copy.deepcopy(envs)
         for _ in range(100):
-            if mode is AutoresetMode.DISABLED and one._robots.over.any():
-                mask = one._robots.over.copy()
+            if mode is AutoresetMode.DISABLED and one._envs.done.any():
+                mask = one._envs.done.copy()
                 results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
                 assert same(*results)
             actions = one.action_space.sample()
