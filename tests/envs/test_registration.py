@@ -56,24 +56,28 @@ print("gymnasium" in sys.modules, "PIL" in sys.modules, "ipycanvas" in sys.modul
 # -- the order of imports --------------------------------------------------------------------
 
 
+IMPORTS = (
+    "import babyrobot_levels, gymnasium",
+    "import gymnasium, babyrobot_levels",
+    "import babyrobot_levels; from gymnasium.envs.registration import registry",
+    "import babyrobot_levels.envs.single",
+    "import babyrobot_levels.envs.registration",
+    "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium.envs')",
+)
+FURTHER_IMPORTS = (
+    "import babyrobot_levels, gymnasium.envs",
+    "import gymnasium.envs, babyrobot_levels",
+    "from gymnasium.envs.registration import registry; import babyrobot_levels",
+    "import babyrobot_levels; from gymnasium import spaces",
+    "import babyrobot_levels; from gymnasium.wrappers import TimeLimit",
+    "from babyrobot_levels.library.level import Level; import gymnasium.vector",
+    "import babyrobot_levels, importlib; importlib.import_module('gymnasium.envs')",
+    "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium'); import gymnasium",
+)
+
+
 @pytest.mark.parametrize(
-    "imports",
-    [
-        "import babyrobot_levels, gymnasium",
-        "import gymnasium, babyrobot_levels",
-        "import babyrobot_levels, gymnasium.envs",
-        "import gymnasium.envs, babyrobot_levels",
-        "import babyrobot_levels; from gymnasium.envs.registration import registry",
-        "from gymnasium.envs.registration import registry; import babyrobot_levels",
-        "import babyrobot_levels; from gymnasium import spaces",
-        "import babyrobot_levels; from gymnasium.wrappers import TimeLimit",
-        "import babyrobot_levels.envs.single",
-        "import babyrobot_levels.envs.registration",
-        "from babyrobot_levels.library.level import Level; import gymnasium.vector",
-        "import babyrobot_levels, importlib; importlib.import_module('gymnasium.envs')",
-        "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium.envs')",
-        "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium'); import gymnasium",
-    ],
+    "imports", [*IMPORTS, *(pytest.param(each, marks=pytest.mark.slow) for each in FURTHER_IMPORTS)]
 )
 def test_the_ids_are_known_after(imports: str, tmp_path: Path) -> None:
     known = run(imports + SHOW_IDS, tmp_path).split()

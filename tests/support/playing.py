@@ -87,7 +87,7 @@ def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorat
         pytest.param(name, *values, marks=pytest.mark.slow)
         for name, values in zip(rest, cycle(combinations), strict=False)
     ]
-    return pytest.mark.parametrize(["name", *(name for name, _ in parameters)], cases)
+    return pytest.mark.parametrize(("name", *(name for name, _ in parameters)), cases)
 
 
 @cache

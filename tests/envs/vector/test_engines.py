@@ -77,9 +77,7 @@ def test_both_engines_walk_many_the_same_way(mode: AutoresetMode, seed: Any) -> 
             if mode is AutoresetMode.DISABLED and over.any():
                 told.append(envs.reset(options={"reset_mask": over}))
         for wrong in (5, -1, 2**40):
-            with pytest.raises(
-                error.InvalidAction, match=f"{wrong}, the action of environment 399"
-            ):
+            with pytest.raises(error.InvalidAction, match=f"{wrong}, the action of env.* 399,"):
                 envs.step([*[0] * 399, wrong])
         return told
 

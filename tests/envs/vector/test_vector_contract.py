@@ -16,6 +16,7 @@ from gymnasium.envs.registration import EnvSpec
 from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from gymnasium.wrappers import vector as wrappers
+from support.combinations import combined
 from support.fleets import ENGINES, MODES, copied, same, walked
 from support.playing import GALLERY, each_level_and, level_named
 
@@ -358,9 +359,7 @@ def test_without_copies_it_is_always_the_same_arrays(observation: str, engine: s
     assert not np.array_equal(first[0], kept[0])
 
 
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("observation", ["index", "image"])
+@combined(1, mode=MODES, engine=ENGINES, observation=["index", "image"])
 def test_copies_go_on_with_the_same_episodes(
     observation: str, engine: str, mode: AutoresetMode
 ) -> None:
@@ -653,7 +652,7 @@ def test_attributes_that_can_be_set() -> None:
             "level",
             "maze",
             AttributeError,
-            "'level' cannot be set, only np_random and render_mode can",
+            "'level' cannot be set, only np_random and render_mode",
         ),
         ("battery", 1, AttributeError, "make another LevelVectorEnv"),
         ("render_mode", "human", ValueError, "rgb_array"),
