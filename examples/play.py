@@ -14,10 +14,10 @@ print(env.render())
 
 total, steps, terminated, truncated = 0.0, 0, False, False
 while not (terminated or truncated):
-    action = env.action_space.sample()  # only moves that are possible here
+    action = env.action_space.sample()  # only actions that the mask allows
     observation, reward, terminated, truncated, info = env.step(action)
     total, steps = total + float(reward), steps + 1
 
 print(env.render())
-end = "at an exit" if terminated else "cut off"
+end = "terminated" if terminated else "truncated"
 print(f"{level.name}: {steps} steps, return {total:g}, {end} at {observation.tolist()}")
