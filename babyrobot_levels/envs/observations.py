@@ -59,7 +59,7 @@ def _walls(level: Level, largest: Size) -> Ints:
 
 
 NUMERIC = {
-    "position": NumericObservation(lambda largest: spaces.MultiDiscrete(largest), _position),
+    "position": NumericObservation(lambda largest: spaces.MultiDiscrete([*largest]), _position),
     "index": NumericObservation(lambda largest: spaces.Discrete(largest[0] * largest[1]), _index),
     "walls": NumericObservation(
         lambda largest: spaces.MultiDiscrete([*largest, 2, 2, 2, 2]), _walls

@@ -7,7 +7,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.mdp.tables import GLASS, REFUSED, Mdp
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
 
 
 class Event(IntEnum):
@@ -28,12 +28,17 @@ def events_of(mdp: Mdp) -> NDArray[np.int8]:
 
     The events of padding, outcomes of probability 0, mean nothing.
     """
-    target, hindered = mdp.target[..., None], mdp.hindered[..., None]
+    target = mdp.target[..., None]
     at_target = mdp.next_state == target
     to_a_start = target == mdp.num_states
     if to_a_start.any():
         at_target |= to_a_start & (mdp.start > 0)[mdp.next_state]
-    events = np.where(at_target, np.int8(Event.REACHED), np.int8(Event.SKIDDED))
-    events[at_target & (hindered == REFUSED)] = Event.BUMPED
-    events[~at_target & (hindered == GLASS)] = Event.BOUNCED
+    events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.hindered[..., None])
     return events
+
+
+_ROW = np.int8(3)
+_EVENTS = np.empty((2, _ROW), np.int8)
+"""The events, by whether the robot ends up where the action leads, and by what hinders it."""
+_EVENTS[0, [FREE, REFUSED, GLASS]] = Event.SKIDDED, Event.SKIDDED, Event.BOUNCED
+_EVENTS[1, [FREE, REFUSED, GLASS]] = Event.REACHED, Event.BUMPED, Event.REACHED
