@@ -13,7 +13,7 @@ from gymnasium import logger
 
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np
