@@ -1,18 +1,26 @@
-"""Python literals and JSON, read without running anything."""
+"""Data of other programs: JSON and Python literals, read without running code, and checked values.
+
+The functions that check a value raise a `ConversionError` that names the value as its format does.
+"""
 
 from __future__ import annotations
 
 import ast
 import json
+import math
+import re
 import warnings
 from typing import Any, NoReturn
 
-from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.convert.conversion import ConversionError, shown
+from babyrobot_levels.language.color import PATTERN
 from babyrobot_levels.text.source import START, Position, SourceFile
 
 MAX_DEPTH = 32
 """Lists and mappings inside one another. No format has more than a few."""
 
+_MAX_INTEGER = 2**53
+"""Numbers up to this are written as integers: all of these are floats as well."""
 
 _PLAIN = "numbers, texts, lists, tuples and mappings can be read; names and calls cannot"
 _DATA = (
@@ -105,3 +113,70 @@ def _raise_farther(
         place = Position(json_error.lineno, json_error.colno)
         raise ConversionError.at(source, place, f"this is no JSON ({json_error.msg})") from None
     raise ConversionError.at(source, python, f"this is no Python literal ({error.msg})") from None
+
+
+# -- checked values --------------------------------------------------------------------------
+
+
+def integer(value: Any, where: str) -> int:
+    """Return a whole number."""
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ConversionError(f"{where} must be a whole number, not {shown(value)}")
+    return value
+
+
+def truncated(value: float) -> float:
+    """Return a number without its fraction, as an integer unless that would have many digits."""
+    return int(value) if abs(value) < _MAX_INTEGER else float(value)
+
+
+def number(value: Any, where: str) -> float:
+    """Return a finite number, an integer only if it has few digits."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            if math.isfinite(value):
+                return value if abs(value) < _MAX_INTEGER else float(value)
+        except OverflowError:
+            pass
+    raise ConversionError(f"{where} must be a number, not {shown(value)}")
+
+
+def probability(value: Any, where: str) -> float:
+    """Return a number from 0 to 1."""
+    if not 0 <= number(value, where) <= 1:
+        raise ConversionError(f"{where} must be a probability from 0 to 1, not {shown(value)}")
+    return number(value, where)
+
+
+def sequence(value: Any, where: str) -> list[Any]:
+    """Return a list."""
+    if not isinstance(value, list):
+        raise ConversionError(f"{where} must be a list, not {shown(value)}")
+    return value
+
+
+def mapping(value: Any, where: str) -> dict[str, Any]:
+    """Return a mapping."""
+    if not isinstance(value, dict):
+        raise ConversionError(f"{where} must be a mapping, not {shown(value)}")
+    return value
+
+
+def integers(value: Any, where: str, *counts: int) -> list[int]:
+    """Return a list of so many whole numbers."""
+    found = [integer(each, where) for each in sequence(value, where)]
+    if len(found) not in counts:
+        wanted = " or ".join(map(str, counts))
+        raise ConversionError(f"{where} must be {wanted} whole numbers, not {len(found)}")
+    return found
+
+
+def color(value: Any) -> str | None:
+    """Return a colour as the language writes it, or None if the language has no such colour."""
+    if not isinstance(value, str):
+        return None
+    text = value.strip()
+    text = text if text.startswith("#") else text.lower()
+    return text if len(text) <= 64 and re.fullmatch(PATTERN, text) else None

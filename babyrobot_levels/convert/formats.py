@@ -1,4 +1,4 @@
-"""The formats that worlds come in, and how to tell which one a text is."""
+"""The formats: which ones there are, which one a text is in, and reading and writing them."""
 
 from __future__ import annotations
 
@@ -10,20 +10,27 @@ from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.convert.babyrobot.reading import KEYWORDS as SETUP_KEYWORDS
 from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import write_setup
+from babyrobot_levels.convert.block_maps import (
+    read_maze_dataset,
+    read_maze_map,
+    read_minigrid,
+    read_sokoban,
+    write_maze_dataset,
+    write_maze_map,
+    write_minigrid,
+    write_sokoban,
+)
 from babyrobot_levels.convert.blocks import is_lattice, text_rows
-from babyrobot_levels.convert.checked import mapping
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
-from babyrobot_levels.convert.data import looks_like_data, read_data
+from babyrobot_levels.convert.data import looks_like_data, mapping, read_data
 from babyrobot_levels.convert.frozen_lake import KEYWORDS as LAKE_KEYWORDS
 from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
-from babyrobot_levels.convert.maze_dataset import read_maze_dataset, write_maze_dataset
-from babyrobot_levels.convert.maze_map import read_maze_map, write_maze_map
-from babyrobot_levels.convert.minigrid import read_minigrid, write_minigrid
-from babyrobot_levels.convert.sokoban import read_sokoban, write_sokoban
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.reading import from_mapping, read_level
+from babyrobot_levels.text.emitter import emit_field
+from babyrobot_levels.text.files import ReadFault, decode
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -85,6 +92,53 @@ def export(level: Level, name: str) -> Conversion:
     return Conversion(
         conversion.text, (*conversion.warnings, Lost("game", difference)), conversion.beside
     )
+
+
+def file_text(world: World, *, schema: str, name: str | None, title: str) -> str:
+    """Return the text of a level file.
+
+    Args:
+        world: what it says.
+        schema: where editors find the JSON schema, as the file's first line names it.
+        name: the level's name, None to leave it to the file's.
+        title: the level's title, if the world has none.
+
+    Raises:
+        ConversionError: the world is too large for a file.
+        LevelError: it is no valid level.
+    """
+    fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
+    if name:
+        fields["name"] = name
+    lines = [f"# yaml-language-server: $schema={schema}\n", f"# {world.origin}\n"]
+    for field, value in fields.items():
+        if field in world.comments:
+            lines.append(f"# {world.comments[field]}\n")
+        lines.append(emit_field(field, value))
+    return _tidy("".join(lines))
+
+
+def _tidy(text: str) -> str:
+    """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
+    # Here, because writing another format needs no linter.
+    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.lint.fixer import fix
+    from babyrobot_levels.lint.registry import select
+
+    try:
+        source = decode(text.encode("utf-8"), "<imported>")
+    except ReadFault as fault:
+        raise ConversionError(
+            f"the level would be too much for one file: {fault}",
+            "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
+        ) from None
+    level, diagnostics = read_level(source)
+    if level is None:
+        raise ConversionError(
+            "this is no valid level:\n" + "\n".join(map(str, diagnostics[:5])),
+        )
+    fixed = fix(source, select(None)).text
+    return format_source(SourceFile(source.name, fixed)).text
 
 
 def guess(source: SourceFile) -> list[str]:

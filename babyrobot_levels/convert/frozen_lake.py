@@ -5,8 +5,18 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from babyrobot_levels.convert.blocks import drawn, has_walls, text_rows, translated
-from babyrobot_levels.convert.checked import number, probability, sequence
+from babyrobot_levels.convert.blocks import (
+    ENDS,
+    HOLE_COLOR,
+    SPATIAL,
+    UNLIKE,
+    drawn,
+    has_walls,
+    lost_areas,
+    marked,
+    text_rows,
+    translated,
+)
 from babyrobot_levels.convert.conversion import (
     Conversion,
     ConversionError,
@@ -15,8 +25,14 @@ from babyrobot_levels.convert.conversion import (
     fields_lost,
     shown,
 )
-from babyrobot_levels.convert.data import looks_like_data, read_data
-from babyrobot_levels.convert.marks import ENDS, HOLE_COLOR, SPATIAL, UNLIKE, lost_areas, marked
+from babyrobot_levels.convert.data import (
+    looks_like_data,
+    number,
+    probability,
+    read_data,
+    sequence,
+    truncated,
+)
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.library.level import Level
@@ -147,7 +163,7 @@ def write_frozen_lake(level: Level) -> Conversion:
     schedule = (level.rewards.exit, hole, level.rewards.step)
     if schedule != USUAL_REWARDS:
         keywords["reward_schedule"] = [
-            int(each) if each.is_integer() else each for each in schedule
+            truncated(each) if each.is_integer() else each for each in schedule
         ]
     for name in ("bump", "stay", "closer", "farther"):
         if getattr(level.rewards, name) is not None:

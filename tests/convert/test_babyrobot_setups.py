@@ -17,6 +17,7 @@ from support.places import TESTS
 from support.worlds import level_of
 
 import babyrobot_levels as brl
+from babyrobot_levels.convert.babyrobot import reading, toggles
 from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import setup_of, write_setup
 from babyrobot_levels.convert.conversion import ConversionError
@@ -24,8 +25,6 @@ from babyrobot_levels.convert.conversion import ConversionError
 RECORD = json.loads((TESTS / "oracles" / "babyrobot.json").read_text(encoding="utf-8"))["levels"]
 
 Setup = dict[str, Any]
-
-each_record = pytest.mark.parametrize("number", range(200))
 
 
 def lost(setup: Setup) -> dict[str, str]:
@@ -40,41 +39,43 @@ def fields(setup: Setup) -> dict[str, Any]:
 # -- the recorded worlds of the package ------------------------------------------------------
 
 
-@each_record
-def test_a_recorded_setup_is_the_recorded_level(number: int) -> None:
-    record = RECORD[number]
-    level = brl.from_setup(record["setup"])
-    assert level.digest == level_of(record["level"]).digest
+def test_recorded_setups_are_the_recorded_levels() -> None:
+    assert len(RECORD) == 200
+    for number, record in enumerate(RECORD):
+        level = brl.from_setup(record["setup"])
+        assert level.digest == level_of(record["level"]).digest, number
 
 
-@each_record
-def test_a_recorded_setup_has_the_recorded_transitions(number: int) -> None:
-    record = RECORD[number]
-    mdp = brl.from_setup(record["setup"]).compile()
-    for key, transitions in record["transitions"].items():
-        x, y, action = map(int, key.split(","))
-        expected: dict[tuple[int, float], float] = {}
-        for probability, (to_x, to_y), reward in transitions:
-            outcome = (to_y * mdp.width + to_x, reward)
-            expected[outcome] = expected.get(outcome, 0) + probability
-        found = {
-            (state, reward): probability
-            for probability, state, reward, _ in mdp.outcomes(y * mdp.width + x, action)
-        }
-        assert found == pytest.approx({o: p for o, p in expected.items() if p > 1e-12}, abs=1e-9)
+def test_recorded_setups_have_the_recorded_transitions() -> None:
+    for number, record in enumerate(RECORD):
+        mdp = brl.from_setup(record["setup"]).compile()
+        for key, transitions in record["transitions"].items():
+            x, y, action = map(int, key.split(","))
+            expected: dict[tuple[int, float], float] = {}
+            for probability, (to_x, to_y), reward in transitions:
+                outcome = (to_y * mdp.width + to_x, reward)
+                expected[outcome] = expected.get(outcome, 0) + probability
+            found = {
+                (state, reward): probability
+                for probability, state, reward, _ in mdp.outcomes(y * mdp.width + x, action)
+            }
+            expected = {outcome: p for outcome, p in expected.items() if p > 1e-12}
+            assert found.keys() == expected.keys(), (number, key)
+            for outcome, p in expected.items():
+                assert abs(found[outcome] - p) < 1e-9, (number, key)
 
 
-@each_record
-def test_a_recorded_setup_comes_back(number: int) -> None:
-    setup = RECORD[number]["setup"]
-    level = brl.from_setup(setup)
-    written = write_setup(level)
-    assert written.warnings == ()
-    again = ast.literal_eval(written.text)
-    assert brl.from_setup(again).digest == level.digest
-    # What does not touch the game comes back as well.
-    assert fields(again).get("areas") == fields(setup).get("areas")
-    assert fields(again).get("theme") == fields(setup).get("theme")
+def test_recorded_setups_come_back() -> None:
+    for number, record in enumerate(RECORD):
+        setup = record["setup"]
+        level = brl.from_setup(setup)
+        written = write_setup(level)
+        assert written.warnings == (), number
+        again = ast.literal_eval(written.text)
+        assert brl.from_setup(again).digest == level.digest, number
+        # Fields that do not change the MDP come back as well.
+        assert fields(again).get("areas") == fields(setup).get("areas"), number
+        assert fields(again).get("theme") == fields(setup).get("theme"), number
 
 
 def test_the_gallerys_final_maze_is_the_setup_that_it_was() -> None:
@@ -241,6 +242,24 @@ def test_rewards_are_counted_without_their_fractions_as_the_package_does() -> No
         "puddle_props large_reward": "the package counts -0.5 as 0",
         "grid_areas[0]": "the package counts -2.7 as -2",
     }
+
+
+@pytest.mark.parametrize(
+    ("limit", "setup", "message"),
+    [
+        ("MAX_TOGGLES", {"walls": [((0, 0, 3), "S"), ((0, 1, 2), "S")]}, "walls toggle more than"),
+        ("MAX_BLOCKED", {"base_areas": [(0, 0, 2, 2), (1, 0)]}, "base_areas cover more than"),
+    ],
+)
+def test_the_work_for_a_setup_is_bounded(
+    limit: str, setup: Setup, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = toggles if limit == "MAX_TOGGLES" else reading
+    monkeypatch.setattr(module, limit, 5)
+    read_setup(setup)
+    monkeypatch.setattr(module, limit, 4)
+    with pytest.raises(ConversionError, match=message):
+        read_setup(setup)
 
 
 def test_areas_are_cut_at_the_edge_of_the_grid() -> None:

@@ -158,7 +158,7 @@ def test_keywords_that_are_not_about_the_game_are_told() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("SFF\nFXG", r"world\.txt:2:2: error: `X` means nothing"),
+        ("SFF\nFXG", r"world\.txt:2:2: error: unknown character `X`"),
         ("SFF\nFG", "row 2 of the map has 2 letters, the first has 3"),
         ("FFF\nFFG", "no start"),
         ('["SF", 3]', "list of texts"),

@@ -1,14 +1,19 @@
-"""Setups to levels."""
+"""Setups to levels: `from_setup` and what it reads, keyword by keyword."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from babyrobot_levels.convert.babyrobot.looks import blocked_color, read_display, read_theme
 from babyrobot_levels.convert.babyrobot.toggles import maze_edges, toggle
-from babyrobot_levels.convert.checked import (
+from babyrobot_levels.convert.conversion import (
+    ConversionError,
+    Lost,
+    World,
+    level_of,
+    shown,
+)
+from babyrobot_levels.convert.data import (
     color,
     integer,
     integers,
@@ -16,18 +21,11 @@ from babyrobot_levels.convert.checked import (
     number,
     probability,
     sequence,
-)
-from babyrobot_levels.convert.conversion import (
-    ConversionError,
-    ConversionWarning,
-    Lost,
-    World,
-    shown,
+    truncated,
 )
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.text.suggest import did_you_mean
 
 Cell = tuple[int, int]
@@ -38,6 +36,25 @@ MAX_BLOCKED = 2_000_000
 
 NO_EXIT = (-1, -1)
 """An `end` that nobody gets to: how a level without an exit is exported."""
+
+THEMES = frozenset({"black_orange", "blue_green", "green"})
+"""The themes that the package and the language both have."""
+
+COLORS = (
+    *("base", "lines", "start", "start_text", "exit", "exit_text", "border", "walls"),
+    *("arrows", "text_bg", "text_fg"),
+)
+WIDTHS = ("padding", "walls", "border")
+
+USUAL_SLEEP = 0.07
+"""The seconds that the package's robot sleeps between two pictures, if nothing is said."""
+
+_FLAGS = {"add_compass": "compass", "show_start_text": "start_text", "show_end_text": "exit_text"}
+_FLAG_DEFAULTS = {"compass": False, "start_text": True, "exit_text": True}
+PANEL_SIDES = {"side_panel": ("width", "height"), "bottom_panel": ("height", "width")}
+"""For each panel, the keyword that says how much room it takes, and the one that says nothing."""
+
+_DEFAULT_SIZES = {"side_panel": 100, "bottom_panel": 50}
 
 _PLAYING = {
     "seed": "give it to `env.reset(seed=…)`",
@@ -67,10 +84,7 @@ def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
     Raises:
         LevelError: the setup has a value that the package could not play, or describes no level.
     """
-    world = read_setup(setup)
-    for lost in world.lost:
-        warnings.warn(str(lost), ConversionWarning, stacklevel=2)
-    return from_mapping(world.fields, name=name)
+    return level_of(read_setup(setup), name=name, stacklevel=2)
 
 
 def read_setup(setup: Mapping[str, Any]) -> World:
@@ -214,12 +228,12 @@ class _Reader:
         if types:
             self.fields["puddle_types"] = types
 
-    def _reward(self, value: Any, where: str) -> int:
+    def _reward(self, value: Any, where: str) -> float:
         """Return a reward as the package counts it, without its fraction."""
         given = number(value, where)
         if int(given) != given:
             self._lose(where, f"the package counts {given:g} as {int(given)}")
-        return int(given)
+        return truncated(given)
 
     def _rectangle(self, value: Any, where: str) -> dict[str, Any] | None:
         """Return the part of a rectangle that is on the grid, None if there is none."""
@@ -286,14 +300,117 @@ class _Reader:
             self.fields["areas"] = areas
 
     def _look(self) -> None:
-        theme = read_theme(mapping(self.setup.pop("grid", None) or {}, "grid"), self.lost)
-        theme = blocked_color(self.blocked_colors, theme, self.lost)
+        theme = _read_theme(mapping(self.setup.pop("grid", None) or {}, "grid"), self.lost)
+        theme = _with_blocked_color(self.blocked_colors, theme, self.lost)
         if theme:
             self.fields["theme"] = theme
-        display = read_display(self.setup, self.lost)
+        display = _read_display(self.setup, self.lost)
         if display:
             self.fields["display"] = display
 
 
 def _is_puddle(entry: list[Any]) -> bool:
     return bool(entry) and isinstance(entry[0], list)
+
+
+# -- looks -----------------------------------------------------------------------------------
+
+
+def _read_display(setup: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
+    """Return the field `display` of a setup."""
+    display: dict[str, Any] = {}
+    for keyword, name in _FLAGS.items():
+        given = bool(setup.pop(keyword, _FLAG_DEFAULTS[name]))
+        if given != _FLAG_DEFAULTS[name]:
+            display[name] = given
+    for keyword in PANEL_SIDES:
+        panel = setup.pop(keyword, None)
+        if panel is not None:
+            display[keyword] = _panel(keyword, panel, lost)
+    robot = _robot(mapping(setup.pop("robot", {}), "robot"), lost)
+    return display | ({"robot": robot} if robot else {})
+
+
+def _panel(keyword: str, panel: Any, lost: list[Lost]) -> Any:
+    if isinstance(panel, bool) or not isinstance(panel, int | float | dict):
+        # To the package, anything else that is there asks for a panel of the usual size.
+        return _DEFAULT_SIZES[keyword]
+    if not isinstance(panel, dict):
+        return _pixels(panel, keyword)
+    size, other = PANEL_SIDES[keyword]
+    room = panel.get(size, _DEFAULT_SIZES[keyword])
+    told: dict[str, Any] = {"width": _pixels(room, f"{keyword} {size}")}
+    for name, ours in (("color", "color"), ("text_fg", "text_color")):
+        if name in panel:
+            told |= _color(panel[name], ours, f"{keyword} {name}", lost)
+    if other in panel:
+        lost.append(Lost(f"{keyword} {other}", "a panel is as long as its side of the grid"))
+    unknown = [name for name in panel if name not in (size, other, "color", "text_fg")]
+    lost += [Lost(f"{keyword} {name}", "the package does not know it either") for name in unknown]
+    return told if len(told) > 1 else told["width"]
+
+
+def _pixels(value: Any, where: str) -> float:
+    return min(max(number(value, where), 0), 1000)
+
+
+def _robot(robot: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
+    told: dict[str, Any] = {}
+    if not robot.pop("show", True):
+        told["show"] = False
+    sleep = number(robot.pop("sleep", USUAL_SLEEP), "robot sleep")
+    # The speed of a robot that never sleeps is the greatest that there is.
+    speed = round(min(max(USUAL_SLEEP / sleep, 0.01), 100.0), 4) if sleep > 0 else 100.0
+    if speed != 1:
+        told["speed"] = speed
+    lost += [Lost(f"robot {name}", "the robot moves in a way of its own") for name in robot]
+    return told
+
+
+def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
+    """Return the field `theme` of a setup's `grid`, None if it says nothing."""
+    name = grid.get("theme")
+    if name in THEMES:
+        # Nothing else of `grid` counts beside a theme that is found.
+        return name
+    if name is not None:
+        lost.append(Lost("grid theme", f"{shown(name)} is a file of its own; write it as colours"))
+    colors: dict[str, Any] = {}
+    for key, value in mapping(grid.get("colors") or {}, "grid colors").items():
+        if key in COLORS:
+            colors |= _color(value, key, f"grid colors {key}", lost)
+        else:
+            lost.append(Lost(f"grid colors {key}", "a theme has no such colour"))
+    widths: dict[str, Any] = {}
+    for key, value in mapping(grid.get("widths") or {}, "grid widths").items():
+        if key in WIDTHS and 0 <= number(value, f"grid widths {key}") <= 100:
+            widths[key] = value
+        else:
+            lost.append(Lost(f"grid widths {key}", f"a theme cannot have {shown(value)} for it"))
+    unknown = [key for key in grid if key not in ("theme", "colors", "widths")]
+    lost += [Lost(f"grid {key}", "the package does not know it either") for key in unknown]
+    theme = {"colors": colors} if colors else {}
+    return theme | ({"widths": widths} if widths else {}) or None
+
+
+def _color(value: Any, name: str, where: str, lost: list[Lost]) -> dict[str, str]:
+    known = color(value)
+    if known is None:
+        lost.append(Lost(where, f"{shown(value)} is no colour that a level can have"))
+        return {}
+    return {name: known}
+
+
+def _with_blocked_color(colors: Iterable[Any], theme: Any, lost: list[Lost]) -> Any:
+    """Return the theme with the colour of the blocked cells in it, if they have one in common."""
+    given = list(colors)
+    known = {color(each) for each in given}
+    if not given:
+        return theme
+    (first, *others) = known
+    if others or first is None or isinstance(theme, str):
+        message = "blocked cells have one colour in common, and themes that are named have theirs"
+        lost.append(Lost("base_areas", message))
+        return theme
+    theme = dict(theme or {})
+    return {"colors": {**theme.pop("colors", {}), "blocked": first}, **theme}

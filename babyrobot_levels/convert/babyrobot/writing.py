@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.convert.babyrobot.looks import (
+from babyrobot_levels.convert.babyrobot.reading import (
     COLORS,
+    NO_EXIT,
     PANEL_SIDES,
+    SIZES,
     THEMES,
     USUAL_SLEEP,
     WIDTHS,
 )
-from babyrobot_levels.convert.babyrobot.reading import NO_EXIT, SIZES
 from babyrobot_levels.convert.babyrobot.toggles import ALMOST_NEVER, maze_edges
+from babyrobot_levels.convert.blocks import SPATIAL, UNLIKE
 from babyrobot_levels.convert.conversion import Conversion, Lost, fields_lost
+from babyrobot_levels.convert.data import truncated
 from babyrobot_levels.convert.edges import (
     Edge,
     free_edges,
@@ -24,10 +26,10 @@ from babyrobot_levels.convert.edges import (
     wall_at,
     wall_looks,
 )
-from babyrobot_levels.convert.marks import SPATIAL, UNLIKE
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Panel
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.render.scene.runs import rectangles
 
 DEFAULT = BUILTIN_THEMES["default"]
 PLACE = "a setup of the package"
@@ -147,26 +149,21 @@ def _cells(level: Level, lost: list[Lost]) -> dict[str, Any]:
 
 
 def _blocked(level: Level) -> list[Any]:
-    """Return the blocked rectangles, row by row where they overlap: the package stumbles there."""
+    """Return the blocked rectangles, without overlaps: the package cannot remove a cell twice."""
     cells = level.grid().blocked_cells
-    rectangles = [(*rectangle.at, *rectangle.size) for rectangle in level.blocked]
-    if sum(columns * rows for *_, columns, rows in rectangles) != sum(cells):
-        width = level.size[0]
-        rectangles = []
-        for y in range(level.size[1]):
-            for blocked, run in groupby(range(width), lambda x: cells[y * width + x]):  # noqa: B023
-                columns = list(run)
-                rectangles += [(columns[0], y, len(columns), 1)] if blocked else []
+    found = [(*rectangle.at, *rectangle.size) for rectangle in level.blocked]
+    if sum(columns * rows for *_, columns, rows in found) != sum(cells):
+        found = list(rectangles(cells, level.size[0]))
     color = level.colors_and_widths.colors.blocked
     if level.theme in THEMES or color == DEFAULT.colors.blocked:
-        return rectangles
-    return [(rectangle, color) for rectangle in rectangles]
+        return found
+    return [(rectangle, color) for rectangle in found]
 
 
-def _reward(value: float, where: str, lost: list[Lost]) -> int:
+def _reward(value: float, where: str, lost: list[Lost]) -> float:
     if int(value) != value:
         lost.append(Lost(where, f"the package counts {value:g} as {int(value)}"))
-    return int(value)
+    return truncated(value)
 
 
 def _lost_rewards(level: Level) -> Iterator[Lost]:

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import groupby, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.convert.checked import integer, mapping, sequence
 from babyrobot_levels.convert.conversion import ConversionError, Lost, World, shown
-from babyrobot_levels.convert.data import read_data
+from babyrobot_levels.convert.data import integer, mapping, read_data, sequence
 from babyrobot_levels.convert.edges import Edge, edge_of, in_rows
-from babyrobot_levels.convert.tiled.tiles import FAR, MAX_TILES, TileLayer, tile_layer
-from babyrobot_levels.convert.tiled.tilesets import CLASSES, Tilesets
+from babyrobot_levels.convert.tiled.tiles import (
+    CLASSES,
+    FAR,
+    MAX_TILES,
+    TileLayer,
+    Tilesets,
+    tile_layer,
+)
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.render.scene.runs import rectangles
 from babyrobot_levels.text.document import YamlFault
 from babyrobot_levels.text.reader import MAX_BYTES, read
 from babyrobot_levels.text.source import SourceFile
@@ -206,7 +212,8 @@ class _Reader:
             walls.append(told | ({"length": length} if length > 1 else {}) | given)
         puddles = [{"at": [*c], "size": "small"} for c in found["small-puddle"]]
         puddles += [{"at": [*c], "size": "large"} for c in found["large-puddle"]]
-        lists = {"walls": walls, "puddles": puddles, "blocked": list(_rows(found["blocked"]))}
+        blocked = _rectangles(found["blocked"], self.width, self.height)
+        lists = {"walls": walls, "puddles": puddles, "blocked": list(blocked)}
         things = len(found["start"]) + len(found["exit"]) + sum(map(len, lists.values()))
         if things > MAX_THINGS:
             raise ConversionError(
@@ -237,12 +244,13 @@ def _one_or_all(cells: list[tuple[int, int]]) -> list[Any]:
     return [*cells[0]] if len(cells) == 1 else [[*cell] for cell in cells]
 
 
-def _rows(cells: list[tuple[int, int]]) -> Iterator[dict[str, Any]]:
-    """Yield cells as rectangles, one for those side by side."""
-    ordered = enumerate(sorted(cells, key=lambda cell: (cell[1], cell[0])))
-    for _, run in groupby(ordered, lambda told: (told[1][1], told[1][0] - told[0])):
-        (_, (x, y)), *more = run
-        yield {"at": [x, y]} | ({"size": [1 + len(more), 1]} if more else {})
+def _rectangles(cells: list[tuple[int, int]], width: int, height: int) -> Iterator[dict[str, Any]]:
+    """Yield rectangles that cover the cells, as entries of `blocked`."""
+    marks = bytearray(width * height)
+    for x, y in cells:
+        marks[y * width + x] = True
+    for x, y, columns, rows in rectangles(marks, width):
+        yield {"at": [x, y]} | ({} if columns == rows == 1 else {"size": [columns, rows]})
 
 
 def is_tiled(data: Any) -> bool:

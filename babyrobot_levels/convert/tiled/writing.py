@@ -9,7 +9,7 @@ from typing import Any
 from babyrobot_levels.convert.conversion import Conversion, Lost
 from babyrobot_levels.convert.edges import Edge, free_edges, in_rows, wall_at, wall_looks
 from babyrobot_levels.convert.tiled.reading import SPATIAL, TEXTS
-from babyrobot_levels.convert.tiled.tilesets import CLASSES
+from babyrobot_levels.convert.tiled.tiles import CLASSES
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import from_mapping
