@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.convert.conversion import ConversionError, Lost, fields_lost
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
 from babyrobot_levels.mdp.grid import BIT, SIDES, Grid, neighbour
 from babyrobot_levels.text.source import Position, SourceFile
@@ -28,7 +29,7 @@ ENDS = "x"
 HOLE_COLOR, LAVA_COLOR = "#1b3a5c", "orangered"
 """The colours of such cells where the other format shows them in one of its own."""
 
-SPATIAL = frozenset({"size", "start", "exit", "maze", "walls", "openings", "blocked"})
+SPATIAL = frozenset(fields_with(Role.GEOMETRY)) - {"map", "legend"}
 """The fields that a map of blocks is made of."""
 
 UNLIKE = frozenset({"areas", "rewards"})

@@ -5,15 +5,12 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import Position, SourceFile, Span
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
 
 _NOT_LOST = frozenset({"version", "name", "map", "legend"})
 """Fields that are the file's own, or whose meaning stands in others as well."""
@@ -112,7 +109,7 @@ def level_of(world: World, *, name: str | None = None, stacklevel: int = 1) -> L
     """
     for lost in world.lost:
         warnings.warn(str(lost), ConversionWarning, stacklevel=stacklevel + 1)
-    return from_mapping(world.fields, name=name)
+    return Level.from_fields(world.fields, name=name)
 
 
 def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[Lost]:

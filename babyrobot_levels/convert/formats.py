@@ -27,10 +27,12 @@ from babyrobot_levels.convert.frozen_lake import KEYWORDS as LAKE_KEYWORDS
 from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping, read_level
+from babyrobot_levels.library.reading import errors_of
 from babyrobot_levels.text.emitter import emit_field
-from babyrobot_levels.text.files import ReadFault, decode
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -60,10 +62,7 @@ FORMATS = {
 SUFFIXES = {".tmj": "tiled", ".xsb": "sokoban", ".sok": "sokoban"}
 """File suffixes that say which format a file has."""
 
-_LOOKS = (
-    *("title", "description", "author", "license", "source", "tags", "discount", "max_steps"),
-    *("theme", "display", "maze", "walls.color"),
-)
+_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
 """The first words of what can be lost without another game coming of it."""
 
 
@@ -83,7 +82,7 @@ def export(level: Level, name: str) -> Conversion:
     conversion = FORMATS[name].write(level)
     if any(not lost.field.startswith(_LOOKS) for lost in conversion.warnings):
         return conversion
-    again = from_mapping(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
+    again = Level.from_fields(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
     if again.digest == level.digest:
         return conversion
     difference = (
@@ -126,17 +125,15 @@ def _tidy(text: str) -> str:
     from babyrobot_levels.lint.registry import select
 
     try:
-        source = decode(text.encode("utf-8"), "<imported>")
-    except ReadFault as fault:
+        source = source_of(text.encode("utf-8"), "<imported>")
+    except LevelError as error:
         raise ConversionError(
-            f"the level would be too much for one file: {fault}",
+            f"the level would be too large for one file: {error.diagnostics[0].message}",
             "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
         ) from None
-    level, diagnostics = read_level(source)
-    if level is None:
-        raise ConversionError(
-            "this is no valid level:\n" + "\n".join(map(str, diagnostics[:5])),
-        )
+    errors = errors_of(source)
+    if errors:
+        raise ConversionError("this is not a valid level:\n" + "\n".join(map(str, errors[:5])))
     fixed = fix(source, select(None)).text
     return format_source(SourceFile(source.name, fixed)).text
 

@@ -64,6 +64,7 @@ MOVED = {
     "solver": "analysis.solver",
     "source": "text.source",
     "spec": "language",
+    "spec.problem": "text.diagnostics",
     "starter": "generate.starter",
     "suggest": "text.suggest",
     "suites": "generate.suites",

@@ -154,7 +154,7 @@ def _blocked(level: Level) -> list[Any]:
     found = [(*rectangle.at, *rectangle.size) for rectangle in level.blocked]
     if sum(columns * rows for *_, columns, rows in found) != sum(cells):
         found = list(rectangles(cells, level.size[0]))
-    color = level.colors_and_widths.colors.blocked
+    color = level.resolved_theme.colors.blocked
     if level.theme in THEMES or color == DEFAULT.colors.blocked:
         return found
     return [(rectangle, color) for rectangle in found]
@@ -184,7 +184,7 @@ def _lost_rewards(level: Level) -> Iterator[Lost]:
 def _theme(level: Level, lost: list[Lost]) -> dict[str, Any]:
     if level.theme in THEMES:
         return {"grid": {"theme": level.theme}}
-    theme = level.colors_and_widths
+    theme = level.resolved_theme
     colors = {}
     for name, value in theme.colors.model_dump().items():
         if value != getattr(DEFAULT.colors, name):
