@@ -106,7 +106,7 @@ def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
 
 
 def write_maze_map(level: Level) -> Conversion:
-    """Return a level as a list of rows that is JSON and a Python literal alike."""
+    """Return a level as a list of rows that is JSON and a Python literal at once."""
     ends = f"{_MAZE_MAP} has no cells that end the episode but goals"
     rows, lost = block_map(level, _MAZE_MAP, SPARSE_REWARDS, ends=ends, many="SE")
     values = {cell: value for value, cell in _VALUES.items()}
@@ -165,7 +165,7 @@ def _cell_of_pair(source: SourceFile, pair: str, x: int, y: int, counts: Counter
         counts["agent"] += 1
         return d.START
     # An open door has no colour.
-    kind, color = ("D", _COLORS[0]) if pair == "__" else pair
+    kind, color = ("D", _COLORS[0]) if pair == "__" else (pair[0], pair[1])
     if kind not in _CELLS | _OBJECTS or color not in _COLORS:
         message = f"unknown cell `{pair}`"
         raise ConversionError.at(source, place_of(source, 2 * x, y), message, _PAIRS_HELP)
@@ -218,7 +218,7 @@ _SOKOBAN_HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit,
 def read_sokoban(source: SourceFile) -> World:
     """Return the world of a map: its walls are blocked cells, and so is everything around them.
 
-    Comments and lines like `Title:`, as files of Sokoban levels have them, may stand around the
+    Comments and lines like `Title:`, as files of Sokoban levels have them, may surround the
     map. A `.` is a goal, unless `E` or `X` marks the exits: then it is a free cell.
     """
     texts: dict[str, Any] = {}
@@ -297,7 +297,7 @@ def read_maze_dataset(source: SourceFile) -> World:
     rows = _without_doors(translated(source, lines, _DATASET_CELLS, _DATASET_HELP), lost)
     if not is_lattice(rows):
         raise ConversionError(
-            "this is not a maze of cells with walls between them",
+            "the map is not a maze of cells with walls between them",
             "an odd number of rows and columns, a cell in every second one, and `#` between four; "
             "for walls that fill cells, use --from sokoban",
         )
@@ -312,7 +312,7 @@ def read_maze_dataset(source: SourceFile) -> World:
 
 
 def _without_doors(rows: Rows, lost: list[Lost]) -> Rows:
-    """Return rows in which what stands in the outer wall has moved into the cell behind it."""
+    """Return rows with a closed outer wall; a start or exit in it moves into the cell behind it."""
     cells = [list(row) for row in rows]
     right, bottom = len(rows[0]) - 1, len(rows) - 1
     for y, row in enumerate(rows):

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.convert.conversion import ConversionError, Lost, fields_lost
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.language.base import MAX_SIZE, SIDES
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
-from babyrobot_levels.mdp.grid import BIT, SIDES, Grid, neighbour
+from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 from babyrobot_levels.text.source import Position, SourceFile
 
 if TYPE_CHECKING:
@@ -21,19 +21,19 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
 
 Rows = tuple[str, ...]
-"""Cells row by row, each as the character that stands for it in a drawing of the language."""
+"""Cells row by row, each as its character in a drawing of the language."""
 
 ENDS = "x"
-"""The mark of a cell whose area ends the episode."""
+"""The mark of a cell whose area is terminal."""
 
 HOLE_COLOR, LAVA_COLOR = "#1b3a5c", "orangered"
 """The colours of such cells where the other format shows them in one of its own."""
 
 SPATIAL = frozenset(fields_with(Role.GEOMETRY)) - {"map", "legend"}
-"""The fields that a map of blocks is made of."""
+"""The fields that a map of blocks can hold."""
 
 UNLIKE = frozenset({"areas", "rewards"})
-"""Fields of which a part may be carried, and which are looked at one by one."""
+"""Fields of which a part may be kept; they are checked one by one."""
 
 
 def text_rows(source: SourceFile) -> list[str]:
@@ -120,9 +120,9 @@ def replaced(rows: Rows, places: Iterable[tuple[int, int]], mark: str) -> Rows:
 
 
 def is_lattice(rows: Rows) -> bool:
-    """Tell whether every second cell of every second row is one, and all posts between are walls.
+    """Return whether rows are a lattice, as mazes with walls between cells are drawn in blocks.
 
-    That is how mazes with walls between their cells are drawn in blocks.
+    Cells are at the odd columns of the odd rows, walls at the even columns of the even rows.
     """
     width, height = len(rows[0]), len(rows)
     if width % 2 == 0 or height % 2 == 0 or width < 3 or height < 3:
@@ -136,7 +136,7 @@ def drawn(rows: Rows, east: Rows | None = None, south: Rows | None = None) -> di
     """Return the field `map` with rows of cells, without walls between them if none are given.
 
     Raises:
-        ConversionError: there is no cell, there are too many, or there is no start among them.
+        ConversionError: there are too many cells, or none of them is a start.
     """
     width, height = len(rows[0]), len(rows)
     if max(width, height) > MAX_SIZE:
@@ -144,14 +144,14 @@ def drawn(rows: Rows, east: Rows | None = None, south: Rows | None = None) -> di
             f"the map is {width} by {height}; a level is at most {MAX_SIZE} cells wide and high"
         )
     if not any(d.START in row for row in rows):
-        raise ConversionError("the map has no start", "mark the cell where episodes begin")
+        raise ConversionError("the map has no start", "mark the cell where episodes start")
     east = east or (d.OPEN * (width - 1),) * height
     south = south or (d.OPEN * width,) * (height - 1)
     return {"map": d.compose(d.Drawing(rows, east, south))}
 
 
 def has_walls(grid: Grid) -> bool:
-    """Tell whether there are walls between free cells, of glass or not."""
+    """Return whether there are walls between free cells, of glass or not."""
     return any(
         bits & BIT[side] and other is not None and not grid.blocked_cells[other]
         for cell, bits in enumerate(grid.wall_bits)
@@ -201,7 +201,7 @@ def from_lattice(rows: Rows) -> tuple[Rows, Rows, Rows]:
 
 
 def marked(level: Level) -> Rows:
-    """Return the cells row by row: plain, blocked, a start, an exit, or one that ends all."""
+    """Return the cells row by row: plain, blocked, a start, an exit, or `ENDS`."""
     width, height = level.size
     blocked = level.grid().blocked_cells
     ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
@@ -221,19 +221,19 @@ def marked(level: Level) -> Rows:
 def block_map(
     level: Level, place: str, rewards: Rewards, *, ends: str | None, many: str
 ) -> tuple[Rows, list[Lost]]:
-    """Return a level in blocks with a ring around it, and what these cannot say.
+    """Return a level in blocks with a ring around it, and what such a map does not keep.
 
     Args:
         level: the level.
-        place: what has no place for the rest: "a Sokoban map".
-        rewards: the rewards that reading such a map gives.
-        ends: why cells that end the episode are not what they were; None where they are.
-        many: of which marks there may be more than one: `S`, `E`, both or none.
+        place: the format, for messages: "a Sokoban map".
+        rewards: the rewards of a level that is read from such a map.
+        ends: why areas that end the episode are not kept; None if they are.
+        many: the marks that may occur more than once: `S`, `E`, both or none.
     """
     lost = list(fields_lost(level, SPATIAL | UNLIKE, place))
     lost += lost_areas(level, ends)
     if level.rewards != rewards:
-        lost.append(Lost("rewards", f"{place} has no place for them"))
+        lost.append(Lost("rewards", f"{place} cannot hold them"))
     grid, cells = level.grid(), marked(level)
     for character, name, found in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
         if len(found) > 1 and character not in many:
@@ -254,12 +254,12 @@ def only_first(name: str, cells: Sequence[tuple[int, int]], place: str) -> Lost:
 
 
 def lost_areas(level: Level, ends: str | None, *, hole: float | None = None) -> Iterator[Lost]:
-    """Yield what areas say beside that the episode ends there.
+    """Yield the properties of areas that are not kept.
 
     Args:
         level: the level.
-        ends: why not even that is kept; None if it is.
-        hole: the reward that is kept where it ends; None for that of a step.
+        ends: why `ends` is not kept; None if it is.
+        hole: the reward that is kept where the episode ends; None for that of a step.
     """
     step = level.rewards.step
     hole = step if hole is None else hole
@@ -271,7 +271,7 @@ def lost_areas(level: Level, ends: str | None, *, hole: float | None = None) -> 
     }
     for name, values in kept.items():
         if any(getattr(area, name) not in values for area in level.areas):
-            yield Lost(f"areas.{name}", ends if name == "ends" and ends else "areas are not shown")
+            yield Lost(f"areas.{name}", ends if name == "ends" and ends else "the map has no areas")
     rewards = ((area, step if area.reward is None else area.reward) for area in level.areas)
     if any(reward != (hole if area.ends else step) for area, reward in rewards):
-        yield Lost("areas.reward", "areas are not shown")
+        yield Lost("areas.reward", "the map has no areas")

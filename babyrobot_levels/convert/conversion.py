@@ -13,7 +13,7 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import Position, SourceFile, Span
 
 _NOT_LOST = frozenset({"version", "name", "map", "legend"})
-"""Fields that are the file's own, or whose meaning stands in others as well."""
+"""Fields of the file itself, or whose content is in other fields as well."""
 
 
 class ConversionWarning(UserWarning):
@@ -123,7 +123,7 @@ def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[L
     given = level.model_dump(by_alias=True, exclude_defaults=True)
     for name in type(level).model_fields:
         if name in given and name not in carried and name not in _NOT_LOST:
-            yield Lost(name, f"{place} has no place for it")
+            yield Lost(name, f"{place} cannot hold it")
 
 
 def shown(value: Any) -> str:

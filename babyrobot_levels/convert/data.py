@@ -22,7 +22,7 @@ MAX_DEPTH = 32
 _MAX_INTEGER = 2**53
 """Numbers up to this are written as integers: all of these are floats as well."""
 
-_PLAIN = "numbers, texts, lists, tuples and mappings can be read; names and calls cannot"
+_PLAIN = "use only numbers, strings, lists, tuples and dicts; names and calls are not allowed"
 _DATA = (
     *(ast.Constant, ast.List, ast.Tuple, ast.Set, ast.Dict, ast.UnaryOp, ast.unaryop),
     *(ast.Module, ast.Expr, ast.Assign, ast.expr_context),
@@ -30,7 +30,7 @@ _DATA = (
 
 
 def looks_like_data(text: str) -> bool:
-    """Tell whether a text may be JSON or a Python literal, rather than a map that is drawn."""
+    """Return whether a text may be JSON or a Python literal, rather than a drawn map."""
     return text.lstrip().startswith(("{", "[", "(", "'", '"')) or "=" in text
 
 
@@ -64,12 +64,12 @@ def _json(text: str) -> Any:
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is no number that a level could have")
+    raise ValueError(f"{constant} is not a finite number")
 
 
 def _literal(text: str) -> Any:
     with warnings.catch_warnings():
-        # What Python thinks of the style of its texts is of no interest here.
+        # Python warns of invalid escapes in string literals.
         warnings.simplefilter("ignore")
         body = ast.parse(text).body
         statement = body[0] if len(body) == 1 else None
@@ -92,14 +92,14 @@ def _first_code(text: str) -> Position:
 
 
 def _check_depth(source: SourceFile) -> None:
-    """Refuse what would exhaust a parser: brackets count wherever they stand, also in texts."""
+    """Refuse what would exhaust a parser: all brackets count, also those inside strings."""
     depth = 0
     for index, character in enumerate(source.text):
         if character in "[{(":
             depth += 1
             if depth > MAX_DEPTH:
                 place = source.position(index)
-                raise ConversionError.at(source, place, f"this is nested over {MAX_DEPTH} deep")
+                raise ConversionError.at(source, place, f"nested deeper than {MAX_DEPTH} levels")
         elif character in "]})":
             depth -= 1
 
@@ -107,12 +107,12 @@ def _check_depth(source: SourceFile) -> None:
 def _raise_farther(
     source: SourceFile, json_error: json.JSONDecodeError, error: SyntaxError
 ) -> NoReturn:
-    """Raise the error of the parser that got farther: it knows better what was meant."""
+    """Raise the error of the parser that got farther: the text is more likely in its format."""
     python = Position(error.lineno or 1, max(error.offset or 1, 1))
     if Position(json_error.lineno, json_error.colno) >= python:
         place = Position(json_error.lineno, json_error.colno)
-        raise ConversionError.at(source, place, f"this is no JSON ({json_error.msg})") from None
-    raise ConversionError.at(source, python, f"this is no Python literal ({error.msg})") from None
+        raise ConversionError.at(source, place, f"invalid JSON ({json_error.msg})") from None
+    raise ConversionError.at(source, python, f"invalid Python literal ({error.msg})") from None
 
 
 # -- checked values --------------------------------------------------------------------------
@@ -174,7 +174,7 @@ def integers(value: Any, where: str, *counts: int) -> list[int]:
 
 
 def color(value: Any) -> str | None:
-    """Return a colour as the language writes it, or None if the language has no such colour."""
+    """Return a colour as level files write it, None if it is not a valid one there."""
     if not isinstance(value, str):
         return None
     text = value.strip()

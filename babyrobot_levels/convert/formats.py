@@ -63,14 +63,14 @@ SUFFIXES = {".tmj": "tiled", ".xsb": "sokoban", ".sok": "sokoban"}
 """File suffixes that say which format a file has."""
 
 _LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
-"""The first words of what can be lost without another game coming of it."""
+"""Prefixes of the fields whose loss does not change the MDP."""
 
 
 def export(level: Level, name: str) -> Conversion:
     """Return a level in another format.
 
-    What the format has no place for is among the warnings. That the game is the same where
-    nothing says otherwise is checked: the result is read again, and the tables compared.
+    The warnings list everything that the format cannot hold. If none of them explains a different
+    MDP, the result is read again and the tables are compared: a difference is a warning too.
 
     Args:
         level: the level.
@@ -85,11 +85,9 @@ def export(level: Level, name: str) -> Conversion:
     again = Level.from_fields(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
     if again.digest == level.digest:
         return conversion
-    difference = (
-        compare(level, again).difference or "cells that no episode comes to are not the same"
-    )
+    difference = compare(level, again).difference or "cells that no episode reaches differ"
     return Conversion(
-        conversion.text, (*conversion.warnings, Lost("game", difference)), conversion.beside
+        conversion.text, (*conversion.warnings, Lost("MDP", difference)), conversion.beside
     )
 
 
@@ -97,14 +95,14 @@ def file_text(world: World, *, schema: str, name: str | None, title: str) -> str
     """Return the text of a level file.
 
     Args:
-        world: what it says.
-        schema: where editors find the JSON schema, as the file's first line names it.
-        name: the level's name, None to leave it to the file's.
+        world: its content.
+        schema: where editors find the JSON schema, for the file's first line.
+        name: the level's name, None to use that of the file.
         title: the level's title, if the world has none.
 
     Raises:
         ConversionError: the world is too large for a file.
-        LevelError: it is no valid level.
+        LevelError: it is not a valid level.
     """
     fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
     if name:
@@ -119,7 +117,7 @@ def file_text(world: World, *, schema: str, name: str | None, title: str) -> str
 
 def _tidy(text: str) -> str:
     """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
-    # Here, because writing another format needs no linter.
+    # Here, because exporting does not need the linter.
     from babyrobot_levels.language.formatting.formatter import format_source
     from babyrobot_levels.lint.fixer import fix
     from babyrobot_levels.lint.registry import select
@@ -139,10 +137,10 @@ def _tidy(text: str) -> str:
 
 
 def guess(source: SourceFile) -> list[str]:
-    """Return the names of the formats that a text may be in: by its suffix, or by what it is.
+    """Return the names of the formats that a text may be in, by its suffix or its content.
 
     Raises:
-        ConversionError: it looks like data, and cannot be read as such.
+        ConversionError: it is blank, or looks like JSON or Python but is malformed.
     """
     suffix = PurePath(source.name).suffix.lower()
     if suffix in SUFFIXES:
@@ -154,7 +152,7 @@ def _of_text(source: SourceFile) -> list[str]:
     """Return the formats of a drawn map, none if the text is not one."""
     letters = set(source.text) - set("\r\n")
     if not letters - {" "}:
-        raise ConversionError("there is nothing in it")
+        raise ConversionError("the text is blank")
     if letters <= {*LETTERS, " ", "\t"}:
         return ["frozen-lake"]
     if letters <= set("#SEX "):

@@ -78,7 +78,7 @@ def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:
     Path("lake.txt").write_text("\n".join(["S" + "F" * 499] * 500), encoding="utf-8")
     result = babyrobot("import", "lake.txt")
     assert (result.status, result.out) == (1, "")
-    assert result.err.startswith("lake.txt: error: the level would be too much for one file")
+    assert result.err.startswith("lake.txt: error: the level would be too large for one file")
     assert "360 by 360" in result.err
 
 

@@ -157,16 +157,16 @@ def test_a_difference_that_no_field_explains_is_told(monkeypatch: pytest.MonkeyP
     monkeypatch.setitem(FORMATS, "sokoban", replace(sokoban, write=careless))
     level = level_of({"version": 1, "walls": [{"at": [0, 0], "side": "E"}]})
     (lost,) = export(level, "sokoban").warnings
-    assert lost.field == "game"
+    assert lost.field == "MDP"
     assert "at [0, 0], east" in lost.message
 
 
 def test_lost_fields_are_those_that_say_something() -> None:
     level = level_of({"version": 1, "title": "T", "tags": [], "discount": 1, "max_steps": 3})
     assert list(fields_lost(level, frozenset(), "a map")) == [
-        Lost("title", "a map has no place for it"),
-        Lost("exit", "a map has no place for it"),
-        Lost("max_steps", "a map has no place for it"),
+        Lost("title", "a map cannot hold it"),
+        Lost("exit", "a map cannot hold it"),
+        Lost("max_steps", "a map cannot hold it"),
     ]
 
 
@@ -233,7 +233,7 @@ def test_a_format_is_known_by_its_suffix(name: str, form: str) -> None:
 
 @pytest.mark.parametrize("text", ["", "\n\n", "  \n"])
 def test_nothing_is_no_world(text: str) -> None:
-    with pytest.raises(ConversionError, match="nothing in it"):
+    with pytest.raises(ConversionError, match="the text is blank"):
         guess(SourceFile("world", text))
 
 

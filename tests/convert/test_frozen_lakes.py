@@ -167,7 +167,7 @@ def test_keywords_that_are_not_about_the_game_are_told() -> None:
         ('{"desc": ["SG"], "reward_schedule": [1]}', "reward_schedule must be three numbers"),
         ('{"desc": ["SG"], "is_slippery": "no"}', "is_slippery must be true or false"),
         ('{"map_name": "9x9"}', "map_name must be 4x4 or 8x8"),
-        ('{"map_name": null}', "another lake each time"),
+        ('{"map_name": null}', "generates a random lake"),
     ],
 )
 def test_faulty_maps_are_refused_with_the_place(text: str, message: str) -> None:

@@ -306,7 +306,7 @@ def test_badly_packed_layers_are_refused(data: str, compression: Any, message: s
 def test_no_more_of_a_layer_is_unpacked_than_its_tiles_take(
     compression: str, bits: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    sizes = []
+    sizes: list[int] = []
 
     class Counting:
         def __init__(self, window: int):
@@ -349,7 +349,7 @@ def test_more_entries_than_a_file_can_hold_are_refused(monkeypatch: pytest.Monke
 @pytest.mark.slow
 def test_the_largest_layer_of_starts_is_refused() -> None:
     layer = packed_layer(packed([5] * 1024**2, "zlib"), "zlib")
-    with pytest.raises(ConversionError, match=r"1,048,576 starts, .* too much for one file"):
+    with pytest.raises(ConversionError, match=r"1,048,576 starts, .* too many for one file"):
         world_of(foreign(width=1024, height=1024, layers=[layer]), "tiled")
 
 
@@ -449,11 +449,11 @@ def test_tilesets_elsewhere_are_not_read(tmp_path: Path) -> None:
     ("name", "message"),
     [
         ("none.tsx", "there is no such file"),
-        (".", "is no tileset by its name"),
+        (".", "has none of the suffixes"),
         ("folder.tsj", "this is a folder"),
-        ("map.tmj", "is no tileset by its name"),
-        ("a\0.tsj", "is no name of a file"),
-        ("\ud800.tsj", "is no name of a file"),
+        ("map.tmj", "has none of the suffixes"),
+        ("a\0.tsj", "is not a valid file name"),
+        ("\ud800.tsj", "is not a valid file name"),
         ("x" * 5000 + ".tsj", "not"),
         (["t.tsj"], "is a file of its own"),
     ],
@@ -489,7 +489,7 @@ BAD_XML = {
 @pytest.mark.parametrize("name", BAD_XML)
 def test_bad_xml_is_refused_with_a_reason(name: str, tmp_path: Path) -> None:
     (tmp_path / "t.tsx").write_text(BAD_XML[name], encoding="utf-8")
-    words = "DOCTYPE|is no XML|no tileset of Tiled|id must be a whole number"
+    words = "DOCTYPE|invalid XML|not a tileset of Tiled|id must be a whole number"
     with pytest.raises(ConversionError, match=rf"t\.tsx.*({words})"):
         with_tileset("t.tsx", tmp_path)
 

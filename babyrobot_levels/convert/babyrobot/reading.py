@@ -35,7 +35,7 @@ MAX_BLOCKED = 2_000_000
 """More than the largest grid has cells."""
 
 NO_EXIT = (-1, -1)
-"""An `end` that nobody gets to: how a level without an exit is exported."""
+"""An unreachable `end`: how a level without an exit is exported."""
 
 THEMES = frozenset({"black_orange", "blue_green", "green"})
 """The themes that the package and the language both have."""
@@ -47,12 +47,12 @@ COLORS = (
 WIDTHS = ("padding", "walls", "border")
 
 USUAL_SLEEP = 0.07
-"""The seconds that the package's robot sleeps between two pictures, if nothing is said."""
+"""The default number of seconds that the package sleeps between two frames."""
 
 _FLAGS = {"add_compass": "compass", "show_start_text": "start_text", "show_end_text": "exit_text"}
 _FLAG_DEFAULTS = {"compass": False, "start_text": True, "exit_text": True}
 PANEL_SIDES = {"side_panel": ("width", "height"), "bottom_panel": ("height", "width")}
-"""For each panel, the keyword that says how much room it takes, and the one that says nothing."""
+"""For each panel, the keyword for its extent, and the one that the package ignores."""
 
 _DEFAULT_SIZES = {"side_panel": 100, "bottom_panel": 50}
 
@@ -62,7 +62,7 @@ _PLAYING = {
     "action_space": 'give `actions="all"` to `level.make` for all five actions everywhere',
     "apply_api_compatibility": "a step returns five values",
     "drawmode": "pictures look the same everywhere",
-    "offset": "the robot is drawn where he stands",
+    "offset": "the robot is drawn in its cell",
 }
 KEYWORDS = {"width", "height", "start", "end", "initial_pos", "puddles", "puddle_props", "walls"}
 KEYWORDS |= {"base_areas", "grid_areas", "add_maze", "maze_seed", "max_steps", "grid", "robot"}
@@ -74,15 +74,15 @@ KEYWORDS |= set(_PLAYING)
 def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
     """Return the level that a keyword setup of PyPI babyrobot 1.0.40 describes.
 
-    The game is the one that the package plays, so coming to the exit gives -1. What a level has
-    no place for is told by a `ConversionWarning` each.
+    The MDP is the one that the package plays, so reaching the exit gives -1. Each keyword that a
+    level cannot hold is a `ConversionWarning`.
 
     Args:
         setup: the keywords: `{"width": 8, "add_maze": True, "walls": [((2, 0), "E")], …}`.
         name: the level's name.
 
     Raises:
-        LevelError: the setup has a value that the package could not play, or describes no level.
+        LevelError: a value is not valid in the package, or the setup is not a valid level.
     """
     return level_of(read_setup(setup), name=name, stacklevel=2)
 
@@ -144,7 +144,7 @@ class _Reader:
         first = integers(self.setup.pop("initial_pos", None) or [x, y], "initial_pos", 2)
         self.fields["start"] = first
         if first != [x, y]:
-            self._lose("start", "the red square stands where episodes begin, at initial_pos")
+            self._lose("start", "the start square is drawn at initial_pos, where episodes start")
         end = integers(self.setup.pop("end", [width - 1, height - 1]), "end", 2)
         self.end = end[0], end[1]
         self.fields["exit"] = end if self._inside(*end) else "none"
@@ -152,7 +152,7 @@ class _Reader:
         if not self._inside(*end):
             del self.fields["rewards"]
             if self.end != NO_EXIT:
-                self._lose("end", f"({end[0]}, {end[1]}) is off the grid: there is no exit")
+                self._lose("end", f"({end[0]}, {end[1]}) is off the grid, so there is no exit")
 
     def _walls(self) -> None:
         entries = sequence(self.setup.pop("walls", None) or [], "walls")
@@ -161,7 +161,9 @@ class _Reader:
         if has_maze and seed is None:
             self.fields["maze"] = {"seed": "random"}
             if entries:
-                raise ConversionError("walls cannot be toggled in a maze without a seed")
+                raise ConversionError(
+                    "walls cannot be toggled in a maze without a seed; add maze_seed"
+                )
             return
         maze = maze_edges(*self.size, self.start, integer(seed, "maze_seed")) if has_maze else set()
         # The package grows its maze from `start`, and through cells that are off the grid.
@@ -195,11 +197,11 @@ class _Reader:
             for cell, value in pairs:
                 size = integer(value, where)
                 if size not in (0, *SIZES):
-                    raise ConversionError(f"{where}: a size is 1 (small) or 2 (large), not {size}")
+                    raise ConversionError(f"{where}: size must be 1 or 2, not {size}")
                 if not self._inside(*cell) or (cell in self.blocked and size):
-                    self._lose(where, f"there is no cell {cell} on the grid")
+                    self._lose(where, f"cell {cell} is not a free cell of the grid")
                 elif cell in found and size != found[cell]:
-                    self._lose(where, f"{cell} is a puddle already, and the first one counts")
+                    self._lose(where, f"cell {cell} has a puddle already; the first one counts")
                 else:
                     found[cell] = size
         if found.get(self.end):
@@ -223,7 +225,7 @@ class _Reader:
             elif what == "reward":
                 types.setdefault(name, {})["reward"] = self._reward(value, where)
             else:
-                # The probability is that of not skidding; 1 - 0.9 is to be 0.1.
+                # The probability is that of not skidding. Rounded, so that 1 - 0.9 is 0.1.
                 types.setdefault(name, {})["skid"] = round(1 - probability(value, where), 12)
         if types:
             self.fields["puddle_types"] = types
@@ -236,13 +238,13 @@ class _Reader:
         return truncated(given)
 
     def _rectangle(self, value: Any, where: str) -> dict[str, Any] | None:
-        """Return the part of a rectangle that is on the grid, None if there is none."""
+        """Return the part of a rectangle that is on the grid, None if it is empty."""
         x, y, *size = integers(value, where, 2, 4)
         columns, rows = size or (1, 1)
         right, bottom = min(x + columns, self.size[0]), min(y + rows, self.size[1])
         x, y = max(x, 0), max(y, 0)
         if right <= x or bottom <= y:
-            self._lose(where, "no cell of it is on the grid")
+            self._lose(where, "none of its cells is on the grid")
             return None
         cells = {"at": [x, y]}
         return (
@@ -273,7 +275,7 @@ class _Reader:
             if rest and isinstance(rest[0], str):
                 self.blocked_colors.append(rest.pop(0))
             if rest:
-                self._lose(f"{where} borders", "blocked cells have the walls of the theme")
+                self._lose(f"{where} borders", "blocked cells have no borders of their own")
         if blocked:
             self.fields["blocked"] = blocked
 
@@ -290,7 +292,7 @@ class _Reader:
             if len(parts) > 1 and parts[1] is not None:
                 known = color(parts[1])
                 if known is None:
-                    self._lose(where, f"{shown(parts[1])} is no colour that a level can have")
+                    self._lose(where, f"{shown(parts[1])} is not a valid colour of a level")
                 else:
                     area["color"] = known
             if len(parts) > 2:
@@ -333,21 +335,21 @@ def _read_display(setup: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
 
 def _panel(keyword: str, panel: Any, lost: list[Lost]) -> Any:
     if isinstance(panel, bool) or not isinstance(panel, int | float | dict):
-        # To the package, anything else that is there asks for a panel of the usual size.
+        # The package takes any other value for a panel of the default size.
         return _DEFAULT_SIZES[keyword]
     if not isinstance(panel, dict):
         return _pixels(panel, keyword)
     size, other = PANEL_SIDES[keyword]
     room = panel.get(size, _DEFAULT_SIZES[keyword])
-    told: dict[str, Any] = {"width": _pixels(room, f"{keyword} {size}")}
+    found: dict[str, Any] = {"width": _pixels(room, f"{keyword} {size}")}
     for name, ours in (("color", "color"), ("text_fg", "text_color")):
         if name in panel:
-            told |= _color(panel[name], ours, f"{keyword} {name}", lost)
+            found |= _color(panel[name], ours, f"{keyword} {name}", lost)
     if other in panel:
-        lost.append(Lost(f"{keyword} {other}", "a panel is as long as its side of the grid"))
+        lost.append(Lost(f"{keyword} {other}", "a panel always spans its side of the grid"))
     unknown = [name for name in panel if name not in (size, other, "color", "text_fg")]
-    lost += [Lost(f"{keyword} {name}", "the package does not know it either") for name in unknown]
-    return told if len(told) > 1 else told["width"]
+    lost += [Lost(f"{keyword} {name}", "unknown to the package as well") for name in unknown]
+    return found if len(found) > 1 else found["width"]
 
 
 def _pixels(value: Any, where: str) -> float:
@@ -355,26 +357,26 @@ def _pixels(value: Any, where: str) -> float:
 
 
 def _robot(robot: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
-    told: dict[str, Any] = {}
+    found: dict[str, Any] = {}
     if not robot.pop("show", True):
-        told["show"] = False
+        found["show"] = False
     sleep = number(robot.pop("sleep", USUAL_SLEEP), "robot sleep")
-    # The speed of a robot that never sleeps is the greatest that there is.
+    # A robot that never sleeps gets the largest speed.
     speed = round(min(max(USUAL_SLEEP / sleep, 0.01), 100.0), 4) if sleep > 0 else 100.0
     if speed != 1:
-        told["speed"] = speed
-    lost += [Lost(f"robot {name}", "the robot moves in a way of its own") for name in robot]
-    return told
+        found["speed"] = speed
+    lost += [Lost(f"robot {name}", "a level has no such setting of the robot") for name in robot]
+    return found
 
 
 def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
-    """Return the field `theme` of a setup's `grid`, None if it says nothing."""
+    """Return the field `theme` of a setup's `grid`, None if there is nothing to set."""
     name = grid.get("theme")
     if name in THEMES:
-        # Nothing else of `grid` counts beside a theme that is found.
+        # The package ignores the rest of `grid` beside a theme that it knows.
         return name
     if name is not None:
-        lost.append(Lost("grid theme", f"{shown(name)} is a file of its own; write it as colours"))
+        lost.append(Lost("grid theme", f"{shown(name)} is unknown; write it as colours"))
     colors: dict[str, Any] = {}
     for key, value in mapping(grid.get("colors") or {}, "grid colors").items():
         if key in COLORS:
@@ -388,7 +390,7 @@ def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
         else:
             lost.append(Lost(f"grid widths {key}", f"a theme cannot have {shown(value)} for it"))
     unknown = [key for key in grid if key not in ("theme", "colors", "widths")]
-    lost += [Lost(f"grid {key}", "the package does not know it either") for key in unknown]
+    lost += [Lost(f"grid {key}", "unknown to the package as well") for key in unknown]
     theme = {"colors": colors} if colors else {}
     return theme | ({"widths": widths} if widths else {}) or None
 
@@ -396,20 +398,20 @@ def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
 def _color(value: Any, name: str, where: str, lost: list[Lost]) -> dict[str, str]:
     known = color(value)
     if known is None:
-        lost.append(Lost(where, f"{shown(value)} is no colour that a level can have"))
+        lost.append(Lost(where, f"{shown(value)} is not a valid colour of a level"))
         return {}
     return {name: known}
 
 
 def _with_blocked_color(colors: Iterable[Any], theme: Any, lost: list[Lost]) -> Any:
-    """Return the theme with the colour of the blocked cells in it, if they have one in common."""
+    """Return the theme with the colour of the blocked cells, if they all share one."""
     given = list(colors)
     known = {color(each) for each in given}
     if not given:
         return theme
     (first, *others) = known
     if others or first is None or isinstance(theme, str):
-        message = "blocked cells have one colour in common, and themes that are named have theirs"
+        message = "blocked cells share one colour, and a named theme sets it"
         lost.append(Lost("base_areas", message))
         return theme
     theme = dict(theme or {})

@@ -24,10 +24,10 @@ MAX_TILES = 4 * MAX_SIZE**2
 """As many tiles as four layers of the largest map have."""
 
 FAR = 1_000_000
-"""No chunk of an infinite map lies farther from its origin."""
+"""The largest distance of a chunk of an infinite map from the origin."""
 
 FLIPS = 0x0FFFFFFF
-"""The bits of a tile's number that are left when those for flipping are gone."""
+"""The bits of a tile's number without those for flipping."""
 
 _BYTES = 4
 _WINDOWS = {"zlib": zlib.MAX_WBITS, "gzip": zlib.MAX_WBITS | 16}
@@ -45,12 +45,12 @@ _EMBED = "`tiled --embed-tilesets --export-map MAP NEW.tmj` writes a map that ho
 
 @dataclass(frozen=True, slots=True)
 class TileLayer:
-    """A layer whose size is known, and whose tiles have not been looked at.
+    """A layer of known size whose tiles have not been unpacked yet.
 
     Attributes:
-        where: what messages call it.
-        chunks: the rectangles that it is made of, each with its tiles as they are written.
-        compression: how they are packed, if they are texts.
+        where: its name in messages.
+        chunks: its rectangles (left, top, width, height), each with its tiles as in the file.
+        compression: the compression of tiles that are texts; empty for none.
     """
 
     where: str
@@ -59,14 +59,14 @@ class TileLayer:
 
     @property
     def count(self) -> int:
-        """How many tiles there are, empty ones as well."""
+        """The number of tiles, including empty ones."""
         return sum(width * height for _, _, width, height, _ in self.chunks)
 
     def placed(self) -> Iterator[tuple[int, int, int]]:
         """Yield x, y and the number of each tile that is not empty.
 
         Raises:
-            ConversionError: they are not as many as they should be, or cannot be unpacked.
+            ConversionError: their number is wrong, or they cannot be unpacked.
         """
         for left, top, width, height, data in self.chunks:
             numbers = self._numbers(data, width * height)
@@ -88,7 +88,7 @@ class TileLayer:
             data = base64.b64decode(text, validate=True)
             if self.compression:
                 packed = zlib.decompressobj(_WINDOWS[self.compression])
-                # One byte more than there should be tells that there is more.
+                # One byte more than expected, to notice that there is more.
                 data = packed.decompress(data, count * _BYTES + 1)
                 is_whole = packed.eof or len(data) > count * _BYTES
         except (ValueError, zlib.error):
@@ -112,7 +112,7 @@ def tile_layer(layer: dict[str, Any], where: str, size: tuple[int, int] | None) 
         size: of the map, None if it is infinite.
 
     Raises:
-        ConversionError: it is packed in a way that is not known, or too large.
+        ConversionError: its compression is unknown, or it is too large.
     """
     compression = layer.get("compression") or ""
     if compression not in ("", *_WINDOWS):
@@ -141,7 +141,7 @@ class Tilesets:
     """The tilesets of a map.
 
     Attributes:
-        lost: those that could not be had.
+        lost: those that are not read.
     """
 
     def __init__(self, entries: Any, folder: Path | None):
@@ -149,7 +149,7 @@ class Tilesets:
 
         Args:
             entries: the map's `tilesets`.
-            folder: where the map lies: files of tilesets in it, or below it, are read. None to
+            folder: the folder of the map: files of tilesets in it, or below it, are read. None to
                 read no files.
 
         Raises:
@@ -178,7 +178,7 @@ class Tilesets:
                 yield first, _classes(tileset, where)
 
     def _from_file(self, name: Any, where: str) -> dict[int, str]:
-        """Return the classes of a tileset in a file, none if it cannot be had."""
+        """Return the classes of a tileset in a file, none if it is not read."""
         found = self._file(name)
         if isinstance(found, str):
             self.lost.append(Lost(where, f"{shown(name)} {found}; {_EMBED}"))
@@ -197,14 +197,14 @@ class Tilesets:
         try:
             home, path = self._folder.resolve(), (self._folder / name).resolve()
             if not path.is_relative_to(home):
-                return "lies outside the map's folder, and is not read"
+                return "is outside the map's folder, and is not read"
             if path.suffix.lower() not in (".tsj", ".json", ".tsx"):
-                return "is no tileset by its name (.tsx, .tsj or .json)"
+                return "has none of the suffixes .tsx, .tsj and .json"
             return read_source(path, str(path.relative_to(home)))
         except LevelError as error:
             return f"cannot be read: {error.diagnostics[0].message}"
         except (OSError, ValueError):
-            return "is no name of a file"
+            return "is not a valid file name"
 
 
 def _classes(tileset: dict[str, Any], where: str) -> dict[int, str]:
@@ -222,7 +222,7 @@ def _xml_classes(source: SourceFile) -> dict[int, str]:
     """Return the classes of the tiles of a tileset in XML.
 
     Raises:
-        ConversionError: it is no such file, or declares something: entities may grow without end.
+        ConversionError: it is not such a file, or has a DOCTYPE, whose entities may be unbounded.
     """
     where = one_line(source.name)
     classes: dict[int, str] = {}
@@ -231,7 +231,7 @@ def _xml_classes(source: SourceFile) -> dict[int, str]:
     def start(element: str, attributes: dict[str, str]) -> None:
         path.append(element)
         if path[0] != "tileset" or len(path) > MAX_DEPTH:
-            raise ConversionError(f"{where} is no tileset of Tiled")
+            raise ConversionError(f"{where} is not a tileset of Tiled")
         name = attributes.get("class") or attributes.get("type")
         if path[1:] == ["tile"] and name in CLASSES:
             number = attributes.get("id", "")
@@ -243,7 +243,7 @@ def _xml_classes(source: SourceFile) -> dict[int, str]:
         path.pop()
 
     def declared(*_: object) -> None:
-        raise ConversionError(f"{where} has a DOCTYPE, which no tileset of Tiled has")
+        raise ConversionError(f"{where} has a DOCTYPE, which tilesets of Tiled do not have")
 
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler, parser.EndElementHandler = start, end
@@ -251,6 +251,6 @@ def _xml_classes(source: SourceFile) -> dict[int, str]:
     try:
         parser.Parse(source.text.encode("utf-8"), True)
     except expat.ExpatError as error:
-        told = expat.ErrorString(error.code)
-        raise ConversionError(f"{where}:{error.lineno}: this is no XML ({told})") from None
+        reason = expat.ErrorString(error.code)
+        raise ConversionError(f"{where}:{error.lineno}: invalid XML ({reason})") from None
     return classes
