@@ -74,6 +74,14 @@ def test_a_level_file_is_no_world_of_another_program() -> None:
     )
 
 
+def test_a_map_with_dots_and_an_exit_has_one_exit() -> None:
+    Path("map.txt").write_text("######\n#S...#\n#..#E#\n######\n", encoding="utf-8")
+    result = babyrobot("import", "map.txt")
+    assert result.status == 0
+    assert brl.loads(result.out).exits == ((3, 1),)
+    assert result.err.startswith("warning: .: read as free, because `E` marks the exit")
+
+
 def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:
     Path("lake.txt").write_text("\n".join(["S" + "F" * 499] * 500), encoding="utf-8")
     result = babyrobot("import", "lake.txt")
