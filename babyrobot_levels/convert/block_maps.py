@@ -232,7 +232,7 @@ def read_sokoban(source: SourceFile) -> World:
         meanings[_DOT] = d.PLAIN
         mark = " and ".join(f"`{each}`" for each in exits)
         message = f"read as free, because {mark} marks the exit; without `E` and `X` it is a goal"
-        lost.append(Lost(_DOT, message))
+        lost.append(Lost(f"`{_DOT}`", message))
     rows = translated(map_only, lines, meanings, _SOKOBAN_HELP)
     fields = {"version": 1, **texts, **drawn(without_ring(without_surroundings(rows)))}
     boxes = sum(text.count(mark) for mark in _BOXES)

@@ -47,14 +47,14 @@ def test_a_maze_map_comes_back(name: str) -> None:
     ]
 
 
-def test_where_any_cell_may_be_start_or_goal_the_choice_is_told() -> None:
+def test_where_any_cell_may_be_start_or_goal_the_choice_is_reported() -> None:
     world = world_of(json.dumps(MAZE_MAPS["MEDIUM_MAZE_DIVERSE_GR"]), "maze-map")
     level = level_of_world(world)
     assert (level.starts, level.exits) == (((0, 0),), ((4, 5),))
     assert lost_fields(world) == ["r", "g"]
 
 
-def test_of_several_goals_one_is_drawn_there() -> None:
+def test_several_goals_are_reported() -> None:
     world = world_of(json.dumps(MAZE_MAPS["MEDIUM_MAZE_DIVERSE_G"]), "maze-map")
     assert len(level_of_world(world).exits) == 3
     assert lost_fields(world) == ["g"]
@@ -75,7 +75,7 @@ def test_of_several_goals_one_is_drawn_there() -> None:
         ('[[0, "\x1b[31m"]]', "row 0, column 1"),
     ],
 )
-def test_faulty_maze_maps_are_refused(text: str, message: str) -> None:
+def test_invalid_maze_maps_are_refused(text: str, message: str) -> None:
     with pytest.raises(ConversionError, match=message) as caught:
         world_of(text, "maze-map")
     assert str(caught.value).replace("\n", "").isprintable()
@@ -137,21 +137,21 @@ def test_start_and_end_are_where_they_are_drawn() -> None:
     assert lost_fields(world) == ["X"]
 
 
-def test_doors_in_the_outer_wall_are_shut_behind_the_start() -> None:
+def test_doors_in_the_outer_wall_are_closed() -> None:
     world = world_of(MAZELIB["prims-3"], "maze-dataset")
     level = level_of_world(world)
     assert (level.starts, level.exits) == (((5, 0),), ((0, 3),))
     assert lost_fields(world) == ["S", "E"]
 
 
-def test_without_marks_the_corners_are_start_and_exit_and_that_is_told() -> None:
+def test_without_marks_the_corners_are_start_and_exit_with_a_warning() -> None:
     world = world_of(DATASET["gen_dfs"], "maze-dataset")
     level = level_of_world(world)
     assert (level.starts, level.exits) == (((0, 0),), ((4, 4),))
     assert lost_fields(world) == ["S", "E"]
 
 
-def test_walls_that_fill_cells_are_no_lattice() -> None:
+def test_walls_that_fill_cells_are_not_a_lattice() -> None:
     with pytest.raises(ConversionError, match="sokoban"):
         world_of("#####\n#S  #\n#  E#\n#####", "maze-dataset")
 
@@ -274,7 +274,7 @@ def test_a_sokoban_map_keeps_its_walls_player_and_goals() -> None:
     assert lost_fields(world) == ["boxes"]
 
 
-def test_a_player_on_a_goal_is_a_start_and_that_is_told() -> None:
+def test_a_player_on_a_goal_is_a_start_with_a_warning() -> None:
     world = world_of("#####\n#+ .#\n#####", "sokoban")
     level = level_of_world(world)
     assert (level.starts, level.exits) == (((0, 0),), ((2, 0),))
@@ -292,7 +292,7 @@ def test_dots_are_free_cells_where_other_marks_are_exits(exit_mark: str) -> None
     world = world_of(f"######\n#S...#\n#..#{exit_mark}#\n######", "sokoban")
     assert level_of_world(world).exits == ((3, 1),)
     (lost,) = world.lost
-    assert lost.field == "."
+    assert lost.field == "`.`"
     assert lost.message.startswith(f"read as free, because `{exit_mark}` marks the exit")
 
 
@@ -315,14 +315,14 @@ Date: today
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_what_stands_around_a_sokoban_map_is_kept_or_told(end: str) -> None:
+def test_texts_around_a_sokoban_map_are_kept_or_reported(end: str) -> None:
     world = world_of(LEVEL_FILE.replace("\n", end), "sokoban")
     level = level_of_world(world)
     assert (level.title, level.author, level.size) == ("Go east", "Nobody", (3, 1))
     assert lost_fields(world) == [";", "date"]
 
 
-def test_of_many_sokoban_maps_none_is_taken() -> None:
+def test_several_sokoban_maps_are_refused() -> None:
     with pytest.raises(ConversionError, match="2 maps"):
         world_of(f"{LEVEL_FILE}\n{LEVEL_FILE}", "sokoban")
 
@@ -339,7 +339,7 @@ def test_a_ring_of_walls_is_the_outer_wall() -> None:
 
 
 @pytest.mark.parametrize("name", ["blocked-shapes", "glasshouse", "final-maze", "four-corners"])
-def test_walls_between_cells_double_the_grid_and_that_is_told(name: str) -> None:
+def test_walls_between_cells_double_the_grid_with_a_warning(name: str) -> None:
     level = brl.load(name)
     for form in ("sokoban", "minigrid", "maze-map"):
         conversion = export(level, form)

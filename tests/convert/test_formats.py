@@ -1,4 +1,4 @@
-"""What holds for all formats: nothing is lost in silence, and files are told by what is in them."""
+"""All formats: nothing is lost without a warning, and files are recognised by their content."""
 
 from __future__ import annotations
 
@@ -40,18 +40,18 @@ def test_the_command_line_knows_all_formats() -> None:
 @each_format
 @given(world=worlds(5))
 @settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-def test_where_nothing_of_the_game_is_lost_it_comes_back(name: str, world: World) -> None:
+def test_the_mdp_comes_back_where_no_warning_says_otherwise(name: str, world: World) -> None:
     level = level_of(world)
     conversion = export(level, name)
-    told = {lost.field.split(".")[0] for lost in conversion.warnings}
-    if told <= LOOKS:
+    warned = {lost.field.split(".")[0] for lost in conversion.warnings}
+    if warned <= LOOKS:
         assert level_of_world(world_of(conversion.text, name)).digest == level.digest
 
 
 @each_format
 @given(world=worlds(4))
 @settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow], deadline=None)
-def test_whatever_is_exported_is_known_by_its_look_and_is_a_level(name: str, world: World) -> None:
+def test_exports_are_recognised_and_are_levels(name: str, world: World) -> None:
     text = export(level_of(world), name).text
     assert name in guess(SourceFile("world", text))
     assert level_of_world(world_of(text, name)).digest
@@ -148,7 +148,7 @@ def test_each_field_of_an_area_comes_back_or_is_named_as_lost(field: str, value:
             assert getattr(area, field) == getattr(level.areas[0], field), name
 
 
-def test_a_difference_that_no_field_explains_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_difference_that_no_field_explains_is_reported(monkeypatch: pytest.MonkeyPatch) -> None:
     sokoban = FORMATS["sokoban"]
 
     def careless(level: Level) -> Conversion:
@@ -161,7 +161,7 @@ def test_a_difference_that_no_field_explains_is_told(monkeypatch: pytest.MonkeyP
     assert "at [0, 0], east" in lost.message
 
 
-def test_lost_fields_are_those_that_say_something() -> None:
+def test_lost_fields_are_those_that_differ_from_their_defaults() -> None:
     level = level_of({"version": 1, "title": "T", "tags": [], "discount": 1, "max_steps": 3})
     assert list(fields_lost(level, frozenset(), "a map")) == [
         Lost("title", "a map cannot hold it"),
@@ -192,7 +192,7 @@ def test_large_integers_of_other_programs_are_numbers_with_exponents(digits: int
     assert isinstance(exit_reward, float if digits > 15 else int)
 
 
-# -- which format is it? ---------------------------------------------------------------------
+# -- recognising a format ---------------------------------------------------------------------
 
 GUESSES = {
     "SFFF\nFHFH\nFFFH\nHFFG\n": ["frozen-lake"],
@@ -222,28 +222,28 @@ GUESSES = {
 
 
 @pytest.mark.parametrize("text", GUESSES)
-def test_a_format_is_known_by_its_look(text: str) -> None:
+def test_a_format_is_recognised_by_its_content(text: str) -> None:
     assert guess(SourceFile("world", text)) == GUESSES[text]
 
 
 @pytest.mark.parametrize(("name", "form"), [("b.TMJ", "tiled"), ("b.xsb", "sokoban")])
-def test_a_format_is_known_by_its_suffix(name: str, form: str) -> None:
+def test_a_format_is_recognised_by_its_suffix(name: str, form: str) -> None:
     assert guess(SourceFile(f"a/{name}", "anything")) == [form]
 
 
 @pytest.mark.parametrize("text", ["", "\n\n", "  \n"])
-def test_nothing_is_no_world(text: str) -> None:
+def test_a_blank_text_is_refused(text: str) -> None:
     with pytest.raises(ConversionError, match="the text is blank"):
         guess(SourceFile("world", text))
 
 
 @pytest.mark.parametrize("name", ["maze-dataset", "mazelib", "minigrid"])
-def test_real_texts_are_known(name: str) -> None:
+def test_texts_of_other_packages_are_recognised(name: str) -> None:
     for text in sample(name).values():
         assert set(guess(SourceFile("world", text))) & {"maze-dataset", "minigrid"}
 
 
-def test_real_maps_are_known() -> None:
+def test_maps_of_other_packages_are_recognised() -> None:
     for rows in sample("gymnasium-robotics").values():
         assert guess(SourceFile("world", json.dumps(rows))) == ["maze-map"]
 
@@ -298,7 +298,7 @@ def test_any_text_is_a_level_or_an_error(name: str, text: str) -> None:
         return
 
 
-def test_errors_travel_between_processes() -> None:
+def test_errors_can_be_pickled() -> None:
     with pytest.raises(ConversionError) as caught:
         world_of("{'width': 'x'}", "babyrobot")
     again = pickle.loads(pickle.dumps(caught.value))

@@ -1,4 +1,4 @@
-"""Tiled: all that a level says comes back, also from a file that Tiled itself has saved."""
+"""Tiled: all fields come back, also from a file that Tiled has saved."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def test_a_map_is_what_tiled_saves_but_for_its_version() -> None:
 
 @given(decorated_worlds())
 @settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow])
-def test_whatever_a_level_says_comes_back(world: World) -> None:
+def test_all_fields_come_back(world: World) -> None:
     level = level_of(world)
     conversion = export(level, "tiled")
     assert [lost.field for lost in conversion.warnings] == ["maze"] * (level.maze is not None)
@@ -128,7 +128,7 @@ def foreign(**changes: Any) -> str:
     )
 
 
-def test_tiles_say_what_they_are_by_their_class() -> None:
+def test_tiles_are_identified_by_their_class() -> None:
     world = world_of(foreign(), "tiled")
     level = level_of_world(world)
     assert (level.starts, level.exits) == (((0, 0),), ())
@@ -331,7 +331,7 @@ def test_no_more_of_a_layer_is_unpacked_than_its_tiles_take(
 
 
 def test_many_large_layers_are_refused_before_any_is_unpacked() -> None:
-    # What is not unpacked cannot be told to be damaged.
+    # The damaged data is never unpacked, so it is not reported.
     layer = packed_layer("", "zlib")
     with pytest.raises(ConversionError, match="more than 4,194,304 tiles"):
         world_of(foreign(width=1024, height=1024, layers=[layer] * 5), "tiled")
@@ -458,7 +458,7 @@ def test_tilesets_elsewhere_are_not_read(tmp_path: Path) -> None:
         (["t.tsj"], "is a file of its own"),
     ],
 )
-def test_tilesets_that_cannot_be_had_are_told(name: Any, message: str, tmp_path: Path) -> None:
+def test_tilesets_that_are_not_read_are_reported(name: Any, message: str, tmp_path: Path) -> None:
     (tmp_path / "folder.tsj").mkdir()
     world = with_tileset(name, tmp_path)
     assert message in str(world.lost[0])
@@ -503,6 +503,6 @@ def test_files_of_tilesets_are_bounded(tmp_path: Path) -> None:
     assert all("more than 16 files" in each for each in told)
 
 
-def test_an_offset_of_a_layer_is_told() -> None:
+def test_an_offset_of_a_layer_is_reported() -> None:
     layer = {"type": "objectgroup", "name": "w", "objects": [], "offsetx": 4}
     assert "layer 'w'" in lost_fields(world_of(foreign(layers=[layer]), "tiled"))
