@@ -448,9 +448,9 @@ def test_tilesets_elsewhere_are_not_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("none.tsx", "there is no such file"),
+        ("none.tsx", "no such file"),
         (".", "has none of the suffixes"),
-        ("folder.tsj", "this is a folder"),
+        ("folder.tsj", "this is a directory"),
         ("map.tmj", "has none of the suffixes"),
         ("a\0.tsj", "is not a valid file name"),
         ("\ud800.tsj", "is not a valid file name"),
