@@ -13,7 +13,7 @@ import warnings
 from typing import Any, NoReturn
 
 from babyrobot_levels.convert.conversion import ConversionError, shown
-from babyrobot_levels.language.color import PATTERN
+from babyrobot_levels.language.looks import PATTERN
 from babyrobot_levels.text.source import START, Position, SourceFile
 
 MAX_DEPTH = 32

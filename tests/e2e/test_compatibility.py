@@ -71,20 +71,28 @@ print(json.dumps(found))
 
 
 def test_modules_can_be_imported_by_their_old_names(tmp_path: Path) -> None:
-    names = (version.FOLDER / "modules.txt").read_text(encoding="utf-8").split()
-    names = [name for name in names if name not in REMOVED_MODULES]
+    names = [name for name in recorded("modules.json") if name not in REMOVED_MODULES]
     done = python("-c", IMPORT_ALL, json.dumps(names), cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     found = json.loads(done.stdout)
-    missing = {name.partition(".")[2] for name, each in found.items() if "missing" in each}
+    missing = [name for name, each in found.items() if "missing" in each]
     assert not missing, (
-        "These modules have moved. Add each to MOVED in envs/former_modules.py, with the module "
-        f"that has its names now, or to REMOVED_MODULES here: {sorted(missing)}"
+        "These modules have moved. Add them to MOVED in envs/former_modules.py (the entries below "
+        "name the modules that have most of their names now), or to REMOVED_MODULES here.\n"
+        + "".join(map(entry_for, missing))
     )
     for name, each in found.items():
         moved = each["now"] != name
         expected = f"the module {name} is now {each['now']}"
         assert (expected in each["warnings"]) == moved, name
+
+
+def entry_for(name: str) -> str:
+    """Return an entry of `MOVED` for a module: to the one that defines most of its names."""
+    names = set(recorded("modules.json")[name])
+    today = version.modules()
+    best = max(today, key=lambda module: len(names & set(today[module])))
+    return "    " + ": ".join(f'"{each.partition(".")[2]}"' for each in (name, best)) + ",\n"
 
 
 def test_the_table_of_moved_modules_has_no_name_that_is_taken() -> None:

@@ -10,6 +10,7 @@ the same functions with the code of today. Only public names are used here.
 
 from __future__ import annotations
 
+import ast
 import enum
 import inspect
 import json
@@ -19,7 +20,7 @@ import subprocess
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -94,6 +95,30 @@ def objects() -> dict[str, Any]:
     except brl.LevelError as error:
         found |= {"level-error": error, "diagnostic": error.diagnostics[0]}
     return found
+
+
+# -- modules ---------------------------------------------------------------------------------
+
+
+def modules() -> dict[str, list[str]]:
+    """Return the names that each module of the package defines, by reading the sources."""
+    home = Path(brl.__file__).parent
+    found = {}
+    for path in sorted(home.rglob("*.py")):
+        parts = path.relative_to(home.parent).with_suffix("").parts
+        name = ".".join(parts).removesuffix(".__init__")
+        if "__main__" not in parts:
+            found[name] = sorted(_defined(ast.parse(path.read_text(encoding="utf-8"))))
+    return found
+
+
+def _defined(tree: ast.Module) -> Iterator[str]:
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            yield node.name
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            yield from (target.id for target in targets if isinstance(target, ast.Name))
 
 
 # -- names, signatures, commands -------------------------------------------------------------
@@ -357,7 +382,7 @@ def _write(name: str, value: Any) -> None:
 
 
 def record() -> None:
-    """Write all files but `modules.txt`, which is a list of the files of the commit."""
+    """Write all files."""
     (FOLDER / "pickles").mkdir(exist_ok=True)
     for name, value in objects().items():
         (FOLDER / "pickles" / f"{name}.pkl").write_bytes(pickle.dumps(value, protocol=4))
@@ -377,6 +402,7 @@ def record() -> None:
         FOLDER.joinpath("kept.brlpack").write_bytes((folder / "kept.brlpack").read_bytes())
         _write("calls.json", calls(folder, run))
         _write("rules.json", {rule["code"]: rule["name"] for rule in rules})
+    _write("modules.json", modules())
     _write("names.json", public_names())
     _write("commands.json", commands())
     _write("digests.json", {"levels": digests(), "suites": suite_digests()})
