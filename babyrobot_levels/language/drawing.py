@@ -6,7 +6,7 @@ wide, and its middle one says what it is. Composing and parsing are each other's
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from operator import add
 
@@ -74,6 +74,12 @@ class Drawing:
         for x in range(self.width - 1):
             for y, length in _runs("".join(row[x] for row in self.east), mark):
                 yield (x, y), "E", length
+
+
+def is_block_map(lines: Iterable[str]) -> bool:
+    """Tell whether lines are a map of another program, in which a wall takes a whole cell."""
+    text = "".join(lines)
+    return "##" in text and _BLOCK_CHARACTERS.issuperset(text)
 
 
 def compose(drawing: Drawing) -> str:
@@ -169,7 +175,7 @@ class _Parser:
             self._report(0, 0, 1, "the drawing is empty", "draw at least one cell")
             return False
         length = len(self.rows[0])
-        if "#" in self.rows[0] and set("".join(self.rows)) <= _BLOCK_CHARACTERS:
+        if is_block_map(self.rows):
             message = "this is a map of blocks, in which a wall takes a whole cell"
             self._report(0, 0, length, message, "convert it with `babyrobot import`")
             return False
