@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from babyrobot_levels.render.scene.paths import Point
-from babyrobot_levels.render.scene.shapes import Command
+from babyrobot_levels.render.scene.shapes import Command, Point
 
 Polyline = tuple[list[Point], bool]
 """Points, and whether the last is joined to the first."""

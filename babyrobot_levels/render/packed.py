@@ -24,8 +24,16 @@ from typing import Any
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.paths import Point, smooth
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Shape,
+    Text,
+    smooth,
+)
 
 RECT, ELLIPSE, PATH, TEXT, AGAIN = range(5)
 """The kinds of shapes."""

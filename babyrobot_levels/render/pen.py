@@ -10,7 +10,7 @@ from itertools import pairwise
 from PIL import ImageDraw, ImageFont
 
 from babyrobot_levels.render.flatten import Polyline
-from babyrobot_levels.render.scene.paths import Point
+from babyrobot_levels.render.scene.shapes import Point
 
 Ink = int | tuple[int, ...]
 

@@ -8,8 +8,7 @@ from collections.abc import Mapping, Sequence
 from ipycanvas import Canvas, MultiCanvas  # type: ignore[import-untyped]
 
 from babyrobot_levels.render.canvas import one_message, paint
-from babyrobot_levels.render.scene.shapes import Scene, Shape
-from babyrobot_levels.render.screen import screen_scale
+from babyrobot_levels.render.scene.shapes import Scene, Shape, screen_scale
 
 
 class Stage:

@@ -17,8 +17,16 @@ from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.paths import curve, polyline
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Ellipse,
+    Path,
+    Rect,
+    Scene,
+    Shape,
+    Text,
+    curve,
+    polyline,
+)
 
 WHITE = (255, 255, 255)
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.screen import screen_scale
+from babyrobot_levels.render.scene.shapes import screen_scale
 from babyrobot_levels.render.svg import to_svg
 
 if TYPE_CHECKING:

@@ -9,8 +9,17 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.moves import shifts
 from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.paths import QUARTER, Point, curve, polygon, polyline
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Shape
+from babyrobot_levels.render.scene.shapes import (
+    QUARTER,
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Shape,
+    curve,
+    polygon,
+    polyline,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

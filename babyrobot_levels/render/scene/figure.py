@@ -6,8 +6,15 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from babyrobot_levels.render.scene.paths import Point, circle, rounded
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    circle,
+    rounded,
+)
 
 _SCALE, _LEFT, _TOP = 0.9, 3.2, 0.8
 """A figure leaves room for a text below."""

@@ -6,9 +6,16 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.paths import polygon, polyline
 from babyrobot_levels.render.scene.runs import rectangles, runs
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Rect,
+    Shape,
+    polygon,
+    polyline,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.looks import Panel
 from babyrobot_levels.render.scene.layout import COMPASS, Layout, panel_width
 from babyrobot_levels.render.scene.overlays import Overlay
-from babyrobot_levels.render.scene.paths import polygon
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text, polygon
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

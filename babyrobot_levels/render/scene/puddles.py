@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.paths import Point, curve, smooth
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Point, Shape, curve, smooth
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -8,9 +8,8 @@ from collections.abc import Iterator
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.figure import Figure
-from babyrobot_levels.render.scene.paths import curve, polyline
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose
-from babyrobot_levels.render.scene.shapes import Shape
+from babyrobot_levels.render.scene.shapes import Shape, curve, polyline
 
 _OUTLINE = "#232c38"
 _VISOR = "#17202b"

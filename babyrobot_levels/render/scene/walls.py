@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Literal
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.paths import polyline
-from babyrobot_levels.render.scene.shapes import Command, Path, Shape
+from babyrobot_levels.render.scene.shapes import Command, Path, Shape, polyline
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -19,7 +19,7 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.overlays import Note, Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
-from babyrobot_levels.render.screen import screen_scale
+from babyrobot_levels.render.scene.shapes import screen_scale
 from babyrobot_levels.render.stage import Stage
 from babyrobot_levels.render.svg import to_svg
 

@@ -10,8 +10,7 @@ from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.lines import CHARACTER_WIDTH
-from babyrobot_levels.render.scene.paths import Point, polyline
-from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import Command, Path, Point, Rect, Shape, Text, polyline
 
 Anchor = Literal["start", "middle", "end"]
 

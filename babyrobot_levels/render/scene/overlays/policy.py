@@ -7,8 +7,15 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.overlays.rooms import Cell, Rooms
-from babyrobot_levels.render.scene.paths import Point, circle, polygon, polyline
-from babyrobot_levels.render.scene.shapes import Command, Path, Shape
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Path,
+    Point,
+    Shape,
+    circle,
+    polygon,
+    polyline,
+)
 
 SHORTEST = 8.0
 """The shortest arrow, from the middle to its tip; there are none longer amid numbers."""
