@@ -1,18 +1,19 @@
-"""Where things stand in a picture: the grid, the free space around it, panels and compass."""
+"""Where things stand in a picture: the grid, the margin around it, panels, compass and lines of text."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import textwrap
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.lines import height_of, wrapped
 from babyrobot_levels.render.scene.overlays import Overlay
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
+
 
 CELL = 64.0
 """The side of a cell in pixels."""
@@ -110,3 +111,32 @@ def panel_width(panel: str | float | Panel) -> float:
     if isinstance(panel, Panel):
         return panel.width
     return 0.0 if isinstance(panel, str) else panel
+
+
+CHARACTER_WIDTH = 0.58
+"""About how wide a character is, as a share of the text's size."""
+
+LINE = 18.0
+"""The height of a line."""
+
+LINE_SIZE = 13.0
+"""The size of its text."""
+
+PANEL_EDGE = 10.0
+"""What is free around the lines."""
+
+
+def wrapped(texts: Sequence[str], width: float) -> list[str]:
+    """Return texts as lines that fit into a panel so many pixels wide."""
+    columns = max(1, int((width - 2 * PANEL_EDGE) / (LINE_SIZE * CHARACTER_WIDTH)))
+    return [
+        line
+        for text in texts
+        for part in text.splitlines() or [""]
+        for line in textwrap.wrap(part, columns) or [""]
+    ]
+
+
+def height_of(lines: Sequence[str]) -> float:
+    """Return the height of a panel that has room for the lines."""
+    return 2 * PANEL_EDGE + LINE * len(lines)

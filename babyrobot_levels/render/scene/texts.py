@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.lines import CHARACTER_WIDTH
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 
 if TYPE_CHECKING:

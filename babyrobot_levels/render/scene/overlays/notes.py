@@ -6,12 +6,13 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.layout import COMPASS, Layout
-from babyrobot_levels.render.scene.lines import (
+from babyrobot_levels.render.scene.layout import (
     CHARACTER_WIDTH,
+    COMPASS,
     LINE,
     LINE_SIZE,
     PANEL_EDGE,
+    Layout,
     wrapped,
 )
 from babyrobot_levels.render.scene.overlays import Note, Overlay

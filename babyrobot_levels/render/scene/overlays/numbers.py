@@ -8,8 +8,7 @@ from typing import Literal
 
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.lines import CHARACTER_WIDTH
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH
 from babyrobot_levels.render.scene.shapes import Command, Path, Point, Rect, Shape, Text, polyline
 
 Anchor = Literal["start", "middle", "end"]
