@@ -7,13 +7,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.ground import ground_shapes
+from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.overlays import Overlay
 from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
-from babyrobot_levels.render.scene.puddles import puddle_shapes
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes

@@ -1,4 +1,4 @@
-"""Where things stand in a picture: the grid, the margin around it, panels, compass and lines of text."""
+"""Where things stand in a picture: grid, margin, panels, compass, and lines of text."""
 
 from __future__ import annotations
 
