@@ -14,8 +14,7 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
 from babyrobot_levels.render.scene.overlays import Overlay
-from babyrobot_levels.render.scene.overlays.notes import panel_texts
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene

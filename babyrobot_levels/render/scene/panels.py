@@ -1,12 +1,20 @@
-"""What stands beside the grid: panels and the compass."""
+"""What stands beside the grid: panels with lines of text, and the compass."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.layout import COMPASS, Layout, panel_width
+from babyrobot_levels.render.scene.layout import (
+    COMPASS,
+    LINE,
+    LINE_SIZE,
+    PANEL_EDGE,
+    Layout,
+    panel_width,
+    wrapped,
+)
 from babyrobot_levels.render.scene.overlays import Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text, polygon
 
@@ -43,3 +51,40 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         yield Path(polygon([(x - 5, y), (x, y + 16 * down), (x + 5, y)]), fill=fill)
     for letter, across, along in (("N", 0, -1), ("E", 1, 0), ("S", 0, 1), ("W", -1, 0)):
         yield Text(x + 23.5 * across, y + 23.5 * along + 3.8, letter, 11, colors.text_fg, bold=True)
+
+
+def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:
+    """Yield the lines of the panels; long ones are broken, and what has no room is left out."""
+    display, color = level.display, level.resolved_theme.colors.text_fg
+    top = COMPASS if display.compass else 0.0
+    if layout.side:
+        yield from _lines(
+            overlay.side_panel,
+            (layout.left_width, top, layout.side, layout.top_height - top),
+            _text_color(display.side_panel, color),
+        )
+    if layout.bottom:
+        yield from _lines(
+            overlay.bottom_panel,
+            (0.0, layout.top_height, layout.width, layout.bottom),
+            _text_color(display.bottom_panel, color),
+        )
+
+
+def _text_color(panel: str | float | Panel, color: str) -> str:
+    own = panel.text_color if isinstance(panel, Panel) else None
+    return color if own is None else own
+
+
+def _lines(
+    texts: Sequence[str], box: tuple[float, float, float, float], fill: str
+) -> Iterator[Text]:
+    left, top, width, height = box
+    lines = wrapped(texts, width)
+    room = max(1, int((height - PANEL_EDGE) / LINE))
+    if len(lines) > room:
+        lines = [*lines[: room - 1], "…"]
+    for number, line in enumerate(lines):
+        if line:
+            baseline = top + PANEL_EDGE + LINE * number + 0.75 * LINE
+            yield Text(left + PANEL_EDGE, baseline, line, LINE_SIZE, fill, "start")

@@ -1,11 +1,16 @@
-"""Texts on the grid: start, exit, labels of areas, coordinates."""
+"""Texts on the grid: start, exit, labels of areas, notes, coordinates."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout
+from babyrobot_levels.render.scene.layout import (
+    CELL,
+    CHARACTER_WIDTH,
+    Layout,
+)
+from babyrobot_levels.render.scene.overlays import Note
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 
 if TYPE_CHECKING:
@@ -53,6 +58,24 @@ def fit(text: str, room: float) -> tuple[float, str]:
             return size, text
     count = max(1, int(room / (_LABEL_SIZES[-1] * CHARACTER_WIDTH)) - 1)
     return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
+
+
+def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
+    """Yield texts on the grid, each on a ground that keeps it readable."""
+    colors = level.resolved_theme.colors
+    left_edge, right_edge = layout.margin + 2, layout.margin + layout.grid_width - 2
+    for note in notes:
+        line = " ".join(note.text.split())
+        if not line:
+            continue
+        size, text = fit(line, layout.grid_width - 16)
+        width, height = len(text) * size * CHARACTER_WIDTH + size, 1.4 * size
+        x, y = layout.corner(note.x + 0.5, note.y + 0.5)
+        # What would stick out of the grid is moved in.
+        left = min(max(x - width / 2, left_edge), right_edge - width)
+        yield Rect(left, y - height / 2, width, height, colors.text_bg, radius=height / 2)
+        fill = colors.text_fg if note.color is None else note.color
+        yield Text(left + width / 2, y + 0.342 * size, text, size, fill, bold=True)
 
 
 def coordinate_texts(

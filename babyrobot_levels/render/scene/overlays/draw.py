@@ -9,12 +9,12 @@ from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.overlays import Content, Overlay, Rows
 from babyrobot_levels.render.scene.overlays.heat import heat_shapes
-from babyrobot_levels.render.scene.overlays.notes import note_shapes, panel_texts
 from babyrobot_levels.render.scene.overlays.numbers import HEIGHT, SMALL, action_pills, pill
 from babyrobot_levels.render.scene.overlays.policy import SHORTEST, arrow_shapes
 from babyrobot_levels.render.scene.overlays.rooms import BESIDE_COORDINATES, Cell, Rooms
+from babyrobot_levels.render.scene.panels import panel_texts
 from babyrobot_levels.render.scene.shapes import Shape
-from babyrobot_levels.render.scene.texts import coordinate_texts
+from babyrobot_levels.render.scene.texts import coordinate_texts, note_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
