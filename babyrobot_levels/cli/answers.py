@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.pagedata import Guide
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
 
 
 def solution_of(level: Level, discount: float | None = None) -> Solution:
@@ -53,7 +53,7 @@ def values_text(solution: Solution) -> str:
 
 def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
     """Return the solution as it is shown on a picture: nothing where the episode is over."""
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
 
     over = (solution.policy < 0).tolist()
     shown = [

@@ -12,7 +12,7 @@ from babyrobot_levels.cli.console import fail, note
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.animation import Step
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
 
 MAX_STEPS = 500
 """Films of episodes that do not end are cut after so many steps."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.frames import FramePainter
     from babyrobot_levels.render.notebook.view import LevelView
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
     from babyrobot_levels.render.terminal import Terminal
     from babyrobot_levels.render.textframes import TextPainter

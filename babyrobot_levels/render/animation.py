@@ -13,7 +13,7 @@ from babyrobot_levels.render.gif import Frame, Patch, encoded
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes

@@ -16,7 +16,7 @@ from babyrobot_levels.render.packed import Palette, hexadecimal, pack
 from babyrobot_levels.render.playable import CHEER, EVENTS, PHASES, POSES, playable
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.svg import number

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.ansi import paint
 from babyrobot_levels.render.numbers import WIDEST, number_lines
-from babyrobot_levels.render.scene.overlays import Overlay, Rows
+from babyrobot_levels.render.scene.overlay import Overlay, Rows
 from babyrobot_levels.render.terminal import cut_out
 from babyrobot_levels.render.text import ROBOT, policy_drawing, unicode_drawing
 from babyrobot_levels.text.source import printable

@@ -17,7 +17,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.animation import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
 
 PER_STEP = 5

@@ -13,7 +13,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.flatten import polylines
 from babyrobot_levels.render.scene.build import build_base, build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS
-from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.runs import rectangles, runs
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text

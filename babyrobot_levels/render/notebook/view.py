@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.output import Output
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.stage import Stage
 
 STEP_SECONDS = 0.25

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
-from babyrobot_levels.render.scene.overlays import Overlay
-from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes

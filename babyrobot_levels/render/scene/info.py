@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.color import PATTERN
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.render.scene.overlays import Note, Overlay
-from babyrobot_levels.render.scene.overlays.numbers import short
-from babyrobot_levels.render.scene.told_policy import read_policy
-from babyrobot_levels.render.scene.told_rows import cells_of, number_of
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.render.scene.number_labels import short
+from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.text.suggest import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
+
 
 KEYS = (
     "values",
@@ -155,3 +154,118 @@ def _items(told: Mapping[str, Any], key: str) -> tuple[Any, ...]:
     if not isinstance(items, Iterable):
         raise ValueError(f"`{key}` must be a list, not {items!r}")
     return tuple(items)
+
+
+_NAMES = {name: action for action in Action for name in (action.name, action.name[0])}
+_NAMES["S"] = Action.SOUTH
+_TIE = 1e-9
+"""How much less than the largest a probability may be and still count, as a share of it."""
+
+
+def read_policy(told: Any, level: GridWorld) -> list[list[tuple[Action, ...]]]:
+    """Return the actions of a policy in each cell, `[height][width]`; see `overlay_from`.
+
+    Raises:
+        ValueError: it is not as large as the level, or something in it is no action.
+    """
+    first = getattr(told, "first_action", 0)
+    told = getattr(told, "greedy", getattr(told, "policy", told))
+    if len(shape_of(told, 3)) == 3 and hasattr(told, "shape"):
+        rows = cells_of(told, "policy", level, deep=True)
+        return [[_likeliest(cell) for cell in row] for row in rows]
+    rows = cells_of(told, "policy", level)
+    return [[tuple(sorted(_actions(cell, first))) for cell in row] for row in rows]
+
+
+def _likeliest(weights: Sequence[Any]) -> tuple[Action, ...]:
+    numbers = [number_of(weight, "policy") or 0.0 for weight in weights]
+    if min(numbers) < 0:
+        raise ValueError(f"a policy of probabilities has none below 0: {min(numbers):g}")
+    most = max(numbers)
+    first = NUM_ACTIONS - len(numbers)
+    return tuple(
+        Action(first + index)
+        for index, number in enumerate(numbers)
+        if most and number >= most - _TIE * most
+    )
+
+
+def _actions(told: Any, first: int) -> set[Action]:
+    """Return the actions that a cell's entry tells of."""
+    if told is None:
+        return set()
+    if isinstance(told, str):
+        action = _NAMES.get(told.upper())
+        if action is None:
+            raise ValueError(f"a policy cannot take {told!r} for an action")
+        return {action}
+    if isinstance(told, Iterable):
+        return {action for part in told for action in _actions(part, first)}
+    number = number_of(told, "policy")
+    if number is None or number < 0:
+        return set()
+    if not number.is_integer() or number + first >= NUM_ACTIONS or math.isinf(number):
+        raise ValueError(f"a policy cannot take {told!r} for an action: they are 0 to 4")
+    return {Action(first + int(number))}
+
+
+def cells_of(told: Any, key: str, level: GridWorld, *, deep: bool = False) -> list[list[Any]]:
+    """Return what is told for each cell, `[height][width]`.
+
+    Args:
+        told: an array or lists, or an object that has such an attribute.
+        key: what it is called, there and in messages.
+        level: the level.
+        deep: whether there is a number for each action (or move) of each cell.
+
+    Raises:
+        ValueError: it is not as large as the level.
+    """
+    told = getattr(told, key, told)
+    width, height = level.size
+    fitting = [(height, width, count) for count in (5, 4)] if deep else [(height, width)]
+    shape = shape_of(told, len(fitting[0]))
+    if shape not in fitting:
+        raise ValueError(_misfit(key, shape, fitting))
+    rows: list[list[Any]] = told.tolist() if hasattr(told, "tolist") else [*map(list, told)]
+    return rows
+
+
+def shape_of(told: Any, depth: int) -> tuple[int, ...]:
+    """Return the shape of an array, or of lists in lists as far as they are even."""
+    if hasattr(told, "shape"):
+        return tuple(told.shape)
+    if depth == 0 or not isinstance(told, list | tuple):
+        return ()
+    inner = {shape_of(part, depth - 1) for part in told}
+    return (len(told), *(inner.pop() if len(inner) == 1 else ()))
+
+
+def number_of(told: Any, key: str) -> float | None:
+    """Return a number, or None for nan and None.
+
+    Raises:
+        ValueError: it is not a number.
+    """
+    if told is None:
+        return None
+    if isinstance(told, str):
+        raise ValueError(f"`{key}` must be numbers, not {told!r}")
+    try:
+        value = float(told)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"`{key}` must be numbers, not {told!r}") from None
+    return None if math.isnan(value) else value
+
+
+def _misfit(key: str, shape: tuple[int, ...], fitting: Sequence[tuple[int, ...]]) -> str:
+    height, width = fitting[0][:2]
+    must = " or ".join(map(str, fitting))
+    text = f"`{key}` has the shape {shape}, and on this level it must be {must}"
+    if shape[:1] == (height * width,):
+        text += f"; reshape it with `.reshape{(height, width, *shape[1:])}`"
+    elif shape[:2] == (width, height):
+        text += "; arrays are told by [y, x]"
+    elif key == "values" and len(shape) == 3:
+        text += "; values of actions go to `action_values`"
+    return text

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -15,7 +15,7 @@ from babyrobot_levels.render.scene.layout import (
     panel_width,
     wrapped,
 )
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text, polygon
 
 if TYPE_CHECKING:

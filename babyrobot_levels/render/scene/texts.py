@@ -10,7 +10,7 @@ from babyrobot_levels.render.scene.layout import (
     CHARACTER_WIDTH,
     Layout,
 )
-from babyrobot_levels.render.scene.overlays import Note
+from babyrobot_levels.render.scene.overlay import Note
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from support.canvases import Sent
 import babyrobot_levels as brl
 from babyrobot_levels.render import stage as stages
 from babyrobot_levels.render.scene.build import LAYERS, build_layers
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
 from babyrobot_levels.render.stage import Stage
 

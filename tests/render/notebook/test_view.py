@@ -14,7 +14,7 @@ from babyrobot_levels.render.notebook import view as views
 from babyrobot_levels.render.notebook.frontend import Frontend
 from babyrobot_levels.render.notebook.view import LevelView
 from babyrobot_levels.render.scene.build import build_layers
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Shape

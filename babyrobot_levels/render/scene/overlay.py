@@ -1,4 +1,4 @@
-"""What is written over a level's picture: answers, counts, notes. Plain data, drawn in `draw`."""
+"""What is written over a level's picture: answers, counts, notes. Plain data."""
 
 from __future__ import annotations
 
