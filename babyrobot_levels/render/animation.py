@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.film import film_of, laid
 from babyrobot_levels.render.gif import Frame, Patch, encoded
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_base
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -22,7 +21,7 @@ from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.film import Film
+    from babyrobot_levels.render.raster import Translucent
 
 MAX_SIDE = 800
 """A film that is given no scale is at most this many pixels wide and high."""
@@ -169,7 +168,7 @@ class _Stage:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
         self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
-        self._robots: dict[Pose, Film] = {}
+        self._robots: dict[Pose, Translucent] = {}
         self._panels: tuple[tuple[int, float], tuple[Patch, ...]] | None = None
 
     def robot(self, place: Place, pose: Pose) -> Patch:
@@ -178,9 +177,9 @@ class _Stage:
         side = max(1, round(self._scale * CELL))
         if pose not in self._robots:
             scene = Scene(CELL, CELL, robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose))
-            self._robots[pose] = film_of(lambda ground: to_rgb(scene, (side, side), ground))
+            self._robots[pose] = translucent(lambda ground: to_rgb(scene, (side, side), ground))
         ground = self.ground[top : top + side, left : left + side]
-        return Patch(left, top, laid(self._robots[pose], ground))
+        return Patch(left, top, composite(self._robots[pose], ground))
 
     def panels(self, steps: int, total: float) -> tuple[Patch, ...]:
         """Return the level's panel with the score in it, if it has one."""

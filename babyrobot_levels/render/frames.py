@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from babyrobot_levels.render.film import film_of, laid
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.film import Film
+    from babyrobot_levels.render.raster import Translucent
 
     _Patch = tuple[slice, slice, NDArray[np.uint8]]
 
@@ -89,13 +88,13 @@ class FramePainter:
         above = [layers[name] for name in ("overlay", "text")]
         self._theme, self._grayscale = level.resolved_theme, grayscale
         self._below = self._painted(below)
-        self._above = self._film(above, (self.width, self.height)) if overlay else None
-        self._base = self._below if self._above is None else laid(self._above, self._below)
+        self._above = self._translucent(above, (self.width, self.height)) if overlay else None
+        self._base = self._below if self._above is None else composite(self._above, self._below)
         scale_x, scale_y = self.width / layout.width, self.height / layout.height
         self._left = _offsets(layout.margin, layout.columns, scale_x)
         self._top = _offsets(layout.margin, layout.rows, scale_y)
         self._cell = max(1, round(scale_x * CELL)), max(1, round(scale_y * CELL))
-        self._robots: dict[Pose, Film] = {}
+        self._robots: dict[Pose, Translucent] = {}
         self._patches: dict[tuple[int, Pose], _Patch] = {}
         self._room = max(16, _PATCH_BYTES // (3 * self._cell[0] * self._cell[1]))
 
@@ -125,14 +124,14 @@ class FramePainter:
         robot = self._robots.get(pose)
         if robot is None:
             shapes = robot_shapes(self._theme, 0.0, 0.0, pose)
-            robot = self._film([Scene(CELL, CELL, shapes)], self._cell)
+            robot = self._translucent([Scene(CELL, CELL, shapes)], self._cell)
             _remember(self._robots, pose, robot, _POSES)
         left, top = self._left[x], self._top[y]
         rows, columns = slice(top, top + self._cell[1]), slice(left, left + self._cell[0])
-        pixels = laid(robot, self._below[rows, columns])
+        pixels = composite(robot, self._below[rows, columns])
         if self._above is not None:
             ink, through = self._above
-            pixels = laid((ink[rows, columns], through[rows, columns]), pixels)
+            pixels = composite((ink[rows, columns], through[rows, columns]), pixels)
         patch = rows, columns, pixels
         _remember(self._patches, (state, pose), patch, self._room)
         return patch
@@ -146,8 +145,8 @@ class FramePainter:
         )
         return _gray(pixels) if self._grayscale else pixels
 
-    def _film(self, scenes: list[Scene], size: tuple[int, int]) -> Film:
-        return film_of(lambda ground: self._painted(scenes, size, ground))
+    def _translucent(self, scenes: list[Scene], size: tuple[int, int]) -> Translucent:
+        return translucent(lambda ground: self._painted(scenes, size, ground))
 
 
 def _remember(known: dict[_Key, _Thing], key: _Key, thing: _Thing, room: int) -> None:

@@ -4,20 +4,33 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.render.flatten import Polyline, dashes, polylines
-from babyrobot_levels.render.pen import Pen
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Scene,
+    Shape,
+    Text,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
+
+    Translucent = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    """The ink, and how much of the ground is seen, of 255; each `[height, width, channels]`."""
+
 
 MAX_SIDE = 4000
 """A picture that is given no size is at most this many pixels wide and high."""
@@ -29,7 +42,13 @@ _MAX_SAMPLES = 4
 _SMALLEST_TEXT = 5.0
 """Texts of fewer pixels could not be read: they are left out."""
 
+_MAX_PARTS = 64
+"""The most lines that a curve becomes."""
+
 Box = tuple[float, float, float, float]
+Ink = int | tuple[int, ...]
+Polyline = tuple[list[Point], bool]
+"""Points, and whether the last is joined to the first."""
 
 
 def to_rgb(
@@ -182,3 +201,147 @@ def _bounds(lines: list[Polyline], reach: float) -> Box:
     xs = [x for points, _ in lines for x, _ in points]
     ys = [y for points, _ in lines for _, y in points]
     return min(xs) - reach, min(ys) - reach, max(xs) + reach, max(ys) + reach
+
+
+@dataclass(frozen=True, slots=True)
+class Pen:
+    """Draws in `ink` on an image whose top-left pixel is (`left`, `top`) of the picture."""
+
+    draw: ImageDraw.ImageDraw
+    ink: Ink
+    left: int = 0
+    top: int = 0
+
+    def box(self, x0: float, y0: float, x1: float, y1: float, radius: float = 0.0) -> None:
+        """Fill a rectangle, at least a pixel wide and high."""
+        left, top = round(x0) - self.left, round(y0) - self.top
+        # Pillow counts the last column and row in.
+        right = max(left, round(x1) - self.left - 1)
+        bottom = max(top, round(y1) - self.top - 1)
+        corners = (left, top, right, bottom)
+        if radius >= 1:
+            self.draw.rounded_rectangle(corners, radius, self.ink)
+        else:
+            self.draw.rectangle(corners, self.ink)
+
+    def ellipse(self, x: float, y: float, rx: float, ry: float) -> None:
+        """Fill an ellipse around (`x`, `y`)."""
+        left, top = round(x - rx) - self.left, round(y - ry) - self.top
+        right = max(left, round(x + rx) - self.left - 1)
+        bottom = max(top, round(y + ry) - self.top - 1)
+        self.draw.ellipse((left, top, right, bottom), self.ink)
+
+    def polygon(self, points: list[Point]) -> None:
+        """Fill a polygon."""
+        # Pillow takes coordinates for the middles of pixels.
+        corners = [(round(x - 0.5) - self.left, round(y - 0.5) - self.top) for x, y in points]
+        self.draw.polygon(corners, self.ink)
+
+    def stroke(self, line: Polyline, width: float, *, round_caps: bool) -> None:
+        """Draw a line of some width, with round joins."""
+        points, closed = line
+        half = width / 2
+        ends = [*points, points[0]] if closed else points
+        for start, end in pairwise(ends):
+            self._segment(start, end, half)
+        if half >= 1:
+            for x, y in points if round_caps or closed else points[1:-1]:
+                self.ellipse(x, y, half, half)
+
+    def _segment(self, start: Point, end: Point, half: float) -> None:
+        (x0, y0), (x1, y1) = start, end
+        if x0 == x1:
+            self.box(x0 - half, min(y0, y1), x0 + half, max(y0, y1))
+        elif y0 == y1:
+            self.box(min(x0, x1), y0 - half, max(x0, x1), y0 + half)
+        else:
+            length = math.hypot(x1 - x0, y1 - y0)
+            dx, dy = half * (y1 - y0) / length, half * (x0 - x1) / length
+            self.polygon(
+                [(x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)]
+            )
+
+    def text(self, x: float, y: float, text: str, size: float, anchor: str, *, bold: bool) -> None:
+        """Write a line in the font that Pillow brings; it has no bold, so bold is thickened."""
+        place = (x - self.left, y - self.top)
+        weight = size / 32 if bold else 0
+        self.draw.text(place, text, self.ink, _font(size), anchor, stroke_width=weight)
+
+
+@lru_cache(maxsize=64)
+def _font(size: float) -> ImageFont.FreeTypeFont:
+    font = ImageFont.load_default(size)
+    assert isinstance(font, ImageFont.FreeTypeFont)
+    return font
+
+
+def polylines(commands: tuple[Command, ...], scale: float = 1.0) -> list[Polyline]:
+    """Return the pieces of a path as points; curves become lines that look smooth at `scale`."""
+    pieces: list[Polyline] = []
+    for letter, numbers in commands:
+        if letter == "M":
+            pieces.append(([(numbers[0], numbers[1])], False))
+        elif letter == "Z":
+            pieces[-1] = pieces[-1][0], True
+        elif letter == "L":
+            pieces[-1][0].append((numbers[0], numbers[1]))
+        else:
+            points = pieces[-1][0]
+            points += _cubic(points[-1], numbers, scale)
+    return pieces
+
+
+def _cubic(start: Point, numbers: tuple[float, ...], scale: float) -> Iterator[Point]:
+    x1, y1, x2, y2, x3, y3 = numbers
+    x0, y0 = start
+    length = math.dist(start, (x1, y1)) + math.dist((x1, y1), (x2, y2))
+    length += math.dist((x2, y2), (x3, y3))
+    parts = min(_MAX_PARTS, 3 + int(math.sqrt(length * scale)))
+    for part in range(1, parts + 1):
+        t = part / parts
+        u = 1 - t
+        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+        yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
+
+
+def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:
+    """Yield the dashes of a line; it begins with one."""
+    points, closed = line
+    points = [*points, points[0]] if closed else points
+    drawing, left = True, dash
+    current = [points[0]]
+    for start, end in pairwise(points):
+        length, done = math.dist(start, end), 0.0
+        while length - done > left:
+            done += left
+            share = done / length
+            cut = (
+                start[0] + share * (end[0] - start[0]),
+                start[1] + share * (end[1] - start[1]),
+            )
+            if drawing:
+                yield [*current, cut], False
+            current = [cut]
+            drawing, left = not drawing, gap if drawing else dash
+        left -= length - done
+        current.append(end)
+    if drawing and len(current) > 1:
+        yield current, False
+
+
+def translucent(paint: Callable[[str], NDArray[np.uint8]]) -> Translucent:
+    """Return a picture that lets the ground show through: painted on black and on white.
+
+    Args:
+        paint: returns the picture on a ground of the given colour.
+    """
+    ink = paint("black")
+    return ink, paint("white") - ink
+
+
+def composite(image: Translucent, ground: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a translucent picture laid on a ground, as far as the ground reaches."""
+    height, width = ground.shape[:2]
+    ink, through = (part[:height, :width] for part in image)
+    seen = (ground.astype(np.uint16) * through + 127) // 255
+    return ink + seen.astype(np.uint8)

@@ -10,7 +10,7 @@ import pytest
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
+from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_base, build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS
 from babyrobot_levels.render.scene.overlay import Note, Overlay
