@@ -203,6 +203,9 @@ def _bounds(lines: list[Polyline], reach: float) -> Box:
     return min(xs) - reach, min(ys) - reach, max(xs) + reach, max(ys) + reach
 
 
+# -- pixels of one colour ---------------------------------------------------------------------
+
+
 @dataclass(frozen=True, slots=True)
 class Pen:
     """Draws in `ink` on an image whose top-left pixel is (`left`, `top`) of the picture."""
@@ -275,6 +278,9 @@ def _font(size: float) -> ImageFont.FreeTypeFont:
     return font
 
 
+# -- paths as straight lines ------------------------------------------------------------------
+
+
 def polylines(commands: tuple[Command, ...], scale: float = 1.0) -> list[Polyline]:
     """Return the pieces of a path as points; curves become lines that look smooth at `scale`."""
     pieces: list[Polyline] = []
@@ -327,6 +333,9 @@ def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:
         current.append(end)
     if drawing and len(current) > 1:
         yield current, False
+
+
+# -- translucent pictures ---------------------------------------------------------------------
 
 
 def translucent(paint: Callable[[str], NDArray[np.uint8]]) -> Translucent:

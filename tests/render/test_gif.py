@@ -14,7 +14,7 @@ from PIL import Image, ImageSequence
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.animation import MAX_SIDE, Step, to_gif
+from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
