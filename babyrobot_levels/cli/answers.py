@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, note
-from babyrobot_levels.render.numbers import number_lines
+from babyrobot_levels.render.text import number_lines
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution

@@ -24,7 +24,7 @@ from babyrobot_levels.render.scene.layout import layout_of
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.textframes import TextPainter
+from babyrobot_levels.render.text import TextPainter
 
 if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
