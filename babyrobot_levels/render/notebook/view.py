@@ -30,9 +30,9 @@ if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
 
     from babyrobot_levels.mdp.gridworld import GridWorld
+    from babyrobot_levels.render.notebook.canvas import Stage
     from babyrobot_levels.render.notebook.output import Output
     from babyrobot_levels.render.scene.overlay import Overlay
-    from babyrobot_levels.render.stage import Stage
 
 STEP_SECONDS = 0.25
 """How long a step takes at speed 1."""
@@ -88,7 +88,7 @@ class LevelView:
         """The canvas. Its layers are those of `babyrobot_levels.render.scene.build.LAYERS`."""
         if self._stage is None:
             # Not before somebody asks: a program would store widgets that nobody can see.
-            from babyrobot_levels.render.stage import Stage
+            from babyrobot_levels.render.notebook.canvas import Stage
 
             self._stage = Stage(self._layers)
         return self._stage.widget

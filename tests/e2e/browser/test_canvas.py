@@ -15,12 +15,12 @@ from support.pictures import Pixels, unlike
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.render.notebook.canvas import Stage
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.shapes import screen_scale
-from babyrobot_levels.render.stage import Stage
 from babyrobot_levels.render.svg import to_svg
 
 RICH = brl.loads(

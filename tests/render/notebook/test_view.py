@@ -11,6 +11,7 @@ from support.canvases import Sent
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.render.notebook import view as views
+from babyrobot_levels.render.notebook.canvas import Stage
 from babyrobot_levels.render.notebook.frontend import Frontend
 from babyrobot_levels.render.notebook.view import LevelView
 from babyrobot_levels.render.scene.build import build_layers
@@ -18,7 +19,6 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Shape
-from babyrobot_levels.render.stage import Stage
 
 LEVEL = brl.Level.model_validate({"version": 1, "size": (4, 3), "puddles": [{"at": (1, 1)}]})
 EAST = Pose(brl.Action.EAST)

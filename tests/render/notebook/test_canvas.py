@@ -9,11 +9,11 @@ from ipycanvas import Canvas  # type: ignore[import-untyped]
 from support.canvases import Sent
 
 import babyrobot_levels as brl
-from babyrobot_levels.render import stage as stages
+from babyrobot_levels.render.notebook import canvas as stages
+from babyrobot_levels.render.notebook.canvas import Stage
 from babyrobot_levels.render.scene.build import LAYERS, build_layers
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
-from babyrobot_levels.render.stage import Stage
 
 SMALL = brl.Level(version=1, size=(3, 2))
 LARGE = brl.Level.model_validate({"version": 1, "size": (100, 100), "maze": {"seed": 1}})
