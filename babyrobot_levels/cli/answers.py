@@ -12,7 +12,7 @@ from babyrobot_levels.render.text import number_lines
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.render.pagedata import Guide
+    from babyrobot_levels.render.page_data import Guide
     from babyrobot_levels.render.scene.overlay import Overlay
 
 
@@ -74,7 +74,7 @@ def guide_of(level: Level, *, needed: bool) -> Guide | None:
     """Return the solution as a page tells it; None if there is none and it is not needed."""
     from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.render.pagedata import Guide
+    from babyrobot_levels.render.page_data import Guide
 
     if needed:
         solution = solution_of(level)

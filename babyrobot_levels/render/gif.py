@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.raster import Translucent
 
-
 MAX_SIDE = 800
 """A film that is given no scale is at most this many pixels wide and high."""
 

@@ -1,8 +1,13 @@
-"""The page painter: one HTML file that shows a level and plays it, by itself and without a network.
+"""The page painter: one HTML file that shows a level and plays it, on its own and offline.
 
-What the page plays are the compiled tables. Its chance comes from the generator that the
+The page plays the compiled tables. Its random numbers come from the generator that the
 environments use: a seed and the same actions give the same episode there and here. Opened with a
-link's play part behind a `#`, it shows and plays that level instead.
+link's play part after a `#`, it shows and plays that level instead.
+
+The play part of a link follows the level's share code. It is `~1.`, the number of characters
+after the next `.`, that `.`, and base64url without padding. Its bytes are a CRC-32 of the share
+code and of the packed data (four bytes, big-endian) and the packed data: the page's data as JSON
+in UTF-8, as a raw deflate stream with a preset dictionary.
 """
 
 from __future__ import annotations
@@ -10,17 +15,18 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import zlib
 from collections.abc import Iterator
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.language.share_code import VERSION
+from babyrobot_levels.language.share_code import PLAY_MARK, VERSION, encode
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
-from babyrobot_levels.render.link import MAX_UNPACKED, PLAY_VERSION
-from babyrobot_levels.render.pagedata import (
+from babyrobot_levels.render.page_data import (
     LAYERS,
     Guide,
+    TooLargeError,
     Walker,
     common_data,
     facts,
@@ -39,6 +45,15 @@ if TYPE_CHECKING:
 
 SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
 """The page's script, in the order in which its parts need each other."""
+
+PLAY_VERSION = 1
+"""The version of play parts: a page reads those of its own."""
+
+MAX_LINK = 30_000
+"""The most characters of a link behind its `#`: what browsers and chats take without harm."""
+
+MAX_UNPACKED = 4 << 20
+"""The most bytes that a page unpacks."""
 
 
 def to_html(
@@ -134,3 +149,38 @@ def _security_policy(style: str, script: str) -> str:
 
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
+
+
+def link_fragment(level: GridWorld, game: GridWorld, guide: Guide | None = None) -> str:
+    """Return what stands behind the `#` of a link: a share code, and what a page plays.
+
+    Args:
+        level: the level that the code is of.
+        game: the same level with its maze grown, if that is random.
+        guide: the best that can be done, if it is known.
+
+    Raises:
+        LevelError: the level is larger than a level file may be.
+        TooLargeError: the level is too large for a link.
+    """
+    code = encode(level.to_dict(whole=True))
+    told = json.dumps(
+        page_data(game, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
+    )
+    data = told.encode("utf-8")
+    if len(data) > MAX_UNPACKED:
+        raise TooLargeError(
+            f"the level is too large for a link: a page would unpack {len(data):,} bytes, "
+            f"and takes at most {MAX_UNPACKED:,}"
+        )
+    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=PLAY_DICTIONARY_1)
+    packed = packer.compress(data) + packer.flush()
+    checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
+    body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + packed).decode().rstrip("=")
+    fragment = f"{code}{PLAY_MARK}{PLAY_VERSION}.{len(body)}.{body}"
+    if len(fragment) > MAX_LINK:
+        raise TooLargeError(
+            f"the level is too large for a link: {len(fragment):,} characters, "
+            f"of at most {MAX_LINK:,}"
+        )
+    return fragment

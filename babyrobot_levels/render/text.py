@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.language.level import LevelSpec
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-
 ROBOT = "☻"
 PLAIN_ROBOT = "@"
 TO_START = "↻"

@@ -21,7 +21,6 @@ from babyrobot_levels.render.scene.walls import wall_shapes
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-
 LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
 """The layers of a picture, from the bottom up."""
 

@@ -24,7 +24,6 @@ from babyrobot_levels.render.scene.shapes import (
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-
 _DASH = 4.0
 _LINE_WIDTH = 1.0
 _EDGE = 3.0

@@ -16,7 +16,6 @@ from babyrobot_levels.text.suggest import did_you_mean
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-
 KEYS = (
     "values",
     "policy",

@@ -14,7 +14,6 @@ from babyrobot_levels.render.scene.overlay import Overlay
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-
 CELL = 64.0
 """The side of a cell in pixels."""
 

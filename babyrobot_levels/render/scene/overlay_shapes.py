@@ -32,7 +32,6 @@ from babyrobot_levels.render.scene.texts import (
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-
 _COUNT_ROOM = 30.0
 """Coordinates stand beside the count."""
 

@@ -22,9 +22,8 @@ from support.worlds import World, decorated_worlds, level_of
 from babyrobot_levels.cli.answers import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.link import MAX_UNPACKED, link_fragment
-from babyrobot_levels.render.page import to_html
-from babyrobot_levels.render.pagedata import page_data
+from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, to_html
+from babyrobot_levels.render.page_data import page_data
 
 SOME = [
     "areas", "cliff-walking", "final-maze", "four-corners", "frozen-lake", "garden", "glasshouse",
