@@ -1,4 +1,4 @@
-"""The five actions, numbered once for everybody."""
+"""The five actions: their numbers, and how they change the cell."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Action(IntEnum):
-    """What the robot can be told to do, with the numbers that environments use."""
+    """An action of the robot, with the number that environments use."""
 
     STAY = 0
     NORTH = 1
@@ -17,3 +17,11 @@ class Action(IntEnum):
 
 NUM_ACTIONS = len(Action)
 NUM_MOVES = NUM_ACTIONS - 1
+
+DELTAS: dict[Action, tuple[int, int]] = {
+    Action.NORTH: (0, -1),
+    Action.EAST: (1, 0),
+    Action.SOUTH: (0, 1),
+    Action.WEST: (-1, 0),
+}
+"""How each move changes the cell, `(dx, dy)`: x grows to the east, y to the south."""

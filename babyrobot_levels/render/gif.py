@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from PIL import Image
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_base
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
@@ -153,18 +153,10 @@ def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_S
 def _on_the_way(step: Step, start: Place, end: Place, phase: float) -> Place:
     if step.state == step.next_state and step.action != Action.STAY and not step.skidded:
         reach = _NUDGE * math.sin(math.pi * phase)
-        dx, dy = _SHIFTS[Action(step.action)]
+        dx, dy = DELTAS[Action(step.action)]
         return start[0] + reach * dx, start[1] + reach * dy
     eased = phase * phase * (3 - 2 * phase)
     return start[0] + eased * (end[0] - start[0]), start[1] + eased * (end[1] - start[1])
-
-
-_SHIFTS = {
-    Action.NORTH: (0, -1),
-    Action.EAST: (1, 0),
-    Action.SOUTH: (0, 1),
-    Action.WEST: (-1, 0),
-}
 
 
 class _Stage:

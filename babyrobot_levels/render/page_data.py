@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 from babyrobot_levels.language.looks import Colors, Theme
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.actions import DELTAS, NUM_ACTIONS, Action
 from babyrobot_levels.mdp.tables import GLASS, REFUSED
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.scene.build import build_layers
@@ -57,12 +57,6 @@ PHASES = 4
 Row = tuple[float | int, ...]
 
 _NUMBERS = {pose: number for number, pose in enumerate(POSES)}
-_SHIFTS = {
-    Action.NORTH: (0, -1),
-    Action.EAST: (1, 0),
-    Action.SOUTH: (0, 1),
-    Action.WEST: (-1, 0),
-}
 
 
 class TooLargeError(ValueError):
@@ -253,7 +247,7 @@ def _event(mdp: Mdp, state: int, action: int, next_state: int) -> str:
         return "stay"
     before_y, before_x = divmod(state, mdp.width)
     y, x = divmod(next_state, mdp.width)
-    is_own_way = _SHIFTS.get(Action(action)) == (x - before_x, y - before_y)
+    is_own_way = DELTAS.get(Action(action)) == (x - before_x, y - before_y)
     return "move" if is_own_way else "carried"
 
 

@@ -7,7 +7,7 @@ from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.number_labels import HEIGHT, SMALL, action_pills, pill
 from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
@@ -227,13 +227,6 @@ _RING = 0.25
 _RIM = "#ffffff"
 _SHADE = "#000000"
 
-TOWARDS = {
-    Action.NORTH: (0, -1),
-    Action.EAST: (1, 0),
-    Action.SOUTH: (0, 1),
-    Action.WEST: (-1, 0),
-}
-
 
 def arrow_shapes(
     cells: Iterable[tuple[Cell, Sequence[int]]],
@@ -266,7 +259,7 @@ def arrow_shapes(
             shafts += circle(*middle, start)
         for action in actions:
             if action != Action.STAY:
-                shaft, head = _arrow(middle, TOWARDS[Action(action)], start, reach)
+                shaft, head = _arrow(middle, DELTAS[Action(action)], start, reach)
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)

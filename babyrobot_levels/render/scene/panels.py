@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import Panel
+from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.render.scene.layout import (
     COMPASS,
     LINE,
@@ -49,8 +50,9 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     yield Ellipse(x, y, 31, 31, colors.text_bg)
     for down, fill in ((-1, _NEEDLE), (1, colors.text_fg)):
         yield Path(polygon([(x - 5, y), (x, y + 16 * down), (x + 5, y)]), fill=fill)
-    for letter, across, along in (("N", 0, -1), ("E", 1, 0), ("S", 0, 1), ("W", -1, 0)):
-        yield Text(x + 23.5 * across, y + 23.5 * along + 3.8, letter, 11, colors.text_fg, bold=True)
+    for action, (dx, dy) in DELTAS.items():
+        letter = action.name[0]
+        yield Text(x + 23.5 * dx, y + 23.5 * dy + 3.8, letter, 11, colors.text_fg, bold=True)
 
 
 def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:

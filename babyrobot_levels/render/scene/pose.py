@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 
 
 class Mood(StrEnum):
@@ -31,6 +31,8 @@ class Pose:
     mood: Mood = Mood.CALM
     phase: float = 0.0
 
+
+_FACINGS = {move: action for action, move in DELTAS.items()}
 
 STANDING = Pose()
 """How he stands before the first step."""
@@ -62,13 +64,5 @@ def pose_of(
         return Pose(mood=Mood.CHEER)
     before_y, before_x = divmod(previous_state, width)
     y, x = divmod(state, width)
-    facing = _SIDES.get((x - before_x, y - before_y), Action(action))
+    facing = _FACINGS.get((x - before_x, y - before_y), Action(action))
     return Pose(facing, Mood.SLIP if skidded else Mood.CALM)
-
-
-_SIDES = {
-    (0, -1): Action.NORTH,
-    (1, 0): Action.EAST,
-    (0, 1): Action.SOUTH,
-    (-1, 0): Action.WEST,
-}
