@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from operator import gt, or_
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.runs import rectangles, runs
 from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.runs import rectangles, runs
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Ellipse,
@@ -91,10 +92,10 @@ def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
         row = blocked[y * columns : (y + 1) * columns]
         above = blocked[(y - 1) * columns : y * columns] if y else b"\1" * columns
         below = blocked[(y + 1) * columns : (y + 2) * columns] or b"\1" * columns
-        for x, length in runs(here and not there for here, there in zip(row, above, strict=True)):
+        for x, length in runs(map(gt, row, above), True):
             left, top = layout.corner(x, y)
             yield Rect(left, top, length * CELL, _EDGE, "#ffffff", opacity=0.22)
-        for x, length in runs(here and not there for here, there in zip(row, below, strict=True)):
+        for x, length in runs(map(gt, row, below), True):
             left, bottom = layout.corner(x, y + 1)
             yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, "#000000", opacity=0.3)
 
@@ -111,11 +112,11 @@ def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
     for y in range(1, rows):
         above = blocked[(y - 1) * columns : y * columns]
         below = blocked[y * columns : (y + 1) * columns]
-        for x, length in runs(not (a or b) for a, b in zip(above, below, strict=True)):
+        for x, length in runs(map(or_, above, below), 0):
             yield from _line(layout, (x + inset, y), (x + length - inset, y))
     for x in range(1, columns):
         left, right = blocked[x - 1 :: columns], blocked[x::columns]
-        for y, length in runs(not (a or b) for a, b in zip(left, right, strict=True)):
+        for y, length in runs(map(or_, left, right), 0):
             yield from _line(layout, (x, y + inset), (x, y + length - inset))
 
 

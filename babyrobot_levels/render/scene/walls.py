@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
+from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.scene.layout import Layout
@@ -115,21 +115,12 @@ def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape
 
 def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
     """Yield one line for all edges that follow each other."""
-    lines: dict[tuple[bool, int], list[int]] = defaultdict(list)
-    for down, x, y in edges:
-        lines[down, x if down else y].append(y if down else x)
-    for (down, across), places in sorted(lines.items()):
-        for start, length in _sequences(sorted(places)):
-            yield from polyline(
-                layout.corner(across, along) if down else layout.corner(along, across)
-                for along in (start, start + length)
-            )
 
+    def position(edge: Edge) -> tuple[tuple[bool, int], int]:
+        down, x, y = edge
+        return ((True, x), y) if down else ((False, y), x)
 
-def _sequences(numbers: list[int]) -> Iterator[tuple[int, int]]:
-    """Yield first and count of each sequence of numbers that follow each other."""
-    first = 0
-    for index, number in enumerate(numbers):
-        if index + 1 == len(numbers) or numbers[index + 1] != number + 1:
-            yield numbers[first], index + 1 - first
-            first = index + 1
+    for line in consecutive(sorted(edges, key=position), position):
+        (down, first_x, first_y), (_, last_x, last_y) = line[0], line[-1]
+        end = (last_x, last_y + 1) if down else (last_x + 1, last_y)
+        yield from polyline([layout.corner(first_x, first_y), layout.corner(*end)])
