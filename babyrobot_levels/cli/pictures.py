@@ -96,7 +96,7 @@ def page(level: Level, wishes: Wishes) -> str:
         return to_html(
             level,
             guide=guide,
-            walker="random" if wishes.policy is Walker.RANDOM else "best",
+            policy="random" if wishes.policy is Walker.RANDOM else "best",
             seed=wishes.seed,
             values=wishes.values,
             arrows=wishes.policy is Walker.BEST,

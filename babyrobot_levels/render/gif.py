@@ -29,43 +29,42 @@ if TYPE_CHECKING:
     from babyrobot_levels.render.raster import Translucent
 
 MAX_SIDE = 800
-"""A film that is given no scale is at most this many pixels wide and high."""
+"""The largest width and height of an animation without a given scale."""
 
 MAX_PIXELS = 400_000_000
 """The most pixels of all frames together."""
 
 _SMOOTH_PIXELS = 120_000_000
-"""Films of more pixels do without the frames between cells."""
+"""Animations with more pixels have no frames between cells."""
 
-_BETWEEN = 4
+_FRAMES_BETWEEN = 4
 """The number of frames between two cells."""
 
 _FRAME, _ARRIVAL, _START, _END = 40, 100, 700, 1500
-"""How long frames are shown, in milliseconds: between cells, in a cell, at the start, at the end.
-"""
+"""The durations of frames in milliseconds: between cells, in a cell, at the start, at the end."""
 
 _SHORTEST = 20
-"""Frames that are shown for less time are slowed down by many viewers."""
+"""The shortest duration; many viewers slow down shorter ones."""
 
 _NUDGE = 0.13
-"""How far into a wall the robot bumps, as a share of a cell."""
+"""The distance that the robot moves into a wall, as a share of a cell."""
 
 _COLORS, _EXACT = 256, 160
-"""The colours of a file, and how many of these are taken as they are, the most frequent ones."""
+"""The size of the palette, and how many of the most frequent colours it keeps exactly."""
 
 Place = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """A step of an episode, as a film shows it.
+    """A step of an episode.
 
     Attributes:
-        state: the cell that the robot leaves, `y * width + x`.
-        action: what he was told to do, a `brl.Action`.
-        next_state: the cell in which he arrives.
-        reward: what that gives.
-        skidded: whether chance led him elsewhere.
+        state: the cell before the step, `y * width + x`.
+        action: the action, a `brl.Action`.
+        next_state: the cell after the step.
+        reward: the reward.
+        skidded: whether the robot skidded to another cell than the action leads to.
     """
 
     state: int
@@ -82,41 +81,44 @@ def to_gif(
     overlay: Overlay | None = None,
     scale: float | None = None,
 ) -> bytes:
-    """Return an episode as a GIF file that plays for ever; the same arguments give the same bytes.
+    """Return an episode as a GIF file in an endless loop; the same arguments give the same bytes.
 
-    A level that has a panel shows in it the number of steps and the return up to then.
+    If the level has a panel, it shows the number of steps and the return so far.
 
     Args:
         level: the level; a maze needs a seed.
         steps: the steps of the episode, at least one.
-        overlay: what is written over the cells, below the robot.
-        scale: the size, where 1 is 64 pixels a cell. None takes the largest up to 1 that keeps
-            width and height within 800 pixels.
+        overlay: what is shown over the cells, below the robot.
+        scale: the size; 1 is 64 pixels a cell. None takes the largest up to 1 that keeps width
+            and height within 800 pixels.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: there is no step, or so many pixels would be too many.
+        ValueError: there is no step, or the frames have too many pixels.
     """
     if not steps:
-        raise ValueError("an episode has at least one step")
+        raise ValueError("the episode has no steps")
     layout = layout_of(level, overlay=overlay)
     if scale is None:
         scale = min(1.0, MAX_SIDE / max(layout.width, layout.height))
     width, height = round(scale * layout.width), round(scale * layout.height)
     if (len(steps) + 1) * width * height > MAX_PIXELS:
-        raise ValueError(f"a film of {len(steps)} steps and {width} x {height} pixels is too large")
-    between = _BETWEEN if (_BETWEEN + 1) * len(steps) * width * height <= _SMOOTH_PIXELS else 0
-    stage = _Stage(level, layout, overlay, scale)
+        raise ValueError(
+            f"an animation of {len(steps)} steps and {width} x {height} pixels is too large"
+        )
+    is_smooth = (_FRAMES_BETWEEN + 1) * len(steps) * width * height <= _SMOOTH_PIXELS
+    between = _FRAMES_BETWEEN if is_smooth else 0
+    painter = _Painter(level, layout, overlay, scale)
     frames = []
     for shot in _shots(level, steps, between):
-        patches = (stage.robot(shot.place, shot.pose), *stage.panels(shot.steps, shot.total))
+        patches = (painter.robot(shot.place, shot.pose), *painter.panels(shot.steps, shot.total))
         frames.append(Frame(patches, shot.time))
-    return encoded(stage.ground, frames)
+    return encoded(painter.ground, frames)
 
 
 @dataclass(frozen=True, slots=True)
 class _Shot:
-    """What a frame shows: the robot's place and pose, the score, and for how long."""
+    """The content of a frame: the robot's place and pose, the score, and the duration."""
 
     place: Place
     pose: Pose
@@ -139,18 +141,18 @@ def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_S
     total = 0.0
     for count, step in enumerate(steps, 1):
         start, end = place(step.state), place(step.next_state)
-        way = step.state, step.next_state, step.action, columns
-        pose = pose_of(*way, skidded=step.skidded)
+        moved = step.state, step.next_state, step.action, columns
+        pose = pose_of(*moved, skidded=step.skidded)
         for index in range(1, between + 1):
             phase = index / (between + 1)
-            walking = pose if start == end else replace(pose, phase=phase)
-            yield _Shot(_on_the_way(step, start, end, phase), walking, count - 1, total, frame)
+            moving = pose if start == end else replace(pose, phase=phase)
+            yield _Shot(_between(step, start, end, phase), moving, count - 1, total, frame)
         total += step.reward
-        pose = pose_of(*way, skidded=step.skidded, at_exit=step.next_state in exits)
+        pose = pose_of(*moved, skidded=step.skidded, at_exit=step.next_state in exits)
         yield _Shot(end, pose, count, total, _END if count == len(steps) else arrival)
 
 
-def _on_the_way(step: Step, start: Place, end: Place, phase: float) -> Place:
+def _between(step: Step, start: Place, end: Place, phase: float) -> Place:
     if step.state == step.next_state and step.action != Action.STAY and not step.skidded:
         reach = _NUDGE * math.sin(math.pi * phase)
         dx, dy = DELTAS[Action(step.action)]
@@ -159,8 +161,8 @@ def _on_the_way(step: Step, start: Place, end: Place, phase: float) -> Place:
     return start[0] + eased * (end[0] - start[0]), start[1] + eased * (end[1] - start[1])
 
 
-class _Stage:
-    """The ground, and the patches that are laid on it."""
+class _Painter:
+    """Paints the ground, and the patches that are put on it."""
 
     def __init__(
         self, level: GridWorld, layout: Layout, overlay: Overlay | None, scale: float
@@ -172,7 +174,7 @@ class _Stage:
         self._panels: tuple[tuple[int, float], tuple[Patch, ...]] | None = None
 
     def robot(self, place: Place, pose: Pose) -> Patch:
-        """Return the robot's surroundings with him in it."""
+        """Return the part of the picture around the robot, with the robot in it."""
         left, top = (round(self._scale * at) for at in self._layout.corner(*place))
         side = max(1, round(self._scale * CELL))
         if pose not in self._robots:
@@ -189,7 +191,7 @@ class _Stage:
 
     def _scored(self, steps: int, total: float) -> Iterator[Patch]:
         layout, score = self._layout, [f"Steps: {steps}", f"Return: {number(total)}"]
-        # A panel is painted by itself: beside a grid without columns, or below one without rows.
+        # A panel is painted alone: beside a grid without columns, or below one without rows.
         if panel_width(self._level.display.side_panel):
             strip, overlay = replace(layout, columns=0), Overlay(side_panel=score)
             left, top = strip.left_width, 0.0
@@ -207,7 +209,7 @@ class _Stage:
         pixels = to_rgb(Scene(strip.width, strip.height, shapes), size)
         pixels = pixels[math.ceil(self._scale * top) :, math.ceil(self._scale * left) :]
         if top == 0.0:
-            # The strip reaches down as far as the grid, beside which it stands.
+            # The strip is as high as the grid beside it.
             pixels = pixels[: math.floor(self._scale * layout.top_height)]
         height, width = pixels.shape[:2]
         yield Patch(self._size[0] - width, 0 if top == 0.0 else self._size[1] - height, pixels)
@@ -218,7 +220,7 @@ class _Stage:
 
 @dataclass(frozen=True, slots=True)
 class Patch:
-    """A part of a frame that is not ground: its top-left corner, and uint8 `[height, width, 3]`."""
+    """A part of a frame that differs: its top-left corner, and uint8 `[height, width, 3]`."""
 
     left: int
     top: int
@@ -227,17 +229,17 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame: what lies on the ground, and how many milliseconds it is shown."""
+    """A frame: the patches on the ground, and the duration in milliseconds."""
 
     patches: tuple[Patch, ...]
     time: int
 
 
 def encoded(ground: NDArray[np.uint8], frames: Sequence[Frame]) -> bytes:
-    """Return frames as a GIF file that plays for ever, without dithering.
+    """Return frames as a GIF file in an endless loop, without dithering.
 
     Args:
-        ground: what all frames have in common, uint8 `[height, width, 3]`.
+        ground: the picture below all frames, uint8 `[height, width, 3]`.
         frames: at least one frame.
     """
     patches = {id(patch): patch for frame in frames for patch in frame.patches}
@@ -288,7 +290,7 @@ def _unpacked(colors: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 def _palette(colors: NDArray[np.int32], counts: NDArray[np.intp]) -> NDArray[np.int32]:
-    """Return at most 256 colours: the most frequent ones, and what the others come to."""
+    """Return at most 256 colours: the most frequent ones, and a reduction of the others."""
     if colors.size <= _COLORS:
         return colors
     order = np.argsort(-counts, kind="stable")
@@ -300,7 +302,7 @@ def _palette(colors: NDArray[np.int32], counts: NDArray[np.intp]) -> NDArray[np.
 
 
 def _nearest(colors: NDArray[np.int32], palette: NDArray[np.int32]) -> NDArray[np.uint8]:
-    """Return the number of the nearest colour of the palette, for each colour."""
+    """Return the index of the nearest colour of the palette, for each colour."""
     wanted, there = _unpacked(colors), _unpacked(palette)
     distance = np.zeros((colors.size, palette.size), np.int32)
     for channel in range(3):

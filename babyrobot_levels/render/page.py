@@ -27,7 +27,7 @@ from babyrobot_levels.render.page_data import (
     LAYERS,
     Guide,
     TooLargeError,
-    Walker,
+    WatchedPolicy,
     common_data,
     facts,
     page_data,
@@ -44,43 +44,43 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
-"""The page's script, in the order in which its parts need each other."""
+"""The parts of the page's script, in the order of their dependencies."""
 
 PLAY_VERSION = 1
-"""The version of play parts: a page reads those of its own."""
+"""The version of play parts; a page reads only its own."""
 
 MAX_LINK = 30_000
-"""The most characters of a link behind its `#`: what browsers and chats take without harm."""
+"""The most characters of a link after its `#` that browsers and chats handle reliably."""
 
 MAX_UNPACKED = 4 << 20
-"""The most bytes that a page unpacks."""
+"""The most bytes that a page decompresses."""
 
 
 def to_html(
     level: GridWorld,
     *,
     guide: Guide | None = None,
-    walker: Walker = "best",
+    policy: WatchedPolicy = "best",
     seed: int = 0,
     values: bool = False,
     arrows: bool = False,
 ) -> str:
-    """Return a page on which the level is played with keys, buttons and touch.
+    """Return a page on which the level can be played with keys, buttons and touch.
 
     Args:
         level: the level; a maze needs a seed.
-        guide: the best that can be done, if it is known.
-        walker: who walks when the player watches; without a guide there is no best.
-        seed: what chance is drawn from at first.
-        values: whether the values of cells are shown at once.
-        arrows: whether the best actions are shown at once.
+        guide: the solution of the level, if it is known.
+        policy: the policy that can be watched; without a guide there is no best one.
+        seed: the random seed of the first episode.
+        values: whether the values of cells are shown at first.
+        arrows: whether the optimal actions are shown at first.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
         TooLargeError: the level is too large for a page.
     """
     level = without_panels(level)
-    data = page_data(level, guide=guide, walker=walker, seed=seed, values=values, arrows=arrows)
+    data = page_data(level, guide=guide, policy=policy, seed=seed, values=values, arrows=arrows)
     common = {
         **common_data(),
         "code_version": VERSION,
@@ -106,7 +106,7 @@ def to_html(
 
 
 def embedded_json(data: Any) -> str:
-    """Return data as JSON that can stand in a script element: nothing in it can end that."""
+    """Return data as JSON for a script element, which nothing in it can close."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
@@ -114,7 +114,7 @@ def embedded_json(data: Any) -> str:
 
 
 def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
-    """Return the picture that is seen where no script runs."""
+    """Return the picture that is shown without JavaScript."""
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
     scene = layers["base"]
@@ -136,7 +136,7 @@ def _fact_rows(level: GridWorld) -> Iterator[str]:
 
 
 def _security_policy(style: str, script: str) -> str:
-    """Return the policy under which only our own style and script count, and nothing is loaded."""
+    """Return a content security policy that allows this style and script only, and no loading."""
     style_hash, script_hash = (
         base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         for text in (style, script)
@@ -151,27 +151,27 @@ def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
 
 
-def link_fragment(level: GridWorld, game: GridWorld, guide: Guide | None = None) -> str:
-    """Return what stands behind the `#` of a link: a share code, and what a page plays.
+def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:
+    """Return the part of a link after its `#`: a share code, and the data that a page plays.
 
     Args:
-        level: the level that the code is of.
-        game: the same level with its maze grown, if that is random.
-        guide: the best that can be done, if it is known.
+        level: the level of the share code.
+        played: the same level with a maze seed, if the level's maze is random.
+        guide: the solution of the level, if it is known.
 
     Raises:
-        LevelError: the level is larger than a level file may be.
+        LevelError: the level exceeds the size limit of level files.
         TooLargeError: the level is too large for a link.
     """
     code = encode(level.to_dict(whole=True))
-    told = json.dumps(
-        page_data(game, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
+    text = json.dumps(
+        page_data(played, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
     )
-    data = told.encode("utf-8")
+    data = text.encode("utf-8")
     if len(data) > MAX_UNPACKED:
         raise TooLargeError(
-            f"the level is too large for a link: a page would unpack {len(data):,} bytes, "
-            f"and takes at most {MAX_UNPACKED:,}"
+            f"the level is too large for a link: its data has {len(data):,} bytes, "
+            f"and the limit is {MAX_UNPACKED:,}"
         )
     packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=PLAY_DICTIONARY_1)
     packed = packer.compress(data) + packer.flush()
@@ -180,7 +180,7 @@ def link_fragment(level: GridWorld, game: GridWorld, guide: Guide | None = None)
     fragment = f"{code}{PLAY_MARK}{PLAY_VERSION}.{len(body)}.{body}"
     if len(fragment) > MAX_LINK:
         raise TooLargeError(
-            f"the level is too large for a link: {len(fragment):,} characters, "
-            f"of at most {MAX_LINK:,}"
+            f"the level is too large for a link: it would have {len(fragment):,} characters, "
+            f"and the limit is {MAX_LINK:,}"
         )
     return fragment

@@ -1,7 +1,7 @@
 """What a page knows about a level: texts, tables, picture, and optimal behaviour.
 
-One mapping that JSON can hold. A page carries that of its own level, a link that of another one:
-the page's script plays and paints either, and knows nothing else about levels.
+One mapping that JSON can hold. A page contains that of its own level, a link that of another
+one: the page's script plays and paints either, and knows nothing else about levels.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
 
 LAYERS = {"base": "base", "grid": "grid", "policy": "underlay", "values": "overlay"}
-"""The layers of a page's picture, and which of a scene's they are; the robot is not one of them."""
+"""The layers of a page's picture and their names in a scene; the robot is not one of them."""
 
-Walker = Literal["best", "random"]
+WatchedPolicy = Literal["best", "random"]
 
 _ROBOT_COLORS = ("robot", "puddle")
-"""The colours of a theme that the robot's pictures have: his body's, and the splashes'."""
+"""The colours of a theme in the robot's pictures: of its body, and of splashes."""
 
 EVENTS = ("stay", "move", "carried", "bump", "skid", "bounce")
-"""What a step can come to: warps and wind carry the robot, walls bump him, glass bounces him."""
+"""The events of a step: warps and wind carry the robot, walls bump it, glass bounces it."""
 
 CHEER = 1
-"""The number of the pose at an exit."""
+"""The index of the pose at an exit."""
 
 POSES = (
     STANDING,
@@ -49,10 +49,10 @@ POSES = (
     *(Pose(action) for action in Action if action is not Action.STAY),
     *(Pose(action, Mood.SLIP) for action in Action),
 )
-"""All poses that a step can lead to, as outcomes number them; the first is that of the start."""
+"""All poses after a step; outcomes give their indices. The first one is that of the start."""
 
 PHASES = 4
-"""The number of pictures of the robot on his way from cell to cell."""
+"""The number of pictures of the robot for a move from cell to cell."""
 
 Row = tuple[float | int, ...]
 
@@ -60,17 +60,17 @@ _NUMBERS = {pose: number for number, pose in enumerate(POSES)}
 
 
 class TooLargeError(ValueError):
-    """A level that is too large for a page, or for a link to one."""
+    """A level that is too large for a page or a link."""
 
 
 @dataclass(frozen=True, slots=True)
 class Guide:
-    """The best that can be done in a level, as the page tells it.
+    """The solution of a level, as far as the page shows it.
 
     Attributes:
-        policy: the best action of each state, as `Action`s, `[states]`; -1 where there is none.
-        overlay: the values and best actions of the cells, which the page shows when asked.
-        expected_return: what the policy is worth from the starts; it may be infinite.
+        policy: the optimal action of each state, as `Action`s, `[states]`; -1 where there is none.
+        overlay: the values and optimal actions of the cells, which the page can show.
+        expected_return: the policy's expected return from the starts; it may be infinite.
     """
 
     policy: Sequence[int]
@@ -79,7 +79,7 @@ class Guide:
 
 
 def without_panels(level: GridWorld) -> GridWorld:
-    """Return the level without what the page itself has a place for: panels and compass.
+    """Return the level without the panels and the compass, which a page does not need.
 
     Raises:
         TooLargeError: the level is too large for a page.
@@ -87,8 +87,8 @@ def without_panels(level: GridWorld) -> GridWorld:
     width, height = level.size
     if width * height > MAX_CELLS:
         raise TooLargeError(
-            f"a level of {width} x {height} cells is too large for a page, "
-            f"which has room for {MAX_CELLS:,}"
+            f"a level of {width} x {height} cells is too large for a page; "
+            f"the limit is {MAX_CELLS:,} cells"
         )
     display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
@@ -98,12 +98,12 @@ def page_data(
     level: GridWorld,
     *,
     guide: Guide | None = None,
-    walker: Walker = "best",
+    policy: WatchedPolicy = "best",
     seed: int = 0,
     values: bool = False,
     arrows: bool = False,
 ) -> dict[str, Any]:
-    """Return all that a page needs to show and play a level.
+    """Return everything that a page needs to show and play a level.
 
     Args and errors are those of `to_html`.
     """
@@ -117,7 +117,7 @@ def page_data(
         "robot": [hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS],
         "picture": _picture(level, guide),
         "seed": str(seed),
-        "walker": walker if guide is not None or walker == "random" else None,
+        "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
         "policy": list(guide.policy) if guide is not None else None,
         "best": _best(guide),
@@ -125,7 +125,7 @@ def page_data(
 
 
 def common_data() -> dict[str, Any]:
-    """Return what is the same for all levels: how the robot looks, and what the numbers mean."""
+    """Return what is the same for all levels: the robot's pictures, and the meaning of codes."""
     palette = Palette(_ROBOT_COLORS)
     theme = Theme.model_construct(colors=Colors.model_construct(robot="robot", puddle="puddle"))
     sprites = [
@@ -148,14 +148,14 @@ def common_data() -> dict[str, Any]:
 
 
 def title_of(level: GridWorld) -> str:
-    """Return what stands at the top of a level's page."""
+    """Return the heading of a level's page."""
     return level.title or level.name or "Level"
 
 
 def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
-    """Yield what is known of a level, each with its name."""
+    """Yield the facts about a level, each with its name."""
     width, height = level.size
-    told = {
+    values = {
         "Level": level.name,
         "Size": f"{width} × {height}",
         "Author": level.author,
@@ -164,7 +164,7 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
         "Time limit": f"{level.max_steps} steps" if level.max_steps is not None else None,
         "Digest": level.digest,
     }
-    yield from ((name, text) for name, text in told.items() if text)
+    yield from ((name, text) for name, text in values.items() if text)
 
 
 def _picture(level: GridWorld, guide: Guide | None) -> dict[str, Any]:
@@ -188,13 +188,13 @@ def _best(guide: Guide | None) -> str:
 
 
 def playable(level: GridWorld) -> dict[str, Any]:
-    """Return the data, which JSON can hold.
+    """Return what the page's script plays: the tables, and the event and pose of each outcome.
 
-    `rows` are the different things that an action can come to, and `table` says for each state and
-    action (`NUM_ACTIONS * state + action`) which row it is: -1 where the episode is over. A row is
-    one list of six numbers for each outcome: probability, how much larger the number of the next
-    state is, reward, terminal, and the numbers of event and pose. `possible` has a bit for each
-    action. Lengths are those of the scene.
+    `rows` are the distinct outcome distributions, and `table` gives the row of each state and
+    action (`NUM_ACTIONS * state + action`): -1 for terminal states. A row is one list with six
+    numbers for each outcome: probability, next state minus state, reward, terminal, and the
+    indices of event and pose. `possible` has a bit for each action. Lengths are those of the
+    scene.
 
     Args:
         level: the level; a maze needs a seed.
@@ -247,8 +247,8 @@ def _event(mdp: Mdp, state: int, action: int, next_state: int) -> str:
         return "stay"
     before_y, before_x = divmod(state, mdp.width)
     y, x = divmod(next_state, mdp.width)
-    is_own_way = DELTAS.get(Action(action)) == (x - before_x, y - before_y)
-    return "move" if is_own_way else "carried"
+    is_own_move = DELTAS.get(Action(action)) == (x - before_x, y - before_y)
+    return "move" if is_own_move else "carried"
 
 
 def _short(value: float) -> float | int:

@@ -29,18 +29,18 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Translucent = tuple[NDArray[np.uint8], NDArray[np.uint8]]
-    """The ink, and how much of the ground is seen, of 255; each `[height, width, channels]`."""
+    """The ink, and the visible share of the ground of 255; each `[height, width, channels]`."""
 
 
 MAX_SIDE = 4000
-"""A picture that is given no size is at most this many pixels wide and high."""
+"""The largest width and height of a picture without a given size."""
 
 MAX_PIXELS = 64_000_000
-"""The most pixels that are painted at once, before they are averaged down."""
+"""The most pixels that are painted at once, before averaging."""
 
 _MAX_SAMPLES = 4
 _SMALLEST_TEXT = 5.0
-"""Texts of fewer pixels could not be read: they are left out."""
+"""Texts with fewer pixels are left out: they would not be readable."""
 
 _MAX_PARTS = 64
 """The most lines that a curve becomes."""
@@ -58,12 +58,12 @@ def to_rgb(
 
     Args:
         scene: the scene.
-        size: width and height in pixels; the scene is stretched to them. None takes the scene's
-            own, or where they are over 4,000, the largest of the same proportions below.
-        background: the colour on which the scene is painted.
+        size: width and height in pixels, to which the scene is stretched. None takes the scene's
+            own, scaled down to at most 4,000 pixels a side.
+        background: the background colour.
 
     Raises:
-        ValueError: the size is not positive, or more than 64 million pixels.
+        ValueError: the size is not positive, or exceeds 64 million pixels.
     """
     return np.array(_paint(scene, size, background))
 
@@ -71,7 +71,7 @@ def to_rgb(
 def to_png(
     scene: Scene, size: tuple[int, int] | None = None, *, colors: int | None = None
 ) -> bytes:
-    """Return the scene as a PNG file; see `to_rgb`. `colors` is how many it has at most."""
+    """Return the scene as a PNG file; see `to_rgb`. `colors` is the largest number of colours."""
     buffer = io.BytesIO()
     image = _paint(scene, size, "white")
     if colors is not None:
@@ -82,8 +82,13 @@ def to_png(
 
 def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image.Image:
     width, height = size or _default_size(scene)
-    if min(width, height) < 1 or width * height > MAX_PIXELS:
-        raise ValueError(f"a picture cannot be {width} x {height} pixels large")
+    if min(width, height) < 1:
+        raise ValueError(f"invalid picture size: {width} x {height} pixels")
+    if width * height > MAX_PIXELS:
+        raise ValueError(
+            f"a picture of {width} x {height} pixels is too large; "
+            f"the limit is {MAX_PIXELS:,} pixels"
+        )
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
     painter = _Painter(image, scene, samples)
@@ -153,7 +158,7 @@ class _Painter:
         if path.dash is not None:
             dash, gap = (self._length * length for length in path.dash)
             if dash < self._samples:
-                # Dashes finer than the picture's pixels are seen as a fainter line.
+                # Dashes finer than a pixel look like a fainter line.
                 opacity *= dash / (dash + gap)
             else:
                 lines = [part for line in lines for part in dashes(line, dash, gap)]
@@ -181,13 +186,13 @@ class _Painter:
         )
 
     def _ink(self, color: str, opacity: float, box: Box, draw: Callable[[Pen], None]) -> None:
-        """Draw in a colour, inside of `box`."""
+        """Draw in a colour inside `box`."""
         red, green, blue, alpha = rgba(color)
         alpha *= opacity
         if alpha >= 1:
             draw(Pen(self._draw, (red, green, blue)))
             return
-        # Drawn into a mask first, so that what overlaps itself is not blended twice.
+        # Drawn into a mask first, so that overlapping parts are not blended twice.
         left, top = max(0, math.floor(box[0]) - 1), max(0, math.floor(box[1]) - 1)
         right = min(self._image.width, math.ceil(box[2]) + 2)
         bottom = min(self._image.height, math.ceil(box[3]) + 2)
@@ -218,7 +223,7 @@ class Pen:
     def box(self, x0: float, y0: float, x1: float, y1: float, radius: float = 0.0) -> None:
         """Fill a rectangle, at least a pixel wide and high."""
         left, top = round(x0) - self.left, round(y0) - self.top
-        # Pillow counts the last column and row in.
+        # Pillow includes the last column and row.
         right = max(left, round(x1) - self.left - 1)
         bottom = max(top, round(y1) - self.top - 1)
         corners = (left, top, right, bottom)
@@ -236,12 +241,12 @@ class Pen:
 
     def polygon(self, points: list[Point]) -> None:
         """Fill a polygon."""
-        # Pillow takes coordinates for the middles of pixels.
+        # Pillow's coordinates are the centres of pixels.
         corners = [(round(x - 0.5) - self.left, round(y - 0.5) - self.top) for x, y in points]
         self.draw.polygon(corners, self.ink)
 
     def stroke(self, line: Polyline, width: float, *, round_caps: bool) -> None:
-        """Draw a line of some width, with round joins."""
+        """Draw a line with round joins."""
         points, closed = line
         half = width / 2
         ends = [*points, points[0]] if closed else points
@@ -265,7 +270,7 @@ class Pen:
             )
 
     def text(self, x: float, y: float, text: str, size: float, anchor: str, *, bold: bool) -> None:
-        """Write a line in the font that Pillow brings; it has no bold, so bold is thickened."""
+        """Write a line in Pillow's own font; it has no bold, so bold text is thickened."""
         place = (x - self.left, y - self.top)
         weight = size / 32 if bold else 0
         self.draw.text(place, text, self.ink, _font(size), anchor, stroke_width=weight)
@@ -282,7 +287,7 @@ def _font(size: float) -> ImageFont.FreeTypeFont:
 
 
 def polylines(commands: tuple[Command, ...], scale: float = 1.0) -> list[Polyline]:
-    """Return the pieces of a path as points; curves become lines that look smooth at `scale`."""
+    """Return the pieces of a path as polylines; curves look smooth at `scale`."""
     pieces: list[Polyline] = []
     for letter, numbers in commands:
         if letter == "M":
@@ -311,7 +316,7 @@ def _cubic(start: Point, numbers: tuple[float, ...], scale: float) -> Iterator[P
 
 
 def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:
-    """Yield the dashes of a line; it begins with one."""
+    """Yield the dashes of a line, which begins with a dash."""
     points, closed = line
     points = [*points, points[0]] if closed else points
     drawing, left = True, dash

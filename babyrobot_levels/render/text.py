@@ -31,19 +31,19 @@ BLOCK = "█"
 _SHOWN = {d.SMALL: "∘", d.LARGE: "◯"}
 _WARPS = "⇒⇘⇓⇙⇐⇖⇑⇗"
 _WINDS = "→↘↓↙←↖↑↗"
-"""Arrows from east on, by the clock."""
+"""Arrows from east, clockwise."""
 
 _JOINTS = "·╵╶└╷│┌├╴┘─┴┐┤┬┼"
-"""By the walls that meet: 1 north, 2 east, 4 south, 8 west."""
+"""The characters of corners by the bit set of walls: 1 north, 2 east, 4 south, 8 west."""
 
 _ACROSS = {d.SOLID: "───", d.GLASS: "╌╌╌", d.OPEN: "   "}
 _DOWN = {d.SOLID: "│", d.GLASS: "╎", d.OPEN: " "}
 
 Style = tuple[Rgb, Rgb]
-"""The colours of a character and of its ground."""
+"""The colours of a character and its background."""
 
 WIDEST = 16
-"""Numbers of wider levels do not fit on a screen."""
+"""The widest level whose table of numbers fits on a screen."""
 
 _RESET = "\x1b[0m"
 _PAPER = (255, 255, 255)
@@ -64,7 +64,7 @@ def unicode_drawing(
         level: the level.
         grid: its walls and cells.
         state: the cell, `y * width + x`, of the robot.
-        color: whether to paint it in the theme's colours, with 24-bit ANSI escapes.
+        color: whether to use the theme's colours, as 24-bit ANSI escapes.
     """
     drawing = drawing_of(level, grid)
     cells = [list(row) for row in _symbols(level, drawing)]
@@ -79,7 +79,7 @@ def unicode_drawing(
 def policy_drawing(
     level: LevelSpec, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
 ) -> str:
-    """Return a picture of where a policy leads; each line ends with a newline.
+    """Return a picture of a policy; each line ends with a newline.
 
     Args:
         level: the level.
@@ -102,7 +102,7 @@ def policy_drawing(
 
 
 def _symbols(level: LevelSpec, drawing: d.Drawing) -> Iterator[list[str]]:
-    """Yield rows of what the cells show. Starts and exits hide warps, and warps hide puddles."""
+    """Yield the symbols of the cells by rows. Starts and exits hide warps, warps hide puddles."""
     south, east = shifts(level.wind, drawing.width, drawing.height)
     warps = {warp.at: warp.to for warp in level.warps}
     for y, row in enumerate(drawing.cells):
@@ -130,12 +130,12 @@ def _arrow(arrows: str, east: int, south: int) -> str:
 
 
 def _lines(drawing: d.Drawing, cells: list[list[str]]) -> Iterator[Iterator[str]]:
-    """Yield the lines as their parts; lines of walls and lines of cells by turns."""
+    """Yield the lines as their parts; lines of walls and lines of cells alternate."""
     width, height = drawing.width, drawing.height
     border = d.SOLID * width
     across = [border, *drawing.south, border]
     down = [d.SOLID + row + d.SOLID for row in drawing.east]
-    # Beyond the grid no walls meet the outer one, and nothing is blocked.
+    # Outside the grid there are no walls and no blocked cells.
     blocked = [[False] * (width + 2) for _ in range(height + 2)]
     for x, y in drawing.find(d.BLOCKED):
         blocked[y + 1][x + 1] = True
@@ -181,8 +181,8 @@ class TextPainter:
     Args:
         level: the level; a maze needs a seed.
         plain: whether to use ASCII characters only.
-        overlay: what is shown of the level. Arrows stand in the cells; values, visits, notes and
-            the lines of panels below the drawing. The rest is left to pictures.
+        overlay: what is shown about the level. Arrows are in the cells; values, visits, notes and
+            the lines of panels are below the drawing. The rest is shown by pictures only.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
@@ -194,7 +194,7 @@ class TextPainter:
         overlay = overlay or Overlay()
         self._level, self._grid = level, level.grid()
         if overlay.actions is not None:
-            # Of several actions a character shows the highest number: a move sooner than stay.
+            # A character shows one action, the one with the highest number: moves before stay.
             policy = [[max(best, default=-1) for best in row] for row in overlay.actions]
             drawing = policy_drawing(level, self._grid, policy, plain=plain)
         else:
@@ -210,9 +210,9 @@ class TextPainter:
 
         Args:
             state: the cell of the robot, `y * width + x`.
-            color: whether to paint it in the theme's colours, with 24-bit ANSI escapes.
-            room: how many columns and lines there are. Of a larger drawing, the part around the
-                robot is shown.
+            color: whether to use the theme's colours, as 24-bit ANSI escapes.
+            room: the available columns and lines. Of a larger drawing, the part around the robot
+                is returned.
         """
         y, x = divmod(state, self._grid.width)
         row, column = 2 * y + 1, 4 * x + 2
@@ -228,14 +228,14 @@ class TextPainter:
         left = min(max(0, column - width // 2), len(lines[0]) - width)
         top = min(max(0, row - height // 2), len(lines) - height)
         if color:
-            # Lines that are not shown need no colours.
+            # Only visible lines need colours.
             shown = [line if top <= n < top + height else "" for n, line in enumerate(lines)]
             lines = _colored(shown, self._level, self._grid, state)
         return [*cut_out(lines, left, top, width, height), *below]
 
 
 def _below(overlay: Overlay) -> Iterator[str]:
-    """Yield the lines below the drawing: each block begins with an empty one."""
+    """Yield the lines below the drawing; each block begins with an empty line."""
     if overlay.values is not None:
         yield from _table(overlay.values, overlay.precision)
     if overlay.visits is not None:
@@ -259,7 +259,7 @@ def _table(rows: Rows[float | None], precision: int) -> Iterator[str]:
 
 
 def number_lines(rows: Sequence[Sequence[float | None]], precision: int) -> Iterator[str]:
-    """Yield a line for each row. None and nan leave their cells empty."""
+    """Yield a line for each row. None and nan give empty cells."""
     shown = [
         ["" if value is None or math.isnan(value) else f"{value:.{precision}f}" for value in row]
         for row in rows
@@ -279,14 +279,14 @@ def _colored(lines: list[str], level: GridWorld, grid: Grid, state: int | None) 
         lines: the picture without colours: cells of three characters, walls between them.
         level: the level; its theme gives the colours.
         grid: its walls and cells.
-        state: the cell of the robot, if he is in the picture.
+        state: the cell of the robot, if it is in the picture.
     """
     palette = _Palette(level, grid, state)
     return ["".join(palette.line(line, row)) + _RESET for row, line in enumerate(lines)]
 
 
 class _Palette:
-    """Knows the colours of each place of the picture; rows and columns are those of the text."""
+    """The colours of each character of the picture; rows and columns are those of the text."""
 
     def __init__(self, level: GridWorld, grid: Grid, state: int | None) -> None:
         self._colors = colors = level.resolved_theme.colors
@@ -313,7 +313,7 @@ class _Palette:
         self._inks |= {"╌": GLASS, "╎": GLASS}
 
     def line(self, text: str, row: int) -> Iterator[str]:
-        """Yield a line, with an escape wherever the style changes."""
+        """Yield the parts of a line, with an escape where the style changes."""
         last: Style | None = None
         for column, character in enumerate(text):
             is_cell = row % 2 and column % 4
@@ -342,7 +342,7 @@ class _Palette:
         return over(self._inks.get(character, plain), ground), ground
 
     def _common_ground(self, row: int, column: int) -> Rgb:
-        """Return the ground of the cells around a place between them, if they agree."""
+        """Return the background that the cells around a wall share, or the base colour."""
         rows = {(row - 1) // 2, row // 2}
         columns = {(column - 1) // 4, column // 4}
         grounds = {self._grounds[y][x] for y in rows for x in columns}

@@ -164,7 +164,7 @@ def test_a_faster_robot_takes_less_time() -> None:
 
 
 def test_what_would_be_too_much_is_refused() -> None:
-    with pytest.raises(ValueError, match="at least one step"):
+    with pytest.raises(ValueError, match="has no steps"):
         to_gif(ROW, [])
     with pytest.raises(ValueError, match="too large"):
         to_gif(level(size=[100, 100]), [Step(0, 2, 1, -1.0)] * 10, scale=1.0)

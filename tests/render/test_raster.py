@@ -71,7 +71,7 @@ def test_every_name_of_the_language_is_a_colour() -> None:
 
 
 def test_a_word_that_is_no_colour_is_refused() -> None:
-    with pytest.raises(ValueError, match="not a colour"):
+    with pytest.raises(ValueError, match="invalid CSS colour"):
         rgba("reddish")
 
 

@@ -25,22 +25,22 @@ from babyrobot_levels.render.svg import FONT
 
 _ALIGN = {"start": "left", "middle": "center", "end": "right"}
 _SPACES = re.compile("[ \t\r\n]+")
-"""What SVG shows as one space."""
+"""Characters that SVG shows as one space."""
 
 
 @contextmanager
 def one_message(widget: MultiCanvas) -> Iterator[None]:
-    """Send all that is drawn on a widget's layers inside of the block in one message.
+    """Send everything that the block draws on a widget's layers in one message.
 
-    After an exception what was drawn until then is sent, and ipycanvas is left as it was: its own
-    `hold_canvas` would hold back everything that any canvas draws from then on.
+    After an exception, what was drawn so far is sent, and ipycanvas keeps working: its own
+    `hold_canvas` would hold back everything that any canvas draws afterwards.
     """
     hold = hold_canvas()
     hold.__enter__()
     try:
-        # ipycanvas names a canvas only where another one was drawn on last. A page that was loaded
-        # since does not know which, and would never draw again. So every message ends on another
-        # canvas than it begins with, and begins with a name.
+        # ipycanvas names a canvas in a message only if another canvas was drawn on last. A page
+        # that was loaded since would not know which, and never draw again. So every message ends
+        # on another canvas than it begins with, and therefore begins with a name.
         widget[0].begin_path()
         yield
     finally:
@@ -49,14 +49,14 @@ def one_message(widget: MultiCanvas) -> Iterator[None]:
 
 
 def paint(canvas: Canvas, shapes: Iterable[Shape], scale: float = 1.0) -> None:
-    """Paint shapes on a canvas, in the place of what was there.
+    """Replace what a canvas shows by shapes.
 
     Args:
         canvas: the canvas.
         shapes: the shapes, in painting order.
-        scale: pixels of the canvas for each of the shapes'.
+        scale: canvas pixels for each pixel of the shapes.
     """
-    # Not `save` and `restore`: a batch that was broken off leaves them unbalanced.
+    # Not `save` and `restore`: an interrupted batch leaves them unbalanced.
     canvas.reset_transform()
     canvas.clear()
     canvas.set_transform(scale, 0, 0, scale, 0, 0)
@@ -74,7 +74,7 @@ def paint(canvas: Canvas, shapes: Iterable[Shape], scale: float = 1.0) -> None:
 
 
 class _Brush:
-    """Draws shape by shape; a style is sent only where it changes."""
+    """Draws shapes one by one; a style is sent only when it changes."""
 
     def __init__(self, canvas: Canvas) -> None:
         self._canvas = canvas
@@ -89,11 +89,11 @@ class _Brush:
                 self._style[name] = value
 
     def _ink(self, style: str, color: str, opacity: float) -> bool:
-        """Take a colour; return whether it can be seen at all."""
+        """Set a colour; return whether it is visible at all."""
         red, green, blue, alpha = rgba(color)
         alpha = round(alpha * opacity, 4)
         if alpha > 0:
-            # In numbers: there are names that browsers know and ipycanvas does not.
+            # As numbers: ipycanvas does not accept all of the names that browsers know.
             self._use(global_alpha=alpha, **{style: f"#{red:02x}{green:02x}{blue:02x}"})
         return alpha > 0
 
@@ -160,27 +160,27 @@ class _Brush:
             return
         weight = "bold " if text.bold else ""
         self._use(font=f"{weight}{text.size:g}px {FONT}", text_align=_ALIGN[text.anchor])
-        # What is no character at all cannot be sent.
+        # Lone surrogates cannot be sent.
         line = _SPACES.sub(" ", text.text).strip().encode("utf-8", "replace").decode()
         self._canvas.fill_text(line, *_rounded(text.x, text.y))
 
 
 def _rounded(*numbers: float) -> list[float]:
-    """Return numbers with at most two decimals, as in an SVG: they travel as text."""
+    """Return numbers with at most two decimals, as in SVG: they are sent as text."""
     return [round(number, 2) for number in numbers]
 
 
-class Stage:
+class LayeredCanvas:
     """Layers of a picture, one canvas each.
 
-    Drawing is messages, not state: a front end that connects later has seen none of them. It is
-    given the whole picture as soon as it says that it is there.
+    Drawing is messages, not state: a front end that connects later has missed them. It gets the
+    whole picture as soon as it reports that it is ready.
 
     Args:
         layers: the layers by their names, from the bottom up, all of one size.
 
     Attributes:
-        widget: what shows them.
+        widget: the widget that shows them.
     """
 
     def __init__(self, layers: Mapping[str, Scene]) -> None:
@@ -197,10 +197,10 @@ class Stage:
         self.paint(layers)
 
     def paint(self, layers: Mapping[str, Scene]) -> None:
-        """Paint what differs from what is seen. The size may be another one.
+        """Paint the layers that have changed. The size may change, too.
 
         Args:
-            layers: all layers, by the names that they had at first.
+            layers: all layers, by their original names.
         """
         self._wanted = dict(layers)
         size = _size(self._wanted)
@@ -223,28 +223,28 @@ class Stage:
     def animate(self, name: str, frames: Sequence[Scene], milliseconds: float) -> None:
         """Play frames on a layer; the last one stays.
 
-        The browser plays them, while Python goes on.
+        The browser plays them asynchronously.
 
         Args:
             name: the layer.
-            frames: what it shows, one after the other.
-            milliseconds: how long each of them is seen.
+            frames: the frames in order.
+            milliseconds: the duration of each frame.
         """
-        # What an exception left unfinished comes first.
+        # Finish first what an exception interrupted.
         self.paint(self._wanted)
         self._wanted[name] = frames[-1]
         self._draw({name: frames}, milliseconds)
 
-    def _draw(self, films: Mapping[str, Sequence[Scene]], milliseconds: float = 0.0) -> None:
-        # Until all of it is sent, nothing is known of these layers: what an exception leaves
-        # unfinished is painted the next time.
-        for name in films:
+    def _draw(self, animations: Mapping[str, Sequence[Scene]], milliseconds: float = 0.0) -> None:
+        # These layers count as unknown until everything is sent: after an exception they are
+        # painted again.
+        for name in animations:
             self._painted.pop(name, None)
         names = list(self._wanted)
         with one_message(self.widget):
-            for name, frames in films.items():
+            for name, frames in animations.items():
                 self._animate(self.widget[names.index(name)], frames, milliseconds)
-        self._painted |= {name: frames[-1].shapes for name, frames in films.items()}
+        self._painted |= {name: frames[-1].shapes for name, frames in animations.items()}
 
     def _animate(self, canvas: Canvas, frames: Sequence[Scene], milliseconds: float) -> None:
         for number, frame in enumerate(frames):
@@ -253,11 +253,11 @@ class Stage:
             paint(canvas, frame.shapes, screen_scale(frame))
 
     def close(self) -> None:
-        """Take the widget off the screen, and let go of its memory."""
+        """Remove the widget from the screen, and free its memory."""
         self.widget.on_client_ready(self.repaint, remove=True)
         self.widget.close()
         # The layers themselves stay: a front end that still plays their last frames and did not
-        # find them would draw nothing any more, on no canvas of the page.
+        # find them would stop drawing on all canvases of the page.
         for layer in range(len(self._wanted)):
             self.widget[layer].width = self.widget[layer].height = 1
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 _DASH = 4.0
 _LINE_WIDTH = 1.0
 _EDGE = 3.0
-"""How high blocked cells seem to stand above the ground."""
+"""How far blocked cells seem to rise above the ground, in pixels."""
 
 
 def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -55,7 +55,7 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
 
 
 def _pad(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
-    """Yield the pad that the robot starts from."""
+    """Yield the pad of a start."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
     for radius, opacity in ((20, 0.25), (12, 0.35)):
         yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
@@ -77,7 +77,7 @@ def _flag(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
 
 
 def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
-    """Yield the blocked cells as blocks that stand a little above the ground."""
+    """Yield the blocked cells as blocks that rise a little above the ground."""
     columns = layout.columns
     blocks = [
         _cells(layout, (x, y), (width, height), fill)
@@ -130,7 +130,7 @@ _POINTS = 12
 _FLATTEN = 0.84
 _RADIUS = {"small": 14.0, "large": 23.5}
 _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
-"""How the outline wavers: waves in a round, and how far they reach as a share of the radius."""
+"""The waves of the outline: how many in one turn, and their height as a share of the radius."""
 _WHITE = "#ffffff"
 _SHORE = "#000000"
 
@@ -164,7 +164,7 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 
 
 def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
-    """Return points around (0, 0): a circle that wavers, a little flat."""
+    """Return points around (0, 0): a wavy circle, flattened a little."""
     phases = [2 * math.pi * _noise(x, y, waves) for waves, _ in _WAVES]
     points = []
     for index in range(_POINTS):
@@ -200,7 +200,7 @@ def _highlight(centre_x: float, centre_y: float, radius: float) -> Path:
 
 
 def _noise(x: int, y: int, salt: int) -> float:
-    """Return a number in 0..1 that looks drawn by chance and depends on nothing else."""
+    """Return a pseudo-random number in 0..1 that depends on the arguments only."""
     mixed = (x * 0x9E3779B1 ^ y * 0x85EBCA77 ^ salt * 0xC2B2AE3D) & 0xFFFFFFFF
     for factor in (0x7FEB352D, 0x846CA68B):
         mixed = ((mixed ^ mixed >> 15) * factor) & 0xFFFFFFFF

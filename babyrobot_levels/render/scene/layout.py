@@ -1,4 +1,4 @@
-"""Where things stand in a picture: grid, margin, panels, compass, and lines of text."""
+"""The layout of a picture: grid, margin, panels, compass, and lines of text."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CELL = 64.0
 """The side of a cell in pixels."""
 
 COMPASS = 72.0
-"""The side of the square that the compass takes."""
+"""The side of the compass's square in pixels."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +28,7 @@ class Layout:
     Attributes:
         columns: the number of columns of cells.
         rows: the number of rows of cells.
-        margin: the free space around the grid.
+        margin: the width of the margin around the grid.
         side: the width of the strip to the right of the grid, 0 for none.
         bottom: the height of the strip below the grid, 0 for none.
     """
@@ -51,12 +51,12 @@ class Layout:
 
     @property
     def left_width(self) -> float:
-        """The width of the grid with the free space around it."""
+        """The width of the grid with its margins."""
         return self.grid_width + 2 * self.margin
 
     @property
     def top_height(self) -> float:
-        """The height of the grid with the free space around it."""
+        """The height of the grid with its margins."""
         return self.grid_height + 2 * self.margin
 
     @property
@@ -85,14 +85,14 @@ def layout_of(
 
     Args:
         level: the level.
-        cells_only: whether to leave out the free space, the panels and the compass.
-        overlay: what is written on it; its lines are given a panel if the level has none.
+        cells_only: whether to leave out the margin, the panels and the compass.
+        overlay: what is shown over it; its lines get a panel if the level has none.
     """
     columns, rows = level.size
     if cells_only:
         return Layout(columns, rows, 0.0, 0.0, 0.0)
     widths = level.resolved_theme.widths
-    # Half of the outer wall stands outside of the cells, and must not be cut off.
+    # Half of the border is outside of the cells and must not be cut off.
     margin = float(math.ceil(max(widths.padding, widths.border / 2)))
     side, bottom = panel_width(level.display.side_panel), panel_width(level.display.bottom_panel)
     if overlay is not None and overlay.side_panel and not side:
@@ -113,20 +113,20 @@ def panel_width(panel: str | float | Panel) -> float:
 
 
 CHARACTER_WIDTH = 0.58
-"""About how wide a character is, as a share of the text's size."""
+"""The average width of a character, as a share of the font size."""
 
 LINE = 18.0
-"""The height of a line."""
+"""The height of a panel's line in pixels."""
 
 LINE_SIZE = 13.0
-"""The size of its text."""
+"""The font size of a panel's text."""
 
 PANEL_EDGE = 10.0
-"""What is free around the lines."""
+"""The padding of a panel."""
 
 
 def wrapped(texts: Sequence[str], width: float) -> list[str]:
-    """Return texts as lines that fit into a panel so many pixels wide."""
+    """Return texts wrapped into lines that fit into a panel of the given width in pixels."""
     columns = max(1, int((width - 2 * PANEL_EDGE) / (LINE_SIZE * CHARACTER_WIDTH)))
     return [
         line
@@ -137,5 +137,5 @@ def wrapped(texts: Sequence[str], width: float) -> list[str]:
 
 
 def height_of(lines: Sequence[str]) -> float:
-    """Return the height of a panel that has room for the lines."""
+    """Return the height of a panel for the lines."""
     return 2 * PANEL_EDGE + LINE * len(lines)

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _COUNT_ROOM = 30.0
-"""Coordinates stand beside the count."""
+"""The width of a count, beside which coordinates may be."""
 
 
 class OverlayShapes(NamedTuple):
@@ -45,12 +45,12 @@ class OverlayShapes(NamedTuple):
 
 
 def overlay_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> OverlayShapes:
-    """Return what an overlay says: heat and arrows on the ground, numbers, and other texts.
+    """Return the shapes of an overlay: heat map and arrows, numbers, and other texts.
 
-    They keep clear of each other, and of the texts that the picture has already.
+    They keep clear of each other and of the texts that the picture already has.
 
     Raises:
-        ValueError: the overlay is not as large as the level.
+        ValueError: the overlay has another size than the level.
     """
     colors, rooms = level.resolved_theme.colors, Rooms(level, layout)
     visits = [(cell, count) for cell, count in _cells(overlay.visits, layout) if count]
@@ -81,7 +81,7 @@ def _corners(
     rooms: Rooms,
     layout: Layout,
 ) -> dict[Cell, float]:
-    """Return where coordinates and counts begin: they share the upper edge of their cell."""
+    """Return the tops of coordinates and counts: they share the upper edge of their cell."""
     if level.display.coordinates:
         return dict.fromkeys(layout.cells(), BESIDE_COORDINATES)
     cells = layout.cells() if overlay.coordinates else (cell for cell, _ in visits)
@@ -98,7 +98,7 @@ def _counts(
 
 
 def _values(level: GridWorld, overlay: Overlay, rooms: Rooms, layout: Layout) -> Iterator[Shape]:
-    """Yield values, at the feet of the cells; an exit, where all is over, needs no 0."""
+    """Yield values at the bottom of the cells; a value of 0 at an exit is left out."""
     colors = level.resolved_theme.colors
     for cell, value in _cells(overlay.values, layout):
         if value is not None and not (value == 0 and cell in level.exits):
@@ -114,7 +114,7 @@ def _action_values(
     colors: Colors,
     layout: Layout,
 ) -> Iterator[Shape]:
-    """Yield values of actions, at the sides of the cells; arrows are left the middle."""
+    """Yield values of actions at the sides of the cells; the middle is left to arrows."""
     gap = 2 * SHORTEST if overlay.actions is not None else 0.0
     for cell, values in crowded.items():
         height = min(SMALL, rooms.height(cell) / 3)
@@ -138,16 +138,16 @@ _BELOW_COORDINATES = 16.0
 _GAP = 2.0
 
 BESIDE_COORDINATES = 3.0
-"""Where the row of a cell's coordinates begins, if the level itself shows them."""
+"""The top of a cell's coordinates, if the level itself shows them."""
 
 Cell = tuple[int, int]
 
 
 class Rooms:
-    """What is free of each cell: from so many pixels below its upper edge to so many.
+    """The free part of each cell, from top to bottom, in pixels below its upper edge.
 
     Args:
-        level: the level, whose own texts have their places already.
+        level: the level; the places of its own texts are taken.
         layout: where its cells are.
     """
 
@@ -170,18 +170,18 @@ class Rooms:
         return self._rooms[cell]
 
     def height(self, cell: Cell) -> float:
-        """Return how much of a cell is free."""
+        """Return the height of the free part of a cell."""
         top, foot = self._rooms[cell]
         return foot - top
 
     def take_top(self, cell: Cell, height: float) -> float:
-        """Take so much of a cell's room; return where that begins."""
+        """Take a strip from the top of a cell's free part; return where the strip begins."""
         top, foot = self._rooms[cell]
         self._rooms[cell] = top + height + _GAP, foot
         return top
 
     def take_foot(self, cell: Cell, height: float) -> float:
-        """Take so much of a cell's room; return where that ends."""
+        """Take a strip from the bottom of a cell's free part; return where the strip ends."""
         top, foot = self._rooms[cell]
         self._rooms[cell] = top, foot - height - _GAP
         return foot
@@ -202,10 +202,10 @@ _FAINTEST, _STRONGEST = 0.1, 0.6
 def heat_shapes(
     visits: Sequence[tuple[Cell, float]], rooms: Rooms, layout: Layout, color: str
 ) -> Iterator[Rect]:
-    """Yield a square for each cell, the stronger the more often it was visited.
+    """Yield a heat map: a square for each cell, more opaque for more visits.
 
-    Strength grows with the logarithm: the first visits count most, and the busiest cell does not
-    make all others pale.
+    Opacity grows with the logarithm of the count, so that the most visited cell does not make all
+    others pale.
     """
     most = max((math.log1p(count) for _, count in visits), default=0.0)
     for cell, count in visits:
@@ -217,13 +217,13 @@ def heat_shapes(
 
 
 SHORTEST = 8.0
-"""The shortest arrow, from the middle to its tip; there are none longer amid numbers."""
+"""The length of the shortest arrow, from its middle to its tip; between numbers all have it."""
 
 _LONGEST = 18.0
 
 _WIDTH = 3.2
 _RING = 0.25
-"""The radius of the ring that means stay, as a share of how far arrows reach."""
+"""The radius of the ring that means `stay`, as a share of the arrows' length."""
 _RIM = "#ffffff"
 _SHADE = "#000000"
 
@@ -235,14 +235,14 @@ def arrow_shapes(
     color: str,
     crowded: Container[Cell],
 ) -> Iterator[Shape]:
-    """Yield all arrows at once, rimmed like stickers: they can be seen on every ground.
+    """Yield the arrows of a policy, with a rim that makes them visible on every background.
 
     Args:
         cells: the actions of each cell.
-        rooms: what is free of the cells.
+        rooms: the free part of each cell.
         layout: where the cells are.
         color: the colour of the arrows.
-        crowded: the cells with numbers all around.
+        crowded: the cells with numbers at their sides.
     """
     shafts: list[Command] = []
     heads: list[Command] = []
@@ -251,7 +251,7 @@ def arrow_shapes(
         left, upper = layout.corner(x, y)
         longest = SHORTEST if (x, y) in crowded else _LONGEST
         reach = min(max((foot - top) / 2, SHORTEST), longest)
-        # Where the room is too small for any arrow, it gives way at the top.
+        # An arrow that is too long for the free part reaches over its top.
         middle = left + CELL / 2, upper + min((top + foot) / 2, foot - reach)
         start = 0.0
         if Action.STAY in actions:
@@ -277,7 +277,7 @@ def arrow_shapes(
 def _arrow(
     start: Point, towards: tuple[int, int], gap: float, reach: float
 ) -> tuple[tuple[Command, ...], tuple[Command, ...]]:
-    """Return shaft and head of an arrow that begins and ends so far from `start`."""
+    """Return shaft and head of an arrow that begins and ends `gap` and `reach` from `start`."""
     length = 0.5 * reach
 
     def at(along: float, across: float) -> Point:

@@ -1,4 +1,4 @@
-"""What stands beside the grid: panels with lines of text, and the compass."""
+"""The panels with lines of text, and the compass."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _NEEDLE = "#e5484d"
 
 
 def panel_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
-    """Yield the ground of the panels: one beside the grid, one below both."""
+    """Yield the backgrounds of the panels: one beside the grid, one below."""
     display, ground = level.display, level.resolved_theme.colors.text_bg
     if panel_width(display.side_panel) or overlay.side_panel:
         fill = _ground(display.side_panel, ground)
@@ -41,7 +41,7 @@ def _ground(panel: str | float | Panel, ground: str) -> str:
 
 
 def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    """Yield the compass, at the top of the strip beside the grid: north is up."""
+    """Yield the compass at the top of the side panel; north is up."""
     if not level.display.compass:
         return
     colors = level.resolved_theme.colors
@@ -56,7 +56,7 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 
 
 def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:
-    """Yield the lines of the panels; long ones are broken, and what has no room is left out."""
+    """Yield the lines of the panels; long ones are wrapped, those that do not fit left out."""
     display, color = level.display, level.resolved_theme.colors.text_fg
     top = COMPASS if display.compass else 0.0
     if layout.side:

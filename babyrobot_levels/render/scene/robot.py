@@ -31,9 +31,9 @@ _BLACK = "#000000"
 
 _TURN = {Action.EAST: 1, Action.WEST: -1}
 _BOB = 1.5
-"""How high a step lifts him."""
+"""How high a step lifts it, in pixels."""
 _SWAY = 3.5
-"""How far a step makes him lean, in degrees."""
+"""How far a step makes it lean, in degrees."""
 _HOP = 2.0
 _SLIP = 15.0
 
@@ -42,10 +42,10 @@ def robot_shapes(theme: Theme, left: float, top: float, pose: Pose = STANDING) -
     """Return the robot.
 
     Args:
-        theme: the theme; his body has its colour `robot`.
-        left: the left edge of his cell in pixels.
-        top: the upper edge of his cell.
-        pose: how he holds himself.
+        theme: the theme; its colour `robot` is that of the body.
+        left: the left edge of the robot's cell in pixels.
+        top: the upper edge of the cell.
+        pose: the robot's pose.
     """
     return tuple(_shapes(theme.colors, left, top, pose))
 
@@ -86,7 +86,7 @@ def _wheels(figure: Figure, turn: int) -> Iterator[Shape]:
 
 
 def _arms(figure: Figure, body: str, pose: Pose, turn: int) -> Iterator[Shape]:
-    """Yield arms, which he only needs when something happens to him."""
+    """Yield the arms, which are seen only when the robot slips or cheers."""
     if pose.mood is Mood.CALM:
         return
     for side in (-1, 1):
@@ -113,7 +113,7 @@ def _trunk(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Sha
 
 
 def _antenna(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
-    """Yield the antenna: it lags behind, and stands on end when he slips or cheers."""
+    """Yield the antenna, which lags behind the movement."""
     root, tip = (32.0 - 2 * turn, 14.0), (32.0 - 6 * turn, 6.2)
     yield figure.line(polyline([root, tip]), _OUTLINE, 2.4)
     yield figure.disc(*tip, 3.8, 3.8, _OUTLINE)
@@ -174,7 +174,7 @@ def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
 
 
 def _splash(ground: Figure, water: str) -> Iterator[Shape]:
-    """Yield the water that he slips on."""
+    """Yield the water that the robot slips on."""
     yield ground.disc(32, 51, 21, 4.6, water)
     yield ground.disc(32, 51, 15, 2.6, _WHITE, 0.2)
     for x, y, r in ((9, 44, 2.2), (13.5, 37.5, 1.5), (55, 43, 2.4), (51.5, 36.5, 1.5)):
@@ -187,7 +187,7 @@ _SCALE, _LEFT, _TOP = 0.9, 3.2, 0.8
 
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """Where a figure stands, and how.
+    """The position and posture of a figure: shapes in its own box of 64 by 64.
 
     Attributes:
         left: the left edge of its cell in the picture.

@@ -1,6 +1,6 @@
-"""Shapes that scenes are made of, and the paths that are built from points.
+"""The shapes of scenes, and paths built from points.
 
-A painter that knows these four shapes can paint every scene. Lengths are pixels, x grows to the
+A painter that supports these four shapes can paint every scene. Lengths are pixels, x grows to the
 right, y downwards. Colours are CSS strings, as levels write them; `opacity` comes on top of a
 colour's own alpha.
 """
@@ -76,7 +76,7 @@ Shape = Rect | Ellipse | Path | Text
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture: shapes in painting order, on nothing. `width` and `height` are in pixels."""
+    """A picture: shapes in painting order, without a background; `width`, `height` in pixels."""
 
     width: float
     height: float
@@ -147,7 +147,7 @@ def circle(x: float, y: float, rx: float, ry: float | None = None) -> tuple[Comm
 
 
 def rounded(x: float, y: float, width: float, height: float, radius: float) -> tuple[Command, ...]:
-    """Return a rectangle with round corners; (`x`, `y`) is its upper left one."""
+    """Return a rectangle with round corners; (`x`, `y`) is its top-left corner."""
     r = min(radius, width / 2, height / 2)
     k = r - QUARTER * r
     right, bottom = x + width, y + height
@@ -166,9 +166,9 @@ def rounded(x: float, y: float, width: float, height: float, radius: float) -> t
 
 
 MAX_SIDE = 2048
-"""A picture is shown at most this many pixels wide and high; larger ones are made smaller."""
+"""The largest width and height of a picture on a screen, in pixels; larger ones are scaled."""
 
 
 def screen_scale(scene: Scene) -> float:
-    """Return the pixels that are shown for each of a scene's: 1, or fewer for a large one."""
+    """Return the scale at which a scene is shown on a screen: 1, or less for a large one."""
     return min(1.0, MAX_SIDE / max(scene.width, scene.height))
