@@ -1,8 +1,9 @@
-"""The five actions: their numbers, and how they change the cell."""
+"""The five actions: their numbers, how they change the cell, and objects with a policy."""
 
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any, Protocol
 
 
 class Action(IntEnum):
@@ -25,3 +26,24 @@ DELTAS: dict[Action, tuple[int, int]] = {
     Action.WEST: (-1, 0),
 }
 """How each move changes the cell, `(dx, dy)`: x grows to the east, y to the south."""
+
+
+class HasPolicy(Protocol):
+    """An object with a policy and the numbering of its actions, such as a `Solution`."""
+
+    @property
+    def policy(self) -> Any:
+        """An action for each cell, int `[height, width]`."""
+
+    @property
+    def first_action(self) -> int:
+        """The `Action` that is number 0 in `policy`."""
+
+
+def unwrapped_policy(policy: Any) -> tuple[Any, int | None]:
+    """Return a policy and the `Action` that is number 0 in it.
+
+    The latter is None for a policy that is not in a `HasPolicy`, such as an array.
+    """
+    first = getattr(policy, "first_action", None)
+    return (policy if first is None else policy.policy), first

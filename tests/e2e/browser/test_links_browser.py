@@ -294,8 +294,14 @@ LINK = fragment_of("walls")
         (f"{CODE}~1.2.AA", "This link is damaged."),
         (f"{CODE}~1.1.A", "This link is damaged."),
         (f"{CODE}~1.0.", "This link is damaged."),
-        (LINK.replace("brl1", "brl2"), "has version 2, but this page supports version 1. Open it on"),
-        (LINK.replace("~1.", "~31."), "has version 31, but this page supports version 1. Open it on"),
+        (
+            LINK.replace("brl1", "brl2"),
+            "has version 2, but this page supports version 1.",
+        ),
+        (
+            LINK.replace("~1.", "~31."),
+            "has version 31, but this page supports version 1.",
+        ),
         (play_sealed(b""), "This link is damaged: it cannot be decompressed."),
         (play_sealed(b"\xff\xff"), "This link is damaged: it cannot be decompressed."),
         (play_sealed(zlib.compress(b"{}")[2:-4] + b"more"), "damaged: it cannot be decompressed."),
