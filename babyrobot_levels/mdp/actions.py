@@ -1,4 +1,4 @@
-"""The five actions: their numbers, how they change the cell, and objects with a policy."""
+"""The actions: numbers, moves, and objects with a policy. Separate, because it needs no NumPy."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any, Protocol
 
 
 class Action(IntEnum):
-    """An action of the robot, with the number that environments use."""
+    """The actions, with the numbers that environments use."""
 
     STAY = 0
     NORTH = 1

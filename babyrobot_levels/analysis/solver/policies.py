@@ -13,7 +13,7 @@ from babyrobot_levels.analysis.solver.model import Flags, Floats
 from babyrobot_levels.analysis.solver.results import num_actions
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 Policy = str | ArrayLike | Callable[[int, int], int] | HasPolicy
 """How a policy can be told; see `read_policy`."""

@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.language.color import PATTERN
+from babyrobot_levels.language.looks import PATTERN
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, unwrapped_policy
 from babyrobot_levels.render.scene.number_labels import short
 from babyrobot_levels.render.scene.overlay import Note, Overlay
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
