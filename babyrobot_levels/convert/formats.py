@@ -23,7 +23,6 @@ from babyrobot_levels.convert.sokoban import read_sokoban, write_sokoban
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -76,7 +75,7 @@ def export(level: Level, name: str) -> Conversion:
     conversion = FORMATS[name].write(level)
     if any(not lost.field.startswith(_LOOKS) for lost in conversion.warnings):
         return conversion
-    again = from_mapping(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
+    again = Level.from_fields(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
     if again.digest == level.digest:
         return conversion
     difference = (

@@ -16,7 +16,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from babyrobot_levels.language.color import FORM_PATTERN, NAMES, PATTERN
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.map import DRAWN_FIELDS
 from babyrobot_levels.language.pack import PackFields

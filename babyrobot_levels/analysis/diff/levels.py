@@ -148,7 +148,7 @@ def _changes_beside(before: Level, after: Level) -> Iterator[Change]:
     if isinstance(names[0], str) and isinstance(names[1], str) and names[0] != names[1]:
         yield Change(*names, name="theme")
     else:
-        themes = (_whole(level.colors_and_widths) for level in (before, after))
+        themes = (_whole(level.resolved_theme) for level in (before, after))
         yield from _field_changes("theme", *themes)
     yield from _field_changes("display", _whole(before.display), _whole(after.display))
     for name, looks in (("areas", ("color", "label")), ("walls", ("color", "width", "fit"))):
