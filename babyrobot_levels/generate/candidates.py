@@ -12,6 +12,7 @@ from typing import Any
 from babyrobot_levels.analysis.metrics import Metrics
 from babyrobot_levels.analysis.walks import neighbours
 from babyrobot_levels.language.cells import Puddle
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
@@ -23,7 +24,11 @@ from babyrobot_levels.mdp.mazes.draws import below
 SEED_BITS = 48
 """Mazes have seeds of so many bits: too many for two levels to draw the same one."""
 
-SHARED = ("rewards", "discount", "max_steps", "theme")
+SHARED = [
+    name
+    for name in fields_with(Role.REWARD, Role.LIMIT, Role.LOOK)
+    if name in SuiteFields.model_fields
+]
 """What a suite says of all its levels in the words of a level."""
 
 SIZES_KEPT = 256

@@ -6,6 +6,8 @@ Each is valid by itself; `LevelSpec` adds what only the whole level shows.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from enum import Enum, auto
+from functools import cache
 from typing import Annotated, Any, Literal
 
 from pydantic import (
@@ -56,69 +58,96 @@ def whole_version(value: Any) -> Any:
     return 1 if value == 1 else value
 
 
+class Role(Enum):
+    """What a field is for. Each field has one, from which lists of fields are derived."""
+
+    FORMAT = auto()
+    """How the file is to be read."""
+    TEXT = auto()
+    """For people, and for finding the level."""
+    GEOMETRY = auto()
+    """Where cells, walls, starts and exits are."""
+    DYNAMICS = auto()
+    """What a step does."""
+    REWARD = auto()
+    """What it pays."""
+    LIMIT = auto()
+    """How far an episode, or a return, looks ahead."""
+    LOOK = auto()
+    """How the level is shown."""
+
+
+DRAWN: Literal["drawn"] = "drawn"
+"""Marks the fields that a drawing gives, which therefore cannot be given beside one."""
+
+
 class LevelFields(Model):
     """A level, version 1 of the language: every field, validated, and frozen."""
 
-    version: Annotated[Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1})]
+    version: Annotated[
+        Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1}), Role.FORMAT
+    ]
     """The version of the language: 1."""
-    name: Slug | None = None
+    name: Annotated[Slug | None, Role.TEXT] = None
     """What code loads the level by; the file's name, if it is left out."""
-    title: Text | None = None
+    title: Annotated[Text | None, Role.TEXT] = None
     """A title, for people."""
-    description: Text | None = None
+    description: Annotated[Text | None, Role.TEXT] = None
     """What the level is about."""
-    author: Text | None = None
+    author: Annotated[Text | None, Role.TEXT] = None
     """Who made it."""
-    license: Text | None = None
+    license: Annotated[Text | None, Role.TEXT] = None
     """Under which licence it may be used."""
-    source: Text | None = None
+    source: Annotated[Text | None, Role.TEXT] = None
     """Whose world this is: a citation."""
-    tags: tuple[Slug, ...] = ()
+    tags: Annotated[tuple[Slug, ...], Role.TEXT] = ()
     """Words to search by."""
-    size: Size = (3, 3)
+    size: Annotated[Size, Role.GEOMETRY, DRAWN] = (3, 3)
     """Width and height in cells."""
-    map: Text | None = None
+    map: Annotated[Text | None, Role.GEOMETRY] = None
     """The level as a drawing, in the place of size, start, exit, walls, puddles and blocked."""
-    legend: dict[LegendKey, Traits] = Field(default_factory=dict)
+    legend: Annotated[dict[LegendKey, Traits], Role.GEOMETRY] = Field(default_factory=dict)
     """What the further characters of the drawing mean."""
-    start: CellOrCells = (0, 0)
+    start: Annotated[CellOrCells, Role.GEOMETRY, DRAWN] = (0, 0)
     """Where the robot starts; of several cells, one is drawn evenly at each reset."""
     exit: Annotated[
         Annotated[Literal["none"], form("word")]
         | Annotated[Cell, form("cell")]
         | Annotated[Cells, form("cells")],
         forms(_exit_form),
+        Role.GEOMETRY,
+        DRAWN,
     ] = "none"
     """Where the episode ends: a cell, several, or `none`; the bottom-right cell if left out."""
-    maze: Maze | None = None
+    maze: Annotated[Maze | None, Role.GEOMETRY] = None
     """A maze grown from a seed."""
-    walls: tuple[Wall, ...] = ()
+    walls: Annotated[tuple[Wall, ...], Role.GEOMETRY] = ()
     """Walls that are added."""
-    openings: tuple[Opening, ...] = ()
+    openings: Annotated[tuple[Opening, ...], Role.GEOMETRY] = ()
     """Walls that are taken away, after the maze and the walls."""
-    puddles: tuple[Puddle, ...] = ()
+    puddles: Annotated[tuple[Puddle, ...], Role.DYNAMICS, DRAWN] = ()
     """Wet cells: slippery and costly."""
-    puddle_types: PuddleTypes = Field(default_factory=PuddleTypes)
+    puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(default_factory=PuddleTypes)
     """What small and large puddles mean."""
-    areas: tuple[Area, ...] = ()
+    areas: Annotated[tuple[Area, ...], Role.DYNAMICS] = ()
     """Rectangles with properties; later ones win."""
-    blocked: tuple[Rectangle, ...] = ()
+    blocked: Annotated[tuple[Rectangle, ...], Role.GEOMETRY, DRAWN] = ()
     """Cells that do not exist."""
-    warps: tuple[Warp, ...] = ()
+    warps: Annotated[tuple[Warp, ...], Role.DYNAMICS] = ()
     """Cells that send the robot elsewhere."""
-    wind: Wind | None = None
+    wind: Annotated[Wind | None, Role.DYNAMICS] = None
     """Columns and rows that push."""
-    skid: SkidLike | None = None
+    skid: Annotated[SkidLike | None, Role.DYNAMICS] = None
     """How slippery every cell is."""
-    rewards: Rewards = Field(default_factory=Rewards)
+    rewards: Annotated[Rewards, Role.REWARD] = Field(default_factory=Rewards)
     """What a step is worth."""
-    discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
+    discount: Annotated[Number, Field(gt=0, le=1), Role.LIMIT] = 1.0
     """What solving assumes when it is not told otherwise."""
-    max_steps: Annotated[Integer, Field(ge=1, le=2**53)] | None = None
+    max_steps: Annotated[Annotated[Integer, Field(ge=1, le=2**53)] | None, Role.LIMIT] = None
     """The episode is truncated after this many steps."""
-    theme: ThemeLike = "default"
+    theme: Annotated[ThemeLike, Role.LOOK] = "default"
     """Colours and widths: a theme's name or a mapping."""
-    display: Display = Field(default_factory=Display)
+    display: Annotated[Display, Role.LOOK] = Field(default_factory=Display)
     """What is shown beside the level itself."""
 
     _drawn: dict[str, int] = PrivateAttr(default_factory=dict)
@@ -143,3 +172,13 @@ class LevelFields(Model):
 
 def _as_cells(value: Any) -> tuple[tuple[int, int], ...]:
     return value if isinstance(value[0], tuple) else (value,)
+
+
+@cache
+def fields_with(*marks: Role | Literal["drawn"]) -> tuple[str, ...]:
+    """Return the fields, in order, that have one of some roles; `DRAWN` are those of a drawing."""
+    return tuple(
+        name
+        for name, info in LevelFields.model_fields.items()
+        if any(mark in info.metadata for mark in marks)
+    )

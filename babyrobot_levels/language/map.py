@@ -3,19 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Area, Puddle, Rectangle
+from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.fields import LevelFields
-
-DRAWN_FIELDS = ("size", "start", "exit", "puddles", "blocked")
-"""Fields that cannot stand beside a drawing, which says them already."""
 
 GLASS_PASS = 0.5
 """The probability of getting through a drawn wall of glass of which no entry says more."""
@@ -49,7 +44,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
             f"`{field}` cannot be combined with `map`: the drawing gives it",
             f"remove `{field}`, or draw it",
         )
-        for field in DRAWN_FIELDS
+        for field in fields_with(DRAWN)
         if field in level.model_fields_set
     ]
     if level.map.strip() and "\n" not in level.map.strip():

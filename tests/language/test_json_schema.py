@@ -20,7 +20,7 @@ from support.sessions import environment, run_here
 from support.worlds import decorated_worlds
 
 from babyrobot_levels.cli.print_schema import schema_text
-from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.fields import LevelFields, Role
 from babyrobot_levels.language.json_schema import level_schema, theme_schema
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
@@ -310,3 +310,8 @@ def test_other_checkers_accept_a_new_level(
     assert checked() == 0
     path.write_text(path.read_text(encoding="utf-8") + "colour: red\n", encoding="utf-8")
     assert checked() == 1
+
+
+def test_every_field_has_one_role() -> None:
+    for name, info in LevelFields.model_fields.items():
+        assert sum(isinstance(mark, Role) for mark in info.metadata) == 1, name

@@ -14,15 +14,13 @@ from babyrobot_levels.convert.edges import Edge, edge_of, in_rows
 from babyrobot_levels.convert.tiled.tiles import FAR, MAX_TILES, TileLayer, tile_layer
 from babyrobot_levels.convert.tiled.tilesets import CLASSES, Tilesets
 from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 
 TEXTS = ("title", "description", "author", "license", "source")
-SPATIAL = frozenset(
-    {"size", "start", "exit", "walls", "openings", "maze", "puddles", "blocked", "map", "legend"}
-)
+SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN))
 MAX_LENGTH = 4_000_000
 """More than the largest grid has sides of cells."""
 
