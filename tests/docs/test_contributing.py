@@ -14,12 +14,9 @@ from support.places import DOCS, ROOT
 import babyrobot_levels as brl
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-SECTIONS = {
-    title: section
-    for title, section in re.findall(
-        r"^### Adding an? (.*?)\n(.*?)(?=^##|\Z)", TEXT, re.MULTILINE | re.DOTALL
-    )
-}
+SECTIONS = dict(
+    re.findall(r"^### Adding an? (.*?)\n(.*?)(?=^##|\Z)", TEXT, re.MULTILINE | re.DOTALL)
+)
 CLI = (ROOT / "cli.md").read_text(encoding="utf-8")
 
 
