@@ -217,6 +217,12 @@ def test_panels_hold_a_text_or_lines() -> None:
         read(side_panel=["one", 7])
 
 
+@pytest.mark.parametrize("key", ["side_panel", "bottom_panel", "text"])
+def test_a_mapping_is_refused_where_texts_are_expected(key: str) -> None:
+    with pytest.raises(ValueError, match=f"`{key}` must be a"):
+        read(**{key: {"text": "lost", "width": 200}})
+
+
 # -- keys ----------------------------------------------------------------------------------
 
 

@@ -155,7 +155,12 @@ def _items(told: Mapping[str, Any], key: str) -> tuple[Any, ...]:
     items = told.get(key, ())
     if isinstance(items, str):
         return (items,)
-    if not isinstance(items, Iterable):
+    if isinstance(items, Mapping) and "panel" in key:
+        raise ValueError(
+            f"`{key}` must be a text or a list of texts, not a mapping; the level's `display` "
+            "sets the width and the colours of a panel"
+        )
+    if isinstance(items, Mapping) or not isinstance(items, Iterable):
         raise ValueError(f"`{key}` must be a list, not {items!r}")
     return tuple(items)
 
