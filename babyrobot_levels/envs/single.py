@@ -30,7 +30,7 @@ from babyrobot_levels.envs.rendering import (
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.outcomes import Event, events_of
+from babyrobot_levels.mdp.events import Event, events_of
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec

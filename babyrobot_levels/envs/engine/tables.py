@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.outcomes import Event, events_of
+from babyrobot_levels.mdp.events import Event, events_of
 from babyrobot_levels.mdp.tables import Mdp
 
 Ints = NDArray[np.intp]
