@@ -392,10 +392,10 @@ def test_levels_are_drawn_evenly() -> None:
     seen, counts = np.unique(info["level_index"], return_counts=True)
     assert seen.tolist() == list(range(30))
     assert counts.min() > 140
-    mazes = make("mazes", 3000)
+    mazes = make("mazes", 1000)
     _, info = mazes.reset(seed=1)
     assert info["maze_seed"].dtype == np.int64
-    assert len(set(info["maze_seed"])) == 3000
+    assert len(set(info["maze_seed"])) == 1000
     assert info["maze_seed"].mean() == pytest.approx(2**30, rel=0.05)
 
 
