@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.compare import Certificate, compare
-from babyrobot_levels.analysis.transition_tables import ComparisonError
+from babyrobot_levels.analysis.compare import Certificate, ComparisonError, compare
 from babyrobot_levels.mdp.tables import Outcome
 
 Table = dict[int, dict[int, list[Outcome]]]
@@ -167,7 +166,7 @@ def off_the_grid(table: Table) -> None:
     ("change", "told"),
     [
         (reward, "[2, 2] with probability 0.333333, reward -0.5"),
-        (probability, "[1, 1] with probability 0.5, reward 0, the end;"),
+        (probability, "[1, 1] with probability 0.5, reward 0, terminal;"),
         (terminal, "[1, 1] with probability 0.333333, reward 0;"),
         (off_the_grid, "state 99 with probability 1, reward 0"),
     ],
@@ -202,7 +201,7 @@ def test_a_difference_is_told_with_all_the_digits_that_it_takes() -> None:
     table[0][1] = []
     difference = compare("frozen-lake-dry", (table, start)).difference
     assert difference is not None
-    assert difference.endswith("  the other:  nothing")
+    assert difference.endswith("  the other:  no outcome")
 
 
 def test_the_first_of_several_differences_is_told() -> None:
@@ -230,11 +229,11 @@ BASE = {"version": 1, "size": [4, 3]}
             {"exit": [3, 1]},
             "at [3, 0], south (in the other: south):\n"
             "  this level: [3, 1] with probability 1, reward -1\n"
-            "  the other:  [3, 1] with probability 1, reward 0, the end",
+            "  the other:  [3, 1] with probability 1, reward 0, terminal",
         ),
         (
             {"start": [[0, 0], [2, 1]]},
-            "episodes begin at [0, 0] with probability 1 in this level, 0.5 in the other",
+            "episodes start at [0, 0] with probability 1 in this level, 0.5 in the other",
         ),
         ({"size": [5, 3]}, "this level has 12 cells (4 by 3), the other has 15 states"),
     ],
@@ -252,7 +251,7 @@ def test_too_many_actions() -> None:
     for actions in table.values():
         actions[4] = actions[5] = actions[0]
     certificate = compare("frozen-lake", (table, start))
-    told = "this level has four moves, and can stay; the other has 6 actions"
+    told = "this level has 4 moves and stay, the other has 6 actions"
     assert (certificate.difference, certificate.actions, certificate.states) == (told, None, 0)
 
 

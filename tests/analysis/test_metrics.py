@@ -14,11 +14,11 @@ from hypothesis import given, settings
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.metrics import SHAPE, WAYS, WORTH
+from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
-NAMES = (*SHAPE, *WAYS, *WORTH)
+NAMES = (*SHAPE, *PATHS, *RETURNS)
 GALLERY = sorted(path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
 
 
@@ -247,7 +247,7 @@ def test_what_has_no_value_is_none() -> None:
             "rewards": {"stay": -5, "bump": -5},
         }
     )
-    with pytest.raises(brl.NoTotalError):
+    with pytest.raises(brl.UndefinedReturnError):
         brl.solve(level)
     found = brl.metrics(level)
     assert (found.best_return, found.best_steps, found.wet_share) == (None, None, None)
@@ -425,7 +425,7 @@ def test_shape_and_ways_ask_for_no_tables(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(Level, "compile", refuse)
     found = brl.metrics("final-maze")
     assert found.path_length == 17
-    assert found.to_dict(solve=False) == {name: getattr(found, name) for name in SHAPE + WAYS}
+    assert found.to_dict(solve=False) == {name: getattr(found, name) for name in SHAPE + PATHS}
     with pytest.raises(AssertionError, match="compiled"):
         _ = found.difficulty
 
@@ -434,7 +434,7 @@ def test_each_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     found = brl.metrics("final-maze")
     difficult, path = found.difficulty, found.path
     monkeypatch.setattr("babyrobot_levels.analysis.solver.optimum.solve", None)
-    monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest", None)
+    monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest_path", None)
     assert (found.difficulty, found.path) == (difficult, path)
     assert found.wet_share == pytest.approx(4 / 18)
 

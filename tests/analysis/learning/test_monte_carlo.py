@@ -12,9 +12,8 @@ import pytest
 from support.worlds import World
 
 from babyrobot_levels.analysis.learning import monte_carlo
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.simulation import simulate
 from babyrobot_levels.library.catalogue import load
 
 # Two starts, chance in the steps and in the rewards, and a way round that comes back.

@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from support.chains import world
 from support.worlds import World, level_of, worlds
 
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate, success_within
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.simulation import simulate, success_within
 
 LAKE = "frozen-lake"
 
