@@ -1,4 +1,4 @@
-"""Certificates say that two games are the same where they are, and find what differs."""
+"""Certificates: equivalent MDPs are found equivalent, and else the first difference is found."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def tables(name: str) -> tuple[Table, list[float]]:
 
 
 @pytest.mark.parametrize(("name", "peer", "kwargs", "actions", "states"), PEERS)
-def test_the_gallery_plays_the_games_of_gymnasium(
+def test_the_gallery_is_equivalent_to_gymnasium(
     name: str, peer: str, kwargs: dict[str, Any], actions: tuple[int, ...], states: int
 ) -> None:
     level = brl.load(name)
@@ -59,7 +59,7 @@ def test_the_gallery_plays_the_games_of_gymnasium(
         assert compare(level, (env.unwrapped.P, env.unwrapped.initial_state_distrib)) == certificate  # type: ignore[attr-defined]
 
 
-def test_other_actions_are_another_game() -> None:
+def test_other_actions_make_another_mdp() -> None:
     assert compare("frozen-lake", "gymnasium:FrozenLake-v1", actions=LAKE).equal
     turned = compare("frozen-lake", "gymnasium:FrozenLake-v1", actions=CLIFF)
     assert (turned.equal, turned.actions) == (False, CLIFF)
@@ -86,11 +86,21 @@ def test_levels_that_are_written_differently() -> None:
     assert certificate.digest == drawn.digest
 
 
-@pytest.mark.parametrize("info", brl.levels(), ids=lambda info: info.name)
-def test_every_level_is_the_same_game_as_its_table(info: brl.LevelInfo) -> None:
-    level = brl.load(info.path)
-    if level.has_random_maze:
-        level = level.with_maze_seed(3)
+# Nothing but walls; puddles; glass; warps; wind; ends that are no exits; several starts.
+@pytest.mark.parametrize(
+    "name",
+    [
+        "walls",
+        "puddles",
+        "glasshouse",
+        "teleport-pads",
+        "windy-gridworld",
+        "frozen-lake",
+        "gridworld-4-1",
+    ],
+)
+def test_a_level_is_equivalent_to_its_table(name: str) -> None:
+    level = brl.load(name)
     certificate = compare(level, (level.compile().to_toy_text(1), level.compile().start))
     assert (certificate.equal, certificate.everywhere) == (True, True)
 

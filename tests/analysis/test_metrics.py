@@ -1,4 +1,4 @@
-"""Metrics: against counts by hand and by brute force, and a difficulty that grows with trouble."""
+"""Metrics: against counts by hand and by brute force, and a difficulty that grows as it should."""
 
 from __future__ import annotations
 
@@ -16,10 +16,8 @@ from support.worlds import World, level_of, worlds
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
 NAMES = (*SHAPE, *PATHS, *RETURNS)
-GALLERY = sorted(path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
 
 
 def drawn(text: str, **fields: Any) -> Level:
@@ -72,7 +70,7 @@ def fewest_turns(level: Level, start: int, length: int) -> int:
     return min(turns for (state, _), turns in poses.items() if state in exits)
 
 
-def check_shape_and_ways(level: Level) -> None:
+def check_shape_and_paths(level: Level) -> None:
     found, grid = brl.metrics(level), level.grid()
     open_sides, free = grid.open.sum(axis=2), ~grid.blocked
     assert found.cells == free.sum()
@@ -114,16 +112,10 @@ def check_shape_and_ways(level: Level) -> None:
     assert found.turns == fewest_turns(level, path[0], found.path_length)
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_the_gallery_is_counted_right(name: str) -> None:
-    level = brl.load(name)
-    check_shape_and_ways(level.with_maze_seed(5) if level.has_random_maze else level)
-
-
 @settings(deadline=None, max_examples=400)
 @given(world=worlds(6))
 def test_any_level_is_counted_right(world: World) -> None:
-    check_shape_and_ways(level_of(world))
+    check_shape_and_paths(level_of(world))
 
 
 @settings(deadline=None, max_examples=150)
@@ -132,7 +124,7 @@ def test_levels_with_nothing_but_walls_are_counted_right(world: World) -> None:
     """They need no tables."""
     for field in ("warps", "wind", "areas", "skid", "puddle_types"):
         world.pop(field, None)
-    check_shape_and_ways(level_of(world))
+    check_shape_and_paths(level_of(world))
 
 
 # -- by hand ---------------------------------------------------------------------------------
@@ -222,8 +214,11 @@ def test_without_an_exit_there_is_no_path_but_all_else() -> None:
 # -- what it is worth ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [name for name in GALLERY if name != "random-maze"])
-def test_policies_are_worth_what_the_solver_says(name: str) -> None:
+# Puddles; no exit; a discount; holes; several starts.
+@pytest.mark.parametrize(
+    "name", ["final-maze", "treasure-chests", "gridworld-3-5", "frozen-lake", "gridworld-4-1"]
+)
+def test_returns_are_those_of_the_solver(name: str) -> None:
     found, best, at_random = brl.metrics(name), brl.solve(name), brl.evaluate(name, "random")
     assert (found.best_return, found.best_steps) == (best.expected_return, best.expected_steps)
     assert (found.random_return, found.random_steps) == (
