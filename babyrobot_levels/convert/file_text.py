@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from babyrobot_levels.convert.conversion import ConversionError, World
+from babyrobot_levels.language.documents import errors_of
 from babyrobot_levels.language.formatting.formatter import format_source
-from babyrobot_levels.library.reading import errors_of
 from babyrobot_levels.lint.fixer import fix
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.text.emitter import emit_field
