@@ -26,8 +26,8 @@ class Sweep(Result):
             cells, nan at blocked cells.
         policy: the greedy action for each cell, int64 `[height, width]`, the first one of ties;
             -1 at blocked and terminal cells. Actions are numbered as in an environment made with
-            the same `actions`; the array knows this set, and so is read rightly by `evaluate` and
-            everything else that takes a policy.
+            the same `actions`; the array carries this set, which `evaluate` and everything
+            else that takes a policy respects.
         delta: the largest change of an estimate since the sweep before; inf for number 0.
         actions: `"all"` or `"moves"`.
     """

@@ -55,7 +55,7 @@ def evaluate(
         discount: above 0 and at most 1; by default, the level's.
         actions: `"all"`, or `"moves"` without stay: the actions of `"random"` and `"uniform"`, and
             how a policy's actions are numbered. Results of this package and the `policy` of one
-            know their own numbering.
+            carry their own numbering.
 
     Raises:
         LevelNotFoundError: there is no such level.

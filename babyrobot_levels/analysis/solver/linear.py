@@ -19,12 +19,13 @@ DENSE_STATES = 150
 
 
 def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
-    """Return the expected discounted sum of what each step gives, until the end.
+    """Return the expected discounted sum of some rewards until the end.
 
     Args:
         chain: a model with one action. Without a discount, each state must lead to the end with
             probability one.
-        rewards: what a step from each state gives, `[n]`, or several such columns, `[n, columns]`.
+        rewards: the reward of a step from each state, `[n]`, or several such columns,
+            `[n, columns]`.
         discount: the factor by which each further step counts less.
 
     Returns:
@@ -93,15 +94,15 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
 
 
 def cycles(chain: Model, homes: Flags) -> Floats:
-    """Return what happens on the way to the next visit of one of some states, the homes.
+    """Return rewards and steps until the next visit of one of some states, the homes.
 
     Args:
-        chain: a model with one action that gets to a home from each state, and never ends.
+        chain: a model with one action that reaches a home from each state, and never ends.
         homes: the homes, `[n]`.
 
     Returns:
         The expected sum of rewards, and the expected number of steps, `[n, 2]`; from a home, until
-        the robot is back at one. Their ratio is a home's average reward.
+        the next visit of one. Their ratio is a home's average reward.
     """
     columns = np.stack([chain.reward[:, 0], np.ones(chain.size)], axis=1)
     ahead = np.zeros((chain.size + 1, 2))
@@ -126,7 +127,7 @@ def class_averages(chain: Model) -> Floats:
 
 
 def long_run(chain: Model, width: int) -> tuple[Floats, Flags]:
-    """Return what going on for ever comes to, for each state of a chain.
+    """Return the sign of the long-run average reward of each state of a chain.
 
     Returns:
         The sign of the average reward of a state's closed class, `[n]`, nan outside of them; and

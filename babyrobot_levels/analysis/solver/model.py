@@ -60,7 +60,7 @@ class Model:
         return found
 
     def action_values(self, values: Floats, discount: float) -> Floats:
-        """Return what actions are worth, `[n, actions]`, if states have finite values `[n]`."""
+        """Return the action values, `[n, actions]`, for finite state values `[n]`."""
         following = np.append(values, 0.0)[self.next_state]
         ahead: Floats = np.einsum("sao,sao->sa", self.probability, following)
         return self.reward + discount * ahead
@@ -168,7 +168,7 @@ def build_model(mdp: Mdp, exits: Ints, first_action: int) -> Model:
 
 
 def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
-    """Return which states can get to a goal by some of the actions, and how.
+    """Return which states can reach a goal by some of the actions, and how.
 
     Args:
         model: the states and actions.
@@ -176,7 +176,7 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
         rows: the actions that may be taken, `[n, actions]`.
 
     Returns:
-        Which states are goals or have a chance to get to one, `[n]`; and for each of them the
+        Which states are goals or have a chance to reach one, `[n]`; and for each of them the
         action most likely to come nearer, counted in steps, `[n]`; -1 for goals and all others.
     """
     size = model.size
@@ -209,7 +209,7 @@ def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
 
 
 def strong_components(size: int, source: Ints, target: Ints) -> Ints:
-    """Return a label for each of `size` states: equal where each can get to the other."""
+    """Return a label for each of `size` states: equal where each can reach the other."""
     if size <= DENSE_STATES:
         reach = np.eye(size, dtype=np.float32)
         reach[source, target] = 1.0
@@ -226,7 +226,7 @@ def strong_components(size: int, source: Ints, target: Ints) -> Ints:
 
 
 def end_components(model: Model, rows: Flags) -> tuple[Ints, Flags]:
-    """Find the largest sets of states in which the robot can go on for ever and get everywhere.
+    """Find the maximal end components: where an episode can go on for ever and reach each state.
 
     Args:
         model: the states and actions.

@@ -17,7 +17,7 @@ from babyrobot_levels.text.words import did_you_mean
 
 
 class HasPolicy(Protocol):
-    """A result that holds a policy and knows how its actions are numbered: a `Solution`, say."""
+    """A result that holds a policy and the numbering of its actions, such as a `Solution`."""
 
     @property
     def policy(self) -> Ints:
@@ -58,7 +58,7 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
             - a `Solution`, or a `Sweep` of learning, or the `policy` of one.
         mdp: the level's tables.
         actions: the set of actions, `"all"` or `"moves"`. It also numbers the actions of a policy
-            that does not know its own set.
+            that does not carry its own set.
 
     Raises:
         ValueError: it is none of these, or does not fit the level.

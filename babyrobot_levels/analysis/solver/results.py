@@ -68,9 +68,9 @@ def undefined_return(model: Model, unclear: Flags, width: int) -> UndefinedRetur
 
 
 class PolicyArray(np.ndarray[Any, np.dtype[np.int64]]):
-    """An array of actions that knows its set of actions, and so the meaning of its numbers.
+    """An array of actions that carries its set of actions, which gives its numbers a meaning.
 
-    Views and copies know it too. The results of arithmetic and comparisons are plain arrays,
+    Views and copies carry it too. The results of arithmetic and comparisons are plain arrays,
     because their numbers may mean something else.
 
     Args:
@@ -90,7 +90,7 @@ class PolicyArray(np.ndarray[Any, np.dtype[np.int64]]):
     def first_action(self) -> int:
         """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
         if self.actions is None:
-            raise AttributeError("this array does not know its set of actions")
+            raise AttributeError("this array has no set of actions")
         return check_actions(self.actions)
 
     def __array_finalize__(self, obj: Any) -> None:
@@ -212,11 +212,11 @@ class Solution(Evaluation):
         greedy: all actions whose values are optimal but for a part in 10^9, bool
             `[height, width, actions]`; none at blocked and terminal cells.
         policy: one optimal action for each cell, int64 `[height, width]`; -1 at blocked and
-            terminal cells. The array knows its set of actions, and so is read rightly by
-            `evaluate` and everything else that takes a policy. Among optimal actions it takes
-            those that surely end the episode, and of these the fastest. Following any of the
-            greedy actions may be worth less: where there is no discount and a step costs nothing,
-            they may lead round in circles.
+            terminal cells. The array carries its set of actions (`policy.actions`), which
+            `evaluate` and everything else that takes a policy respects. Among optimal actions it
+            takes those that surely end the episode, and of these the fastest. Following any of the
+            greedy actions may earn less: where there is no discount and a step costs nothing, they
+            may lead round in circles.
         method: how it was found.
         iterations: how many policies were evaluated on the way.
         residual: the largest violation of Bellman's equation among finite values.
