@@ -12,7 +12,7 @@ import importlib
 import warnings
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.envs import gymnasium_hook
+from babyrobot_levels.envs import former_modules, gymnasium_hook
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.compare import Certificate as Certificate
@@ -148,3 +148,4 @@ def __dir__() -> list[str]:
 
 
 gymnasium_hook.install()
+former_modules.install()

@@ -1,4 +1,4 @@
-"""Old notebooks: `gymnasium.make("BabyRobot-v0", **setup)`."""
+"""Notebooks of PyPI babyrobot: `gymnasium.make("BabyRobot-v0", **setup)`."""
 
 from __future__ import annotations
 
@@ -61,11 +61,11 @@ def test_limits_truncate(keyword: str) -> None:
     assert ends == [(False, False), (False, False), (False, True)]
 
 
-def test_gymnasiums_checker_is_content() -> None:
+def test_the_checker_of_gymnasium_passes() -> None:
     check_env(gymnasium.make("BabyRobot-v0", **SETUP).unwrapped, skip_render_check=True)
 
 
-def test_registering_again_or_over_another_takes_over_in_silence() -> None:
+def test_registering_replaces_another_environment_without_a_warning() -> None:
     gymnasium.register("BabyRobot-v1", entry_point="nowhere:Nothing")
     registry["BabyRobot-v0"] = registry.pop("BabyRobot-v1")
     brl.register_babyrobot()

@@ -1,4 +1,4 @@
-"""Frozen Lakes: Gymnasium's own tables say whether a map became the same game."""
+"""FrozenLake: levels have the transition tables of Gymnasium's environment."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def environment(**keywords: Any) -> Any:
 
 @pytest.mark.parametrize("is_slippery", [True, False])
 @pytest.mark.parametrize("name", LAKES)
-def test_a_map_is_the_game_that_gymnasium_plays(name: str, is_slippery: bool) -> None:
+def test_a_map_has_the_tables_of_gymnasium(name: str, is_slippery: bool) -> None:
     text = "\n".join(LAKES[name])
     world = read_frozen_lake(SourceFile("lake", text), is_slippery=is_slippery)
     env = environment(desc=LAKES[name], is_slippery=is_slippery)
@@ -52,7 +52,7 @@ def test_a_map_is_the_game_that_gymnasium_plays(name: str, is_slippery: bool) ->
     ],
     ids=str,
 )
-def test_keywords_are_the_game_that_gymnasium_plays(keywords: dict[str, Any]) -> None:
+def test_keywords_have_the_tables_of_gymnasium(keywords: dict[str, Any]) -> None:
     whole = {"desc": MAPS["4x4"], **keywords}
     world = world_of(json.dumps(whole), "frozen-lake")
     certificate = brl.compare(level_of_world(world), environment(**whole))
@@ -80,7 +80,7 @@ def test_the_reward_of_a_hole_comes_back(schedule: list[float]) -> None:
     assert json.loads(conversion.text) == keywords
 
 
-def test_holes_of_different_rewards_are_told() -> None:
+def test_holes_of_different_rewards_are_reported() -> None:
     hole = {"size": [1, 1], "ends": True}
     areas = [{"at": [1, 0], "reward": -1, **hole}, {"at": [2, 1], "reward": -2, **hole}]
     level = brl.load({"version": 1, "areas": areas, "skid": {"probability": 0.5, "to": "sides"}})
@@ -98,9 +98,7 @@ def test_holes_of_different_rewards_are_told() -> None:
     ],
     ids=str,
 )
-def test_what_a_lake_does_not_have_is_told_by_its_own_name(
-    fields: dict[str, Any], told: str
-) -> None:
+def test_losses_are_reported_by_the_name_of_the_property(fields: dict[str, Any], told: str) -> None:
     level = brl.load({"version": 1, **fields})
     assert [lost.field for lost in export(level, "frozen-lake").warnings] == [told]
 
@@ -126,7 +124,7 @@ def test_the_gallerys_lakes_are_gymnasiums(name: str) -> None:
     assert set(game) <= {"title", "description", "source", "tags", "max_steps", "theme"}
 
 
-def test_what_a_lake_cannot_have_is_told_by_its_field() -> None:
+def test_losses_are_reported_by_field() -> None:
     told = [lost.field for lost in export(brl.load("final-maze"), "frozen-lake").warnings]
     assert {"puddles", "walls", "theme", "display"} <= set(told)
     assert "rewards" not in told
@@ -150,7 +148,7 @@ def test_a_map_wins_over_a_name() -> None:
     assert (level_of_world(world).size, world.lost) == ((2, 1), ())
 
 
-def test_keywords_that_are_not_about_the_game_are_told() -> None:
+def test_keywords_that_do_not_change_the_mdp_are_reported() -> None:
     text = json.dumps({"desc": ["SG"], "render_mode": "human"})
     assert lost_fields(world_of(text, "frozen-lake")) == ["render_mode"]
 
@@ -158,7 +156,7 @@ def test_keywords_that_are_not_about_the_game_are_told() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("SFF\nFXG", r"world\.txt:2:2: error: `X` means nothing"),
+        ("SFF\nFXG", r"world\.txt:2:2: error: unknown character `X`"),
         ("SFF\nFG", "row 2 of the map has 2 letters, the first has 3"),
         ("FFF\nFFG", "no start"),
         ('["SF", 3]', "list of texts"),
@@ -167,9 +165,9 @@ def test_keywords_that_are_not_about_the_game_are_told() -> None:
         ('{"desc": ["SG"], "reward_schedule": [1]}', "reward_schedule must be three numbers"),
         ('{"desc": ["SG"], "is_slippery": "no"}', "is_slippery must be true or false"),
         ('{"map_name": "9x9"}', "map_name must be 4x4 or 8x8"),
-        ('{"map_name": null}', "another lake each time"),
+        ('{"map_name": null}', "generates a random lake"),
     ],
 )
-def test_faulty_maps_are_refused_with_the_place(text: str, message: str) -> None:
+def test_invalid_maps_are_refused_with_the_place(text: str, message: str) -> None:
     with pytest.raises(ConversionError, match=message):
         world_of(text, "frozen-lake")
