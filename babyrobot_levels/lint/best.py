@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.errors import NoTotalError, TooLongError
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.mdp.graph import Graph
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def best_of(level: Level) -> Solution | None:
         return None
     try:
         return solve(level)
-    except (NoTotalError, TooLongError):
+    except (UndefinedReturnError, EpisodeTooLongError):
         return None
 
 

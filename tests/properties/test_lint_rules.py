@@ -13,8 +13,8 @@ from support.reading import read_level
 from support.reference import Reference
 from support.worlds import LEGEND, World, drawings, inside, level_of, sometimes, worlds
 
-from babyrobot_levels.analysis.solver import graphs
-from babyrobot_levels.analysis.solver.simulation import success_within
+from babyrobot_levels.analysis.solver import model
+from babyrobot_levels.analysis.solver.evaluation import success_within
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.best import best_of, is_in_time, lingering, surely_leaves
@@ -223,7 +223,7 @@ def test_ways_are_those_of_the_book(world: World) -> None:
 @given(worlds(5))
 def test_many_ways_are_counted_like_few(world: World) -> None:
     few = reach(world)
-    with patch.object(counting, "MANY", 0), patch.object(graphs, "DENSE_STATES", 0):
+    with patch.object(counting, "MANY", 0), patch.object(model, "DENSE_STATES", 0):
         many = reach(world)
         starts = [state for state, steps in enumerate(few.steps) if steps == 0]
         assert many.from_some([*starts, *starts]) == few.steps
