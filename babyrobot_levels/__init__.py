@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
     from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
+    from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
     from babyrobot_levels.generate.search import StarvedError as StarvedError
     from babyrobot_levels.generate.suites import Suite as Suite
@@ -81,6 +82,7 @@ _HOMES = {
     "Evaluation": "analysis.solver.results",
     "Grid": "mdp.grid",
     "Level": "library.level",
+    "LevelEnv": "envs.single",
     "LevelError": "text.errors",
     "LevelInfo": "library.catalogue",
     "LevelNotFoundError": "text.errors",
