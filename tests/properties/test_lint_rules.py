@@ -7,6 +7,7 @@ from typing import Any
 from unittest.mock import patch
 
 import pytest
+from babyrobot_levels.lint.best import best_of, is_in_time, lingering, surely_leaves
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from support.reference import Reference
@@ -17,7 +18,6 @@ from babyrobot_levels.analysis.solver.simulation import success_within
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import read_level
-from babyrobot_levels.lint.best import best_of, is_in_time, lingering, surely_leaves
 from babyrobot_levels.lint.fixer import apply, fix
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.runner import lint_source

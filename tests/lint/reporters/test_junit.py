@@ -14,7 +14,7 @@ from babyrobot_levels.text.diagnostics import Diagnostic, Severity, one_line
 
 def suite(found: list[Diagnostic], files: list[str]) -> Xml.Element:
     """Return the one suite of a report, whose sums must be right."""
-    root = Xml.fromstring(render("junit", found, files, {}).encode("utf-8"))
+    root = Xml.fromstring(render("junit", found, files, {}, "").encode("utf-8"))
     (inner,) = root
     assert (root.tag, inner.tag) == ("testsuites", "testsuite")
     for element in (root, inner):

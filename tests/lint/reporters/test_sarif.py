@@ -14,7 +14,6 @@ from jsonschema import Draft4Validator
 from support.findings import FIX, HOSTILE, MADE_UP, REAL, TITLES, finding
 from support.reports import LEVELS
 
-import babyrobot_levels
 from babyrobot_levels.lint.reporters import render
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.source import Position, SourceFile
@@ -25,14 +24,14 @@ VALIDATOR = Draft4Validator(SCHEMA, format_checker=Draft4Validator.FORMAT_CHECKE
 
 def run_of(*diagnostics: Diagnostic, titles: dict[str, str] | None = None) -> dict[str, Any]:
     """Return the one run of a report, which must be valid."""
-    log = json.loads(render("sarif", diagnostics, [], titles or TITLES))
+    log = json.loads(render("sarif", diagnostics, [], titles or TITLES, "1.2.3"))
     assert [error.message for error in VALIDATOR.iter_errors(log)] == []
     (run,) = log["runs"]
     return dict(run)
 
 
 def test_the_schema_is_the_official_one_and_looks_closely() -> None:
-    log = json.loads(render("sarif", [finding()], [], {}))
+    log = json.loads(render("sarif", [finding()], [], {}, "1.2.3"))
     assert SCHEMA["id"] == log["$schema"]
     log["runs"][0]["results"][0]["locations"][0]["physicalLocation"]["region"]["startLine"] = 0
     assert not VALIDATOR.is_valid(log)
@@ -43,7 +42,7 @@ def test_reports_are_valid(found: list[Diagnostic]) -> None:
     run = run_of(*found)
     assert len(run["results"]) == len(found)
     driver = run["tool"]["driver"]
-    assert (driver["name"], driver["version"]) == ("babyrobot", babyrobot_levels.__version__)
+    assert (driver["name"], driver["version"]) == ("babyrobot", "1.2.3")
 
 
 def test_each_result_points_at_its_rule() -> None:
