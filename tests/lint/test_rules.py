@@ -165,9 +165,9 @@ def test_a_maze_with_a_loop_is_not_built_a_second_time() -> None:
         (["version"], None),
         (["version", "title"], None),
         (["version", "title", "size", "exit"], None),
-        (["title", "version"], "`version` should be before `title`"),
-        (["version", "size", "title"], "`title` should be before `size`"),
-        (["version", "exit", "size", "title"], "`size` should be before `exit`"),
+        (["title", "version"], "`version` should come before `title`"),
+        (["version", "size", "title"], "`title` should come before `size`"),
+        (["version", "exit", "size", "title"], "`size` should come before `exit`"),
     ],
 )
 def test_the_first_field_out_of_order_is_reported(names: list[str], message: str | None) -> None:

@@ -115,7 +115,7 @@ def field_order(context: LintContext) -> Iterator[Finding]:
         if order.index(name) < order.index(last):
             yield Finding(
                 (name,),
-                f"`{name}` should be before `{last}`",
+                f"`{name}` should come before `{last}`",
                 "`babyrobot format` sorts fields",
                 key=True,
             )
