@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.lint.finding import Mark, Route, cell_mark
+from babyrobot_levels.lint.finding import cell_mark
 from babyrobot_levels.lint.suppressions import MARK, Suppression, suppressions
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
 from babyrobot_levels.text.comments import Comment, comments
+from babyrobot_levels.text.diagnostics import Location, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.source import SourceFile
 
@@ -137,16 +138,16 @@ class LintContext:
             if other is not None:
                 yield other
 
-    def place(self, state: int) -> tuple[Route, Mark | None]:
+    def place(self, state: int) -> Location:
         """Return where the file shows a cell: in the drawing if there is one, else at its size."""
         if self.level.map is not None:
-            return ("map",), cell_mark(self.level, *self.cell(state))
-        return ("maze" if self.level.maze is not None else "size",), None
+            return cell_mark(self.level, *self.cell(state))
+        return ("maze" if self.level.maze is not None else "size",)
 
-    def place_of_end(self, field: str, number: int) -> tuple[Route, Mark | None]:
+    def place_of_end(self, field: str, number: int) -> Location:
         """Return where the file gives a start or an exit (`field`), by its index."""
         cells = self.level.starts if field == "start" else self.level.exits
         if self.level.map is not None or field not in self.data:
             return self.place(self.state(cells[number]))
         is_list = isinstance(getattr(self.level, field)[0], tuple)
-        return ((field, number) if is_list else (field,)), None
+        return (field, number) if is_list else (field,)

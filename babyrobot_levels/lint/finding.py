@@ -7,14 +7,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.diagnostics import Fix, Severity
-from babyrobot_levels.text.source import Span
-
-Route = tuple[str | int, ...]
-"""The keys and indices that lead to a value in the file."""
-
-Mark = tuple[int, int, int]
-"""Line and character in the drawing's text (both from 0), and the number of characters."""
+from babyrobot_levels.text.diagnostics import Fix, Location, Mark, Severity
 
 MAX_NAMED = 4
 """A message names at most this many cells and gives the number of the others."""
@@ -25,24 +18,17 @@ class Finding:
     """One problem that a rule reports.
 
     Attributes:
-        route: the keys that lead to the value; if the file lacks some of them, the finding points
-            at the deepest value that exists. An empty route points at the first field.
+        location: where it is; `()` stands for the first field.
         message: the defect.
         help: what to do about it.
-        key: whether the finding points at the field's name instead of its value.
-        mark: a position in the drawing.
         fix: edits that remove the problem.
-        span: the position itself, where no route leads to it: a comment or a line.
         severity: the severity, if it differs from the rule's.
     """
 
-    route: Route
+    location: Location
     message: str
     help: str | None = None
-    key: bool = False
-    mark: Mark | None = None
     fix: Fix | None = None
-    span: Span | None = None
     severity: Severity | None = None
 
 
@@ -81,13 +67,15 @@ def cell_mark(level: Level, x: int, y: int) -> Mark:
     """Return the position of a cell in the drawing."""
     row, column = _corner(level)
     # A cell takes two lines and four characters, three of which are its own.
-    return row + 2 * y + 1, column + 4 * x + 1, 3
+    return Mark(row + 2 * y + 1, column + 4 * x + 1, 3)
 
 
 def side_mark(level: Level, x: int, y: int, side: str) -> Mark:
     """Return the position of a cell's eastern or southern side in the drawing."""
-    row, column, length = cell_mark(level, x, y)
-    return (row, column + 3, 1) if side == "E" else (row + 1, column, length)
+    cell = cell_mark(level, x, y)
+    if side == "E":
+        return Mark(cell.row, cell.column + cell.length, 1)
+    return Mark(cell.row + 1, cell.column, cell.length)
 
 
 def _corner(level: Level) -> tuple[int, int]:

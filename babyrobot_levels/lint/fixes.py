@@ -6,8 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
-from babyrobot_levels.lint.finding import Route
-from babyrobot_levels.text.diagnostics import Edit, Fix
+from babyrobot_levels.text.diagnostics import Edit, Fix, Route
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.source import Position, SourceFile, Span

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
@@ -10,21 +9,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from zlib import crc32
 
-from babyrobot_levels.language.problem import Problem
-from babyrobot_levels.language.validation import diagnostic, from_yaml
+from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import errors_of, is_suite, read_document, read_suite
+from babyrobot_levels.library.reading import check_document, errors_of
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.rule import REGISTERED, Rule
 from babyrobot_levels.lint.rules.files import EQUIVALENT_MDP, equivalent_mdp
 from babyrobot_levels.lint.settings import settings_for
-from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.document import YamlFault
-from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Severity
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile, Span
+from babyrobot_levels.text.source import SourceFile
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,8 +85,8 @@ def check(path_or_text: str | Path, *, lint: bool = False) -> list[Diagnostic]:
         return lint_file(path, settings_for(path).rules_for(path)).diagnostics
     try:
         return errors_of(read_source(path), path)
-    except ReadFault as fault:
-        return [fault.diagnostic]
+    except LevelError as error:
+        return [*error.diagnostics]
 
 
 def lint_files(paths: Iterable[Path]) -> list[Diagnostic]:
@@ -112,8 +110,8 @@ def lint_file(path: Path, rules: Sequence[Rule]) -> Report:
     """Lint a file; see `lint_source`."""
     try:
         source = read_source(path)
-    except ReadFault as fault:
-        return Report(None, [fault.diagnostic])
+    except LevelError as error:
+        return Report(None, [*error.diagnostics])
     return lint_source(source, rules, path)
 
 
@@ -127,13 +125,11 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
     """
     try:
         document = read(source)
-    except YamlFault as fault:
-        return Report(source, [from_yaml(fault.problem, source)])
-    if is_suite(document):
+    except LevelError as error:
+        return Report(source, [*error.diagnostics])
+    level, errors = check_document(document, path)
+    if not isinstance(level, Level):
         # Rules check levels; a suite only has errors.
-        return Report(source, read_suite(document, path)[1])
-    level, errors = read_document(document, path)
-    if level is None:
         return Report(source, errors)
     active = frozenset(name for rule in rules if rule.check is not None for name in rule.names)
     context = LintContext(level, document, path, active)
@@ -167,7 +163,7 @@ def equivalent_levels(
         for path in paths if len(paths) > 1 else ():
             # There are few such files, so they are read again.
             document = read(texts[path][0])
-            level, _ = read_document(document, path)
+            level = check_level(document, Level, path).value
             if level is None:
                 continue
             other = first.setdefault(level.digest, path)
@@ -190,20 +186,13 @@ def is_note(found: Diagnostic) -> bool:
 
 
 def _diagnostic(rule: Rule, finding: Finding, context: LintContext) -> Diagnostic:
-    problem = Problem(
-        rule.code, finding.route, finding.message, finding.help, finding.key, finding.mark
-    )
-    found = diagnostic(problem, context.document, finding.severity or rule.severity, finding.fix)
-    span = finding.span if finding.span is not None or finding.route else _first_field(context)
-    if span is None:
-        return found
-    return dataclasses.replace(found, line=span.start.line, column=span.start.column, end=span.end)
-
-
-def _first_field(context: LintContext) -> Span:
-    """Return the position of a finding about the whole file."""
-    keys = context.document.root.keys
-    return next(iter(keys.values())).span if keys else context.document.root.span
+    location = finding.location
+    if location == ():
+        keys = context.document.root.keys
+        location = next(iter(keys.values())).span if keys else context.document.root.span
+    severity = finding.severity or rule.severity
+    issue = Issue(rule.code, location, finding.message, finding.help, finding.fix, severity)
+    return context.document.diagnostic(issue)
 
 
 def _is_suppressed(rule: Rule, found: Diagnostic, context: LintContext) -> bool:

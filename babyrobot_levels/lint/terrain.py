@@ -188,7 +188,7 @@ class TerrainEffects:
 
     def _shown(self) -> Flags:
         """Return the cells whose ground is visible because nothing else is drawn over it."""
-        level, colors = self._level, self._level.colors_and_widths.colors
+        level, colors = self._level, self._level.resolved_theme.colors
         shown = np.ones_like(self._over)
         for cells, color in ((level.starts, colors.start), (level.exits, colors.exit)):
             if is_opaque(color):

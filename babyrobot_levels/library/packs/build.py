@@ -15,8 +15,7 @@ from babyrobot_levels.library.packs.manifest import Manifest, file_entry
 from babyrobot_levels.library.packs.paths import TEXTS, belongs, clashes, is_theme, path_fault
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, NotRegularError, read_bytes
-from babyrobot_levels.text.reader import MAX_BYTES
-from babyrobot_levels.text.source import START, SourceFile
+from babyrobot_levels.text.source import MAX_BYTES, START, SourceFile
 
 _LOCAL_SCHEMA = re.compile(rb"^#.*\$schema=(?:file:|/|~|[A-Za-z]:[/\\])", re.MULTILINE)
 """A schema line that leads to a file of this machine."""

@@ -8,6 +8,7 @@ from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import rule
+from babyrobot_levels.text.diagnostics import Key
 
 
 @rule("BR505")
@@ -191,19 +192,17 @@ def wind_without_effect(context: LintContext) -> Iterator[Finding]:
 
     if is_equivalent(level, variant(level, wind=None)):
         yield Finding(
-            ("wind",),
+            Key(("wind",)),
             "the wind has no effect",
             "remove it, or let it blow where the robot can move",
-            key=True,
             fix=removal(context.document, "remove the wind", ("wind",)),
         )
         return
     for side in sorted(wind.model_fields_set):
         if not any(getattr(wind, side) or ()):
             yield Finding(
-                ("wind", side),
+                Key(("wind", side)),
                 f"all strengths of `{side}` are 0",
                 "remove the direction",
-                key=True,
                 fix=removal(context.document, f"remove `{side}`", ("wind", side)),
             )

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, cells_text
 from babyrobot_levels.lint.rule import rule
+from babyrobot_levels.text.diagnostics import Key
 
 
 @rule("BR511", formerly="too-few-steps")
@@ -158,13 +159,12 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
         )
     ]
     if trivial:
-        route, mark = context.place_of_end("start", trivial[0])
+        location = context.place_of_end("start", trivial[0])
         starts = cells_text([level.starts[number] for number in trivial])
         yield Finding(
-            route,
+            location,
             f"one step from start{'s' * (len(trivial) > 1)} {starts} reaches an exit",
             "move the start or the exit, or place something between them",
-            mark=mark,
         )
 
 
@@ -202,8 +202,7 @@ def non_terminating(context: LintContext) -> Iterator[Finding]:
         return
     if all(context.reach.to_end[state] < 0 for state in context.starts):
         yield Finding(
-            ("map",) if level.map is not None else ("exit",),
+            Key(("map",) if level.map is not None else ("exit",)),
             "episodes never end: there is no exit and no `max_steps`",
             "limit the number of steps, for example `max_steps: 100`",
-            key=True,
         )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.library.level import slug
+from babyrobot_levels.language.documents import slug
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.rule import rule

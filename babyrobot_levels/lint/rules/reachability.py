@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from babyrobot_levels.lint.context import LintContext
-from babyrobot_levels.lint.finding import Finding, Route, cells_count, cells_text
+from babyrobot_levels.lint.finding import Finding, cells_count, cells_text
 from babyrobot_levels.lint.rule import rule
-from babyrobot_levels.text.diagnostics import Severity
+from babyrobot_levels.text.diagnostics import Mark, Route, Severity
 
 
 @rule("BR501", formerly="no-way-out")
@@ -46,12 +46,12 @@ def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
     if not level.exits or not shut:
         return
     starts = cells_text([level.starts[number] for number in shut])
-    route, mark = context.place_of_end("start", shut[0])
+    location = context.place_of_end("start", shut[0])
     message = f"no exit can be reached from start{'s' * (len(shut) > 1)} {starts}"
     if level.max_steps is None and any(reach.to_end[context.starts[n]] < 0 for n in shut):
         message += ", and such episodes never end"
     help_text = "open a path, or move the start or the exit; use `exit: none` for no exit"
-    yield Finding(route, message, help_text, mark=mark)
+    yield Finding(location, message, help_text)
 
 
 @rule("BR502")
@@ -110,12 +110,11 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
         calm = reach_of(level, variant(level, wind=None))
         missed = [state for state in missed if not calm.reached(state)]
     if missed:
-        route, mark = context.place(missed[0])
+        location = context.place(missed[0])
         yield Finding(
-            route,
+            location,
             f"{cells_count([context.cell(state) for state in missed])} cannot be reached",
             _help_for_cells(context, missed),
-            mark=mark,
             severity=Severity.INFO if _is_cut_off_maze(context, {*missed}) else None,
         )
 
@@ -202,12 +201,11 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     ]
     if traps:
         cells = cells_count([context.cell(state) for state in traps])
-        route, mark = context.place(traps[0])
+        location = context.place(traps[0])
         yield Finding(
-            route,
+            location,
             f"{cells} can be reached, but no exit can be reached from there",
             "open a path to an exit, or end the episode there with `ends: true`",
-            mark=mark,
         )
 
 
@@ -254,19 +252,20 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
     states = endless_loop(context.mdp, reach, context.solution)
     if states:
         cells = [context.cell(state) for state in states]
-        route, mark = context.place(states[0])
+        location = context.place(states[0])
         source = _source_of_reward(context, {*cells})
-        if source is not None or (mark is None and "rewards" in context.data):
-            route, mark = source or ("rewards",), None
+        if source is not None:
+            location = source
+        elif "rewards" in context.data and not isinstance(location, Mark):
+            location = ("rewards",)
         why = "is worth more than ending it"
         if context.solution.expected_return == float("inf"):
             why = "gives an infinite return"
         yield Finding(
-            route,
+            location,
             f"the optimal policy never ends the episode: looping on {cells_text(cells)} {why}",
             "give each step a cost, give exits a higher reward, or end the episode with "
             "`ends: true` where the reward is given",
-            mark=mark,
         )
 
 
@@ -325,11 +324,10 @@ def unreachable_exit(context: LintContext) -> Iterator[Finding]:
         return
     missed = [n for n, cell in enumerate(exits) if not context.reach.reached(context.state(cell))]
     if missed and len(missed) < len(exits):
-        route, mark = context.place_of_end("exit", missed[0])
+        location = context.place_of_end("exit", missed[0])
         cells = cells_text([exits[number] for number in missed])
         yield Finding(
-            route,
+            location,
             f"exit{'s' * (len(missed) > 1)} {cells} cannot be reached from any start",
             "open a path, or remove the exit",
-            mark=mark,
         )

@@ -8,6 +8,7 @@ from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import rule
+from babyrobot_levels.text.diagnostics import Key
 
 _HELP = {
     "exit": "the level has no exit that a step can reach",
@@ -54,10 +55,9 @@ def reward_without_effect(context: LintContext) -> Iterator[Finding]:
     for name in sorted(given):
         if getattr(context.level.rewards, name) is not None and not _is_given(context, name):
             yield Finding(
-                ("rewards", name),
+                Key(("rewards", name)),
                 f"the reward `{name}` is never given",
                 _HELP.get(name),
-                key=True,
                 fix=removal(context.document, f"remove `{name}`", ("rewards", name)),
             )
 
@@ -95,13 +95,13 @@ def _other_rewards(context: LintContext, name: str) -> set[float | None]:
 
 def _is_surely_given(context: LintContext, name: str) -> bool:
     """Return whether some move gives a reward, in levels where little else takes precedence."""
-    level, ahead = context.level, context.reach.ahead
+    level, successors = context.level, context.reach.successors
     if name == "exit":
         # Only a warp takes precedence over the exit.
         exits = {context.state(cell) for cell in level.exits}
         if any(warp.to in level.exits for warp in level.warps):
             return False
-        return any(not exits.isdisjoint(others) for others in ahead)
+        return any(not exits.isdisjoint(others) for others in successors)
     if name in ("bump", "stay"):
         # Only a warp takes precedence where the robot stays on a cell that is no exit.
         from babyrobot_levels.mdp.tables import REFUSED
@@ -116,6 +116,6 @@ def _is_surely_given(context: LintContext, name: str) -> bool:
     sign = 1 if name == "closer" else -1
     return any(
         far[other] and sign * far[state] > sign * far[other]
-        for state, others in enumerate(ahead)
+        for state, others in enumerate(successors)
         for other in others
     )

@@ -9,10 +9,10 @@ from babyrobot_levels.language.cells import Rectangle
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.walls import Opening
 from babyrobot_levels.lint.context import LintContext
-from babyrobot_levels.lint.finding import Finding, Needs, Route
+from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.fixes import merge, remove, replace
 from babyrobot_levels.lint.rule import rule
-from babyrobot_levels.text.diagnostics import Fix, Severity
+from babyrobot_levels.text.diagnostics import Fix, Key, Route, Severity
 from babyrobot_levels.text.layout import WIDTH
 from babyrobot_levels.text.source import Position, Span
 
@@ -67,10 +67,9 @@ def long_line(context: LintContext) -> Iterator[Finding]:
         width = len(line[: next(ends, len(line))].rstrip())
         if width > WIDTH:
             yield Finding(
-                (),
+                Span(Position(number, WIDTH + 1), Position(number, width + 1)),
                 f"line too long ({width} > {WIDTH} characters)",
                 "`babyrobot format` splits it over several lines",
-                span=Span(Position(number, WIDTH + 1), Position(number, width + 1)),
             )
 
 
@@ -114,10 +113,9 @@ def field_order(context: LintContext) -> Iterator[Finding]:
     for name in context.data:
         if order.index(name) < order.index(last):
             yield Finding(
-                (name,),
+                Key((name,)),
                 f"`{name}` should come before `{last}`",
                 "`babyrobot format` sorts fields",
-                key=True,
             )
             return
         last = name
@@ -329,7 +327,7 @@ def low_contrast(context: LintContext) -> Iterator[Finding]:
         return
     from babyrobot_levels.render.colors import contrast
 
-    colors = context.level.colors_and_widths.colors
+    colors = context.level.resolved_theme.colors
     given = colors.model_fields_set
     for name in ("start", "exit", "robot", "walls", "puddle"):
         if not given & {name, "base"}:
@@ -424,9 +422,8 @@ def empty_field(context: LintContext) -> Iterator[Finding]:
         if value is None or value == [] or value == {}:
             shown = {"[]": "an empty list", "{}": "an empty mapping"}.get(str(value), "null")
             yield Finding(
-                (name,),
+                Key((name,)),
                 f"`{name}` is {shown} and has no effect",
-                key=True,
                 fix=Fix(f"remove `{name}`", (remove(context.document, (name,)),)),
             )
 

@@ -48,10 +48,9 @@ def unused_ignore(context: LintContext) -> Iterator[Finding]:
     for suppression in context.suppressions:
         if not suppression.words:
             yield Finding(
-                (),
+                suppression.comment.span,
                 "unused suppression: the comment names no rule",
                 "name the rules: `# babyrobot: ignore[BR503] reason`",
-                span=suppression.comment.span,
             )
             continue
         unknown = [word for word in suppression.words if not is_known(word)]
@@ -65,10 +64,9 @@ def unused_ignore(context: LintContext) -> Iterator[Finding]:
             words = ", ".join(f"`{word}`" for word in useless)
             what = f"{words} finds nothing here" if idle else f"unknown rule {words}"
             yield Finding(
-                (),
+                suppression.comment.span,
                 f"unused suppression: {what}",
                 f"remove {words} from the comment",
-                span=suppression.comment.span,
                 fix=Fix(f"remove {words}", (_without(suppression, useless, context),)),
             )
 

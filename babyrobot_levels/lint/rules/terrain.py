@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from babyrobot_levels.lint.context import LintContext
-from babyrobot_levels.lint.finding import Finding, Needs, Route, cells_text
+from babyrobot_levels.lint.finding import Finding, Needs, cells_text
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import rule
+from babyrobot_levels.text.diagnostics import Key, Route
 
 
 @rule("BR508")
@@ -56,12 +57,12 @@ def puddle_without_effect(context: LintContext) -> Iterator[Finding]:
     if level.map is not None:
         if idle:
             cells = [level.puddles[number].at for number, *_ in idle]
-            route, mark = context.place(context.state(cells[0]))
+            location = context.place(context.state(cells[0]))
             what = f"the puddle on {cells_text(cells)} has"
             if len(cells) > 1:
                 what = f"the puddles on {cells_text(cells)} have"
                 help_text = "remove them, or move them to cells that the robot can occupy"
-            yield Finding(route, f"{what} no effect", help_text, mark=mark)
+            yield Finding(location, f"{what} no effect", help_text)
         return
     for number, *effects in idle:
         x, y = level.puddles[number].at
@@ -232,10 +233,9 @@ def skid_without_effect(context: LintContext) -> Iterator[Finding]:
 
 def _skid_finding(context: LintContext, route: Route, message: str, safe: bool) -> Finding:
     return Finding(
-        route,
+        Key(route),
         message,
         "remove it, or set it on cells from which the robot moves",
-        key=True,
         fix=removal(context.document, "remove `skid`", route, safe=safe),
     )
 
@@ -285,11 +285,10 @@ def area_reward_without_effect(context: LintContext) -> Iterator[Finding]:
         if area.works and area.is_idle("reward"):
             x, y = context.level.areas[area.number].at
             yield Finding(
-                (*route, "reward"),
+                Key((*route, "reward")),
                 f"`reward` of the area at [{x}, {y}] is never given",
                 "set it on other cells; warps have a `reward` of their own, exits use "
                 "`rewards: {exit: ...}`",
-                key=True,
                 fix=removal(
                     context.document,
                     "remove `reward`",
@@ -341,10 +340,9 @@ def unused_puddle_type(context: LintContext) -> Iterator[Finding]:
     for size in context.data.get("puddle_types", ()):
         if size not in sizes:
             yield Finding(
-                ("puddle_types", size),
+                Key(("puddle_types", size)),
                 f"the level has no {size} puddle",
                 f"remove `{size}`, or add such a puddle",
-                key=True,
                 fix=removal(context.document, f"remove `{size}`", ("puddle_types", size)),
             )
 
@@ -457,9 +455,8 @@ def unused_legend(context: LintContext) -> Iterator[Finding]:
     for character in level.legend:
         if character not in shown:
             yield Finding(
-                ("legend", character),
+                Key(("legend", character)),
                 f"the drawing does not contain `{character}`",
                 "draw it, or remove it from the legend",
-                key=True,
                 fix=removal(context.document, f"remove `{character}`", ("legend", character)),
             )

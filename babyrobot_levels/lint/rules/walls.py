@@ -13,7 +13,7 @@ from babyrobot_levels.lint.finding import Finding, Needs, count_drawn, side_mark
 from babyrobot_levels.lint.fixes import append, removal
 from babyrobot_levels.lint.rule import rule
 from babyrobot_levels.mdp.grid import build_grid
-from babyrobot_levels.text.diagnostics import Fix
+from babyrobot_levels.text.diagnostics import Fix, Key
 
 Side = tuple[str, int, int]
 """The eastern (`E`) or southern (`S`) side of the cell (x, y)."""
@@ -258,11 +258,10 @@ def glass_without_pass(context: LintContext) -> Iterator[Finding]:
         edit = append(context.document, "walls", entries, ("map", "legend", "maze"))
         count = len(unknown)
         yield Finding(
-            ("map",),
+            side_mark(level, *unknown[0].at, unknown[0].side),
             f"{'a glass wall has' if count == 1 else f'{count} glass walls have'} no `pass`; the "
             f"default is {GLASS_PASS:g}",
             f"set it explicitly: `walls: [{entries[0]}]`",
-            mark=side_mark(level, *unknown[0].at, unknown[0].side),
             fix=None if edit is None else Fix("add `walls` with the default `pass`", (edit,)),
         )
 
@@ -335,9 +334,8 @@ def loops_without_effect(context: LintContext) -> Iterator[Finding]:
     bare = {"walls": (), "openings": (), "maze": plain}
     if build_grid(level.model_copy(update=bare)).wall_bits == grid.wall_bits:
         yield Finding(
-            ("maze", "loops"),
+            Key(("maze", "loops")),
             f"`loops: {maze.loops:g}` opens no dead end of the maze",
             "increase it, or remove it: it is the share of dead ends that are opened",
-            key=True,
             fix=removal(context.document, "remove `loops`", ("maze", "loops")),
         )
