@@ -201,10 +201,11 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     ]
     if traps:
         cells = cells_count([context.cell(state) for state in traps])
+        verb = "is" if len(traps) == 1 else "are"
         location = context.place(traps[0])
         yield Finding(
             location,
-            f"{cells} can be reached, but no exit can be reached from there",
+            f"{cells} {verb} reachable, but no exit is reachable from there",
             "open a path to an exit, or end the episode there with `ends: true`",
         )
 
