@@ -188,14 +188,14 @@ def _note_renamed_rules(files: list[Path], options: Options) -> None:
     """Write a warning for each former name of a rule in the options or the settings."""
     from babyrobot_levels.lint.registry import renamed
 
-    told: set[tuple[str, Path | None]] = set()
+    noted: set[tuple[str, Path | None]] = set()
     for path in files:
         settings = options.settings_for(path)
         for word, name in renamed(settings.words).items():
             own = word in (*(options.select or ()), *options.ignore)
             place = None if own else settings.file
-            if (word, place) not in told:
-                told.add((word, place))
+            if (word, place) not in noted:
+                noted.add((word, place))
                 where = f"{place}: " if place else ""
                 note(f"warning: {where}rule `{word}` has been renamed to `{name}`")
 
@@ -209,8 +209,8 @@ def lint_path(options: Options, path: Path) -> Outcome:
     rules = options.rules_for(path)
     try:
         source = read_path(path)
-    except LevelError as fault:
-        return Outcome([*fault.diagnostics])
+    except LevelError as error:
+        return Outcome([*error.diagnostics])
     origin = None if path == STANDARD_INPUT else path
     text, count = None, 0
     if options.fix:

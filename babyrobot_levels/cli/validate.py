@@ -52,6 +52,6 @@ def errors_of(path: Path) -> list[Diagnostic]:
 
     try:
         source = read_path(path)
-    except LevelError as fault:
-        return [*fault.diagnostics]
+    except LevelError as error:
+        return [*error.diagnostics]
     return reading.errors_of(source, None if path == STANDARD_INPUT else path)

@@ -1,4 +1,4 @@
-"""Comments that silence findings: where they stand, and for what they speak."""
+"""Comments that suppress findings: what they cover, and which of them are unused."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def codes(text: str, rules: list[str]) -> list[str]:
     return [each.code for each in report.diagnostics]
 
 
-LOUD = """\
+WALLS = """\
 version: 1
 walls:
   - {at: [1, 0], side: south}
@@ -25,12 +25,12 @@ walls:
 
 
 def test_without_a_comment_both_are_found() -> None:
-    assert codes(LOUD, ["BR608"]) == ["BR608", "BR608"]
+    assert codes(WALLS, ["BR608"]) == ["BR608", "BR608"]
 
 
 @pytest.mark.parametrize("word", ["BR608", "br608", "side-spelling", "BR503, BR608", "BR608,BR503"])
-def test_at_the_head_it_speaks_for_the_whole_file(word: str) -> None:
-    assert codes(f"# babyrobot: ignore[{word}] why\n{LOUD}", ["BR608"]) == []
+def test_above_the_first_field_it_covers_the_whole_file(word: str) -> None:
+    assert codes(f"# babyrobot: ignore[{word}] why\n{WALLS}", ["BR608"]) == []
 
 
 @pytest.mark.parametrize(
@@ -42,26 +42,26 @@ def test_at_the_head_it_speaks_for_the_whole_file(word: str) -> None:
         "# see babyrobot: ignore[BR608]",
     ],
 )
-def test_other_comments_silence_nothing(comment: str) -> None:
-    assert codes(f"{comment}\n{LOUD}", ["BR608"]) == ["BR608", "BR608"]
+def test_other_comments_suppress_nothing(comment: str) -> None:
+    assert codes(f"{comment}\n{WALLS}", ["BR608"]) == ["BR608", "BR608"]
 
 
-def test_behind_an_entry_it_speaks_for_the_entry() -> None:
-    text = LOUD.replace("south}", "south}  # babyrobot: ignore[BR608] why")
+def test_after_an_entry_it_covers_the_entry() -> None:
+    text = WALLS.replace("south}", "south}  # babyrobot: ignore[BR608] why")
     assert codes(text, ["BR608"]) == ["BR608"]
 
 
-def test_above_an_entry_it_speaks_for_what_begins_below() -> None:
-    text = LOUD.replace("  - {at: [0", "  # babyrobot: ignore[BR608] why\n\n  # more\n  - {at: [0")
+def test_above_an_entry_it_covers_what_begins_below() -> None:
+    text = WALLS.replace("  - {at: [0", "  # babyrobot: ignore[BR608] why\n\n  # more\n  - {at: [0")
     assert codes(text, ["BR608"]) == ["BR608"]
 
 
-def test_behind_a_field_it_speaks_for_all_that_lies_in_it() -> None:
-    text = LOUD.replace("walls:", "walls:  # babyrobot: ignore[BR608] why")
+def test_after_a_field_it_covers_everything_nested_in_it() -> None:
+    text = WALLS.replace("walls:", "walls:  # babyrobot: ignore[BR608] why")
     assert codes(text, ["BR608"]) == []
 
 
-def test_behind_the_sign_of_a_drawing_it_speaks_for_the_drawing() -> None:
+def test_after_the_indicator_of_a_block_it_covers_the_drawing() -> None:
     drawn = """\
         version: 1
         map: |{}
@@ -77,14 +77,14 @@ def test_behind_the_sign_of_a_drawing_it_speaks_for_the_drawing() -> None:
     assert codes(drawn.format("  # babyrobot: ignore[BR503] why"), ["BR503"]) == []
 
 
-def test_what_only_looks_like_a_comment_silences_nothing() -> None:
-    text = f'title: "a # babyrobot: ignore[BR608] b"\n{LOUD}'
+def test_text_that_looks_like_a_comment_suppresses_nothing() -> None:
+    text = f'title: "a # babyrobot: ignore[BR608] b"\n{WALLS}'
     assert codes(text, ["BR608"]) == ["BR608", "BR608"]
-    text = f"description: |\n  # babyrobot: ignore[BR608]\n{LOUD}"
+    text = f"description: |\n  # babyrobot: ignore[BR608]\n{WALLS}"
     assert codes(text, ["BR608"]) == ["BR608", "BR608"]
 
 
-def test_errors_are_never_silenced() -> None:
+def test_errors_are_never_suppressed() -> None:
     report = lint_source(
         SourceFile("x.yaml", "# babyrobot: ignore[BR201] no\nversion: 1\nnonsense: 1\n"),
         select(None),
@@ -92,21 +92,21 @@ def test_errors_are_never_silenced() -> None:
     assert [each.code for each in report.diagnostics] == ["BR201"]
 
 
-# -- silences that are of no use -------------------------------------------------------------
+# -- unused suppressions ----------------------------------------------------------------------
 
 
-def test_a_silence_of_a_rule_that_does_not_run_is_not_judged() -> None:
+def test_a_suppression_of_a_rule_that_does_not_run_is_not_reported() -> None:
     text = "# babyrobot: ignore[BR608] why\nversion: 1\n"
     assert codes(text, ["BR699"]) == []
     assert codes(text, ["BR699", "BR608"]) == ["BR699"]
 
 
-def test_a_silence_of_a_rule_over_several_files_is_not_judged() -> None:
+def test_a_suppression_of_a_rule_that_compares_files_is_not_reported() -> None:
     assert codes("# babyrobot: ignore[BR515] why\nversion: 1\n", ["ALL"])[:1] != ["BR699"]
 
 
-def test_a_silence_is_of_use_or_not_word_by_word() -> None:
-    text = LOUD.replace("walls:", "walls:  # babyrobot: ignore[BR608, BR610] why")
+def test_each_rule_of_a_suppression_is_checked_by_itself() -> None:
+    text = WALLS.replace("walls:", "walls:  # babyrobot: ignore[BR608, BR610] why")
     report = lint_source(SourceFile("x.yaml", text), select(["BR608", "BR610", "BR699"]))
     (found,) = report.diagnostics
     assert found.code == "BR699"

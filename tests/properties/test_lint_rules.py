@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from collections.abc import Iterable
 from typing import Any
 from unittest.mock import patch
@@ -9,9 +10,19 @@ from unittest.mock import patch
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from support.handwriting import Scribe
 from support.reading import read_level
 from support.reference import Reference
-from support.worlds import LEGEND, World, drawings, inside, level_of, sometimes, worlds
+from support.worlds import (
+    LEGEND,
+    World,
+    decorated_worlds,
+    drawings,
+    inside,
+    level_of,
+    sometimes,
+    worlds,
+)
 
 from babyrobot_levels.analysis.solver.simulation import success_within
 from babyrobot_levels.language.drawing import compose
@@ -34,12 +45,12 @@ from babyrobot_levels.text.source import SourceFile
 
 RULES = [rule for rule in all_rules() if rule.code < "BR6"]
 INSIDE = ("walls", "openings", "puddles", "areas", "warps", "blocked")
-"""Fields that hold lists of entries which can each be taken away."""
+"""Fields with lists of entries that can each be removed."""
 
 
 @st.composite
 def texts(draw: st.DrawFn) -> str:
-    """Texts of random levels, some of them with a drawing, some with a limit of steps."""
+    """Texts of random levels, some with a drawing, some with `max_steps`."""
     if draw(st.booleans()):
         world: World = draw(worlds(5))
     else:
@@ -68,13 +79,13 @@ def found(text: str) -> list[Diagnostic]:
     return lint_source(SourceFile("x.yaml", text), RULES).diagnostics
 
 
-slow = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+untimed = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 # -- fixes -------------------------------------------------------------------------------------
 
 
-@slow
+@untimed
 @given(texts())
 def test_safe_fixes_do_not_change_the_mdp(text: str) -> None:
     """Each by itself, and all of them, after which none is left and nothing more changes."""
@@ -91,16 +102,25 @@ def test_safe_fixes_do_not_change_the_mdp(text: str) -> None:
     assert left == []
 
 
+@settings(untimed, max_examples=60)
+@given(decorated_worlds(), st.randoms(use_true_random=False), st.sampled_from([0.0, 0.1, 0.4]))
+def test_fixing_twice_changes_nothing_more(world: World, rng: random.Random, chatty: float) -> None:
+    text = Scribe(rng, chatty).write(world)
+    once = fix(SourceFile("x.yaml", text), all_rules(), unsafe=True)
+    twice = fix(SourceFile("x.yaml", once.text), all_rules(), unsafe=True)
+    assert (twice.text, twice.count) == (once.text, 0)
+
+
 # -- everything without findings has an effect ------------------------------------------------
 
 
-def game(level: Level) -> Any:
-    """Return what game and grid come to: walls that only the picture shows count too."""
+def effects(level: Level) -> Any:
+    """Return digest and grid, which includes walls that only the picture shows."""
     return level.digest, level.grid().wall_bits, level.grid().glass
 
 
 def without(level: Level, field: str, number: int) -> Level | None:
-    """Return the level without one entry of a list, None where it would not be valid."""
+    """Return the level without one entry of a list, None if it would not be valid."""
     data = level.to_dict()
     data[field] = [entry for index, entry in enumerate(data[field]) if index != number]
     if not data[field]:
@@ -109,10 +129,10 @@ def without(level: Level, field: str, number: int) -> Level | None:
     return loaded(text) if is_valid(text) else None
 
 
-def is_meant(entry: World, level: Level) -> bool:
-    """Tell whether an entry must have an effect on the game.
+def must_matter(entry: World, level: Level) -> bool:
+    """Return whether an entry must have an effect on the MDP.
 
-    It need not if it is there for its looks, or slippery where walls or wind let nobody away.
+    It need not if it sets a colour, or if it is slippery where walls or wind prevent all moves.
     """
     if {"color", "label", "width", "fit"} & {*entry}:
         return False
@@ -120,11 +140,11 @@ def is_meant(entry: World, level: Level) -> bool:
         return True
     size = entry.get("size", [1, 1])
     cells = inside({"at": entry["at"], "size": size if isinstance(size, list) else [1, 1]})
-    return level.wind is None and not cells & {*lonely(level)}
+    return level.wind is None and not cells & {*enclosed(level)}
 
 
-def lonely(level: Level) -> list[tuple[int, int]]:
-    """Return the free cells that nothing is open from."""
+def enclosed(level: Level) -> list[tuple[int, int]]:
+    """Return the free cells that are enclosed by walls."""
     grid, width = level.grid(), level.size[0]
     return [
         (cell % width, cell // width)
@@ -133,24 +153,24 @@ def lonely(level: Level) -> list[tuple[int, int]]:
     ]
 
 
-@slow
+@untimed
 @given(worlds(5))
 def test_entries_without_findings_have_an_effect(world: World) -> None:
-    """Of a level from which everything without effect was taken, every part has an effect."""
+    """After all fixes, every entry that is left has an effect."""
     fixed = fix(SourceFile("x.yaml", emit(world)), RULES, unsafe=True)
     level = loaded(fixed.text)
-    data, known = level.to_dict(), game(level)
-    # Walls with a gap are told, and left to their authors.
+    data, known = level.to_dict(), effects(level)
+    # Walls with a gap are reported, but not fixed.
     gaps = any(each.code == "BR513" for each in fixed.report.diagnostics)
     for field in INSIDE:
         for number, entry in enumerate(data.get(field, []) if not gaps or field != "walls" else ()):
-            if is_meant(entry, level):
+            if must_matter(entry, level):
                 other = without(level, field, number)
-                assert other is None or game(other) != known, f"{field} {number}\n{fixed.text}"
+                assert other is None or effects(other) != known, f"{field} {number}\n{fixed.text}"
     if "wind" in data:
-        assert game(level.replace(wind=None)) != known, fixed.text
-    if "skid" in data and "wind" not in data and not lonely(level):
-        assert game(level.replace(skid=None)) != known, fixed.text
+        assert effects(level.replace(wind=None)) != known, fixed.text
+    if "skid" in data and "wind" not in data and not enclosed(level):
+        assert effects(level.replace(skid=None)) != known, fixed.text
     for name, value in data.get("rewards", {}).items():
         assert name == "step" or value is None or gives(level, name)
 
@@ -159,7 +179,7 @@ def test_entries_without_findings_have_an_effect(world: World) -> None:
 
 
 def graph_of(world: World) -> tuple[Reference, dict[int, set[int]]]:
-    """Return the level by the book, and where one step can lead from each state."""
+    """Return the reference implementation, and where one step can lead from each state."""
     reference = Reference(world)
     ahead: dict[int, set[int]] = {}
     for ((x, y), _), outcomes in reference.transitions().items():
@@ -189,7 +209,7 @@ def reach(world: World) -> Reach:
     return reach_of(level, level.compile())
 
 
-@slow
+@untimed
 @given(worlds(5))
 def test_reachable_states_are_those_of_the_reference(world: World) -> None:
     reference, ahead = graph_of(world)
@@ -232,7 +252,7 @@ def codes(text: str) -> set[str]:
     return {each.code for each in found(text)}
 
 
-@slow
+@untimed
 @given(worlds(4), st.integers(1, 20))
 def test_findings_about_reachability_are_exact(world: World, limit: int) -> None:
     unlimited, ways, level = codes(emit(world)), reach(world), level_of(world)
@@ -256,7 +276,7 @@ def test_findings_about_reachability_are_exact(world: World, limit: int) -> None
     assert ("BR521" in unlimited) == (not ends and not level.exits)
 
 
-@slow
+@untimed
 @given(worlds(4))
 def test_unreachable_cells_are_counted_exactly_without_wind(world: World) -> None:
     world = {name: value for name, value in world.items() if name != "wind"}
@@ -278,7 +298,7 @@ def test_unreachable_cells_are_counted_exactly_without_wind(world: World) -> Non
 # -- the optimal policy ------------------------------------------------------------------------
 
 
-@slow
+@untimed
 @given(worlds(4), st.sampled_from([0.5, 0.9, 1.0]))
 def test_rewards_alone_show_that_the_policy_terminates(world: World, discount: float) -> None:
     level = level_of({**world, "discount": discount})
@@ -288,7 +308,7 @@ def test_rewards_alone_show_that_the_policy_terminates(world: World, discount: f
     assert endless_loop(mdp, reach_of(level, mdp), best) == []
 
 
-@slow
+@untimed
 @given(worlds(4), st.integers(1, 40), st.sampled_from([0.25, 0.5, 0.9]))
 def test_the_probability_to_exit_in_time_is_exact(world: World, limit: int, share: float) -> None:
     level = level_of({**world, "max_steps": limit})

@@ -49,7 +49,7 @@ def test_a_finding_is_one_command() -> None:
     )
 
 
-def test_every_finding_is_told_where_it_stands() -> None:
+def test_every_finding_has_its_position() -> None:
     told = commands(render("github", [*REAL, *MADE_UP], [], TITLES, ""))
     assert len(told) == len(REAL) + len(MADE_UP)
     for command, diagnostic in zip(told, [*REAL, *MADE_UP], strict=True):
@@ -66,7 +66,7 @@ def test_severities_have_their_commands() -> None:
     assert names == ["error", "warning", "notice"]
 
 
-def test_columns_are_left_out_where_github_would_refuse_them() -> None:
+def test_columns_are_omitted_for_several_lines() -> None:
     (several,) = commands(render("github", [finding(end=(3, 1))], [], {}, ""))
     assert several.properties == {
         "file": "levels/one.yaml",
@@ -87,6 +87,6 @@ def test_no_text_can_forge_a_command(text: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["a,b:c.yaml", "100%.yaml", "a%2Cb.yaml"])
-def test_names_come_through_whole(name: str) -> None:
+def test_file_names_are_preserved(name: str) -> None:
     (command,) = commands(render("github", [finding(file=name)], [], {}, ""))
     assert command.properties["file"] == name
