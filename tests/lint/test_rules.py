@@ -149,12 +149,13 @@ def test_an_infinite_return_is_reported_as_such() -> None:
     assert finite.message.endswith("is worth more than ending it")
 
 
-def test_a_maze_with_a_loop_is_not_built_a_second_time() -> None:
-    """Exactly one loop: as many passages as cells."""
-    text = "version: 1\nsize: [4, 4]\nmaze: {seed: 3, loops: 0.2}\n"
+@pytest.mark.parametrize(("loops", "passages"), [(0.2, 16), (1, 19)])
+def test_a_maze_with_loops_is_not_built_a_second_time(loops: float, passages: int) -> None:
+    """A tree of 16 cells has 15 passages."""
+    text = f"version: 1\nsize: [4, 4]\nmaze: {{seed: 3, loops: {loops}}}\n"
     report = lint_source(SourceFile("x.yaml", text), [])
     assert report.level is not None
-    assert int.from_bytes(report.level.grid().open_bits).bit_count() // 2 == 16
+    assert int.from_bytes(report.level.grid().open_bits).bit_count() // 2 == passages
     with patch.object(walls, "build_grid", side_effect=AssertionError):
         assert found(text, "BR526") == []
 
@@ -167,10 +168,11 @@ def test_a_maze_with_a_loop_is_not_built_a_second_time() -> None:
         (["version", "title", "size", "exit"], None),
         (["title", "version"], "`version` should come before `title`"),
         (["version", "size", "title"], "`title` should come before `size`"),
+        (["version", "exit", "start"], "`start` should come before `exit`"),
         (["version", "exit", "size", "title"], "`size` should come before `exit`"),
     ],
 )
 def test_the_first_field_out_of_order_is_reported(names: list[str], message: str | None) -> None:
-    values = {"version": "1", "title": "x", "size": "[3, 3]", "exit": "[2, 2]"}
+    values = {"version": "1", "title": "x", "size": "[3, 3]", "start": "[0, 0]", "exit": "[2, 2]"}
     text = "".join(f"{name}: {values[name]}\n" for name in names)
     assert [each.message for each in found(text, "BR604")] == ([message] if message else [])
