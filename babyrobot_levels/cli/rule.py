@@ -40,7 +40,7 @@ def rule(
       babyrobot rule inescapable-state
     """
     from babyrobot_levels.lint.registry import all_pages, find
-    from babyrobot_levels.text.suggest import did_you_mean
+    from babyrobot_levels.text.words import did_you_mean
 
     if code is None:
         rules = all_pages()

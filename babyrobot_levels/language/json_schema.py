@@ -15,9 +15,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from babyrobot_levels.language.color import FORM_PATTERN, NAMES, PATTERN
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
-from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
 
@@ -88,7 +87,7 @@ def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
 
 
 def _tidy(value: Any) -> Any:
-    """Say bounds in JSON Schema's words, colours once, and leave out what helps nobody."""
+    """Translate bounds into JSON Schema, define colours once, and drop what editors do not use."""
     if isinstance(value, list):
         return [_tidy(item) for item in value]
     if not isinstance(value, dict):

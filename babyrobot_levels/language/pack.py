@@ -22,7 +22,7 @@ RESERVED = {
 
 
 class PackFields(Model):
-    """A pack: a folder of levels, suites and themes that is passed on as a whole."""
+    """A pack: a folder of levels, suites and themes that is shared as a unit."""
 
     BEGINNING: ClassVar[str] = (
         "a pack.yaml has a `name`, a `version` such as `1.0.0`, and a `description`"
@@ -45,7 +45,7 @@ class PackFields(Model):
     def _portable(self) -> Self:
         if self.name in RESERVED:
             message = f"no folder can be called `{self.name}` on Windows"
-            raise InvalidDocument([Issue("BR207", ("name",), message, "call the pack otherwise")])
+            raise InvalidDocument([Issue("BR207", ("name",), message, "choose another name")])
         return self
 
 

@@ -1,4 +1,4 @@
-"""Data and documents checked against a model, with an issue for each fault."""
+"""Data and documents checked against a model, with an issue for each error."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from babyrobot_levels.language.base import FORM_PREFIX
+from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.messages import complaint
-from babyrobot_levels.language.rules import MAX_PROBLEMS
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
@@ -24,7 +24,7 @@ Check = Callable[[ModelT], Iterable[Issue]]
 """Looks at a model that is valid by itself and may find more."""
 
 _GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit"}
-"""Where one of these is faulty, a check of the geometry would only report what follows from it."""
+"""Where one of these is invalid, checks of the geometry would only report its consequences."""
 
 
 class Checked(NamedTuple, Generic[ModelT]):
@@ -82,7 +82,7 @@ def check(
 
 
 def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, list[Issue]]:
-    """Validate plain data: the model, or None and every fault, those of single fields first."""
+    """Validate plain data: the model, or None and every issue, those of single fields first."""
     try:
         return model.model_validate(data), []
     except ValidationError as error:
@@ -91,7 +91,7 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
     if len(details) > MAX_PROBLEMS:
         return None, issues
     if not any(_issues_of(detail) for detail in details):
-        # Single fields are faulty, so the whole was not checked yet: check what is left of it.
+        # Single fields are invalid, so the whole was not checked yet: check the rest of it.
         rest = _Rest(data, [route_of(issue) for issue in issues])
         if rest.is_enough:
             try:
@@ -104,7 +104,11 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
 
 def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
     issues: list[Issue] = []
+    unknown = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
     for detail in details:
+        if detail["type"] == "missing" and len(detail["loc"]) > 1 and detail["loc"][:-1] in unknown:
+            # It probably is the unknown field, whose help lists the known ones.
+            continue
         whole = _issues_of(detail)
         if whole:
             issues += whole
@@ -127,7 +131,7 @@ def _beginning(model: type[BaseModel]) -> str | None:
 
 
 def _is_fault(detail: Any) -> bool:
-    # Pydantic counts the entries that are left: a list of faulty ones is too short for it.
+    # Pydantic counts valid entries only, so a list of invalid ones is too short for it.
     return not (detail["type"] == "too_short" and detail["input"])
 
 
@@ -191,7 +195,7 @@ def route_of(issue: Issue) -> Route:
 
 
 class _Rest:
-    """Data without its faulty parts: faulty fields, and faulty entries of lists."""
+    """Data without its invalid parts: invalid fields, and invalid entries of lists."""
 
     def __init__(self, data: dict[str, Any], routes: list[Route]):
         faulty = {route[:2] if _is_entry(route, data) else route[:1] for route in routes if route}

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.library.folders import user_folder
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES
+from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, user_folder
 
 PATH_VARIABLE = "BABYROBOT_LEVELS"
 
@@ -30,7 +29,7 @@ def places() -> Iterator[Place]:
 
     In this order: the gallery, the user's own folder, `levels/` of the current folder, the
     folders of `BABYROBOT_LEVELS`, the user's packs, the packs of installed packages. What comes
-    later is not looked for before somebody wants it. Of packs with the same name, only the first
+    later is looked up only when it is needed. Of packs with the same name, only the first
     is a place.
     """
     seen: set[tuple[Path, str | None]] = set()

@@ -12,7 +12,7 @@ from importlib.resources import files
 from babyrobot_levels.lint import rules as rules_package
 from babyrobot_levels.lint.rule import REGISTERED, Rule
 from babyrobot_levels.text.diagnostics import Severity
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 _FIRST_LINE = re.compile(r"(?P<name>[a-z0-9-]+)(?: \(formerly (?P<formerly>[a-z0-9-]+)\))?")
 

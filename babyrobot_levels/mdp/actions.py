@@ -1,4 +1,4 @@
-"""The five actions, numbered once for everybody."""
+"""The actions, by their numbers. Apart from the tables, because it needs no NumPy."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import IntEnum
 
 
 class Action(IntEnum):
-    """What the robot can be told to do, with the numbers that environments use."""
+    """The actions, with the numbers that environments use."""
 
     STAY = 0
     NORTH = 1

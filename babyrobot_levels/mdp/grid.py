@@ -120,7 +120,7 @@ def build_grid(level: LevelFields) -> Grid:
     for wall in level.walls:
         for cells, side in _stretches(wall, width, height):
             walls[cells] = walls[cells].translate(_WITH[side])
-            # A wall that says nothing of glass leaves the glass that is there.
+            # A wall without `pass` keeps glass that is already there.
             if "pass_" in wall.model_fields_set and (wall.pass_ or side in passes):
                 table = passes.setdefault(side, array("d", bytes(8 * len(walls))))
                 table[cells] = array("d", [wall.pass_]) * wall.length
@@ -190,7 +190,7 @@ def _stretches(entry: Opening, width: int, height: int) -> list[tuple[slice, Sid
 
 
 def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height: int) -> None:
-    """Take away the walls between two blocked cells: nobody sees or meets them."""
+    """Remove the walls between two blocked cells, which have no effect."""
     for cell in _ones(blocked):
         for side in SIDES:
             other = neighbour(cell, side, width, height)

@@ -15,7 +15,7 @@ class LevelError(BabyRobotError, ValueError):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
 
     Raised by everything that reads a level. `diagnostics` is empty where the level came from
-    Python and has no text to point at; the message then says it all.
+    Python and has no text to point at; the message is then complete by itself.
     """
 
     def __init__(self, diagnostics: Iterable[Diagnostic] = (), message: str | None = None):
@@ -30,6 +30,10 @@ class LevelError(BabyRobotError, ValueError):
             parts.append(f"{count} error{'s' if count != 1 else ''}")
         parts += [str(diagnostic) for diagnostic in self.diagnostics]
         return "\n\n".join(parts) or "the level cannot be used"
+
+    def _render_traceback_(self) -> list[str]:
+        """Return what IPython shows: the diagnostics, without frames of this library."""
+        return [f"{type(self).__name__}: {self}"]
 
     def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
         return type(self), (self.diagnostics, self.message)

@@ -1,4 +1,4 @@
-"""Files: read within limits, and written whole or not at all."""
+"""Files: read within limits, and written atomically."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     try:
         data = read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
-        raise _unreadable("BR101", shown, "this is a folder, not a level file") from None
+        raise _unreadable("BR101", shown, "this is a directory, not a file") from None
     except NotRegularError:
         raise _unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        raise _unreadable("BR101", shown, "there is no such file") from None
+        raise _unreadable("BR101", shown, "no such file") from None
     except PermissionError:
-        raise _unreadable("BR101", shown, "the file may not be read (permission denied)") from None
+        raise _unreadable("BR101", shown, "permission denied") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise _unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
@@ -66,7 +66,7 @@ def read_bytes(path: Path, limit: int) -> bytes:
     try:
         descriptor = os.open(path, flags)
     except PermissionError:
-        # What Windows says of folders.
+        # Windows raises this for folders.
         if is_folder(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path)) from None
         raise
@@ -93,6 +93,13 @@ def is_folder(path: Path) -> bool:
     return os.path.isdir(path)  # noqa: PTH112
 
 
+def user_folder() -> Path:
+    """Return the user's own folder for levels and packs, which need not be there."""
+    from platformdirs import user_data_path
+
+    return user_data_path("babyrobot-levels", appauthor=False)
+
+
 def source_of(data: bytes, name: str) -> SourceFile:
     """Return bytes as a text.
 
@@ -105,11 +112,11 @@ def source_of(data: bytes, name: str) -> SourceFile:
         return SourceFile(name, data.decode("utf-8"))
     except UnicodeDecodeError as error:
         before = SourceFile(name, data[: error.start].decode("utf-8"))
-        message = f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8"
+        message = f"invalid UTF-8: byte {error.start + 1} (0x{data[error.start]:02x})"
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-            message = "the file is UTF-16, not UTF-8"
+            message = "the file is encoded as UTF-16"
         place = before.position(len(before.text))
-        raise _unreadable("BR102", name, message, "save the file as UTF-8", place) from None
+        raise _unreadable("BR102", name, message, "save the file in UTF-8", place) from None
 
 
 def _unreadable(
@@ -125,13 +132,13 @@ def _unreadable(
 
 
 def write_text(path: Path, text: str, *, sync: bool = True) -> None:
-    """Write a file under a temporary name beside it, and rename it when it is whole.
+    """Write a file atomically: under a temporary name beside it, which is then renamed.
 
-    The folder is made if it is not there. An existing file's permissions are kept.
+    The folder is created if it is missing. An existing file's permissions are kept.
 
     Args:
         path: the file.
-        text: what shall stand in it.
+        text: its new contents.
         sync: whether to wait until the disk has it. Without that, a crash of the machine may leave
             the file empty; the end of this process, in whatever way, may not.
     """
@@ -170,7 +177,7 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Put Ctrl-C off until what is inside is done: no temporary file is left behind."""
+    """Delay Ctrl-C until the block is done, so that no temporary file is left behind."""
     if threading.current_thread() is not threading.main_thread():
         # Others are not interrupted.
         yield

@@ -13,7 +13,7 @@ from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.fixes import merge, remove, replace
 from babyrobot_levels.lint.rule import rule
 from babyrobot_levels.text.diagnostics import Fix, Key, Route, Severity
-from babyrobot_levels.text.layout import WIDTH
+from babyrobot_levels.text.emitter import WIDTH
 from babyrobot_levels.text.source import Position, Span
 
 MIN_CONTRAST = 3.0
