@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.base import SIDES, Side
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.walls import Opening
-from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
@@ -159,6 +158,9 @@ def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
                 message="the level grows another maze at each reset (`seed: random`); "
                 "`level.with_maze_seed(n)` gives one of them"
             )
+        # Most levels have no maze.
+        from babyrobot_levels.mdp.mazes import carve
+
         x, y = level.starts[0]
         open_sides = carve(
             width, height, bytes(blocked), y * width + x, maze.seed, maze.algorithm, maze.loops
