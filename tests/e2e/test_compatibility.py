@@ -36,15 +36,20 @@ REMOVED_MEMBERS = {"Level.remember_drawn"}
 """Members of classes that were never meant for users, nor documented."""
 
 
-
 def recorded(name: str) -> Any:
     return json.loads((version.FOLDER / name).read_text(encoding="utf-8"))
 
 
-REMOVED_MODULES = frozenset(
-    name for name in recorded("modules.json") if name.startswith("babyrobot_levels.lint.rules.")
-)
-"""Modules without a successor, by their old full names: there was one for each rule."""
+REMOVED_MODULES = {
+    "babyrobot_levels.render.film",
+    *(
+        f"babyrobot_levels.scene.overlays.{name}"
+        for name in ("draw", "heat", "notes", "numbers", "policy", "rooms")
+    ),
+    # There was one module for each rule.
+    *(name for name in recorded("modules.json") if name.startswith("babyrobot_levels.lint.rules.")),
+}
+"""Internal modules without a successor, by their old full names."""
 
 
 # -- modules ---------------------------------------------------------------------------------
