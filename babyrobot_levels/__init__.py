@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.catalogue import load as load
     from babyrobot_levels.library.level import Level as Level
     from babyrobot_levels.library.reading import loads as loads
-    from babyrobot_levels.lint.check import check as check
+    from babyrobot_levels.lint.runner import check as check
     from babyrobot_levels.mdp.actions import Action as Action
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
@@ -99,7 +99,7 @@ _HOMES = {
     "Sweep": "analysis.learning.results",
     "Trials": "analysis.learning.results",
     "UndefinedReturnError": "analysis.solver.results",
-    "check": "lint.check",
+    "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",
     "evaluate": "analysis.solver.evaluation",
