@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from babyrobot_levels.language.base import FORM_PREFIX
 from babyrobot_levels.language.checks import MAX_PROBLEMS
+from babyrobot_levels.language.drawing import is_block_map
 from babyrobot_levels.language.messages import complaint
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
@@ -63,6 +64,9 @@ def check(
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not contain a mapping of fields"
         help_text = _beginning(model)
+        if document.data is None and is_block_map(document.source.lines):
+            # To YAML, lines that begin with `#` are comments.
+            help_text = "convert a map of blocks with `babyrobot import`"
         if isinstance(document.data, str) and re.match(r"[a-z_]+:\S", document.data):
             help_text = "add a space after `:`"
         issues.append(Issue("BR110", (), f"the file {what}", help_text))

@@ -35,8 +35,14 @@ An attribute of an old name has to stay, with a DeprecationWarning.
 REMOVED_MEMBERS = {"Level.remember_drawn"}
 """Members of classes that were never meant for users, nor documented."""
 
-REMOVED_MODULES: frozenset[str] = frozenset()
-"""Modules without a successor, by their old full names."""
+REMOVED_MODULES = {
+    "babyrobot_levels.render.film",
+    *(
+        f"babyrobot_levels.scene.overlays.{name}"
+        for name in ("draw", "heat", "notes", "numbers", "policy", "rooms")
+    ),
+}
+"""Internal modules without a successor, by their old full names."""
 
 
 def recorded(name: str) -> Any:

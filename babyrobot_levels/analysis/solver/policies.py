@@ -4,29 +4,22 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
+from babyrobot_levels.analysis.solver.model import Flags, Floats
 from babyrobot_levels.analysis.solver.results import num_actions
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.actions import (
+    NUM_ACTIONS,
+    NUM_MOVES,
+    Action,
+    HasPolicy,
+    unwrapped_policy,
+)
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean
-
-
-class HasPolicy(Protocol):
-    """A result that holds a policy and the numbering of its actions, such as a `Solution`."""
-
-    @property
-    def policy(self) -> Ints:
-        """An action for each cell, `[height, width]`."""
-
-    @property
-    def first_action(self) -> int:
-        """The `brl.Action` that is number 0 there."""
-
 
 Policy = str | ArrayLike | Callable[[int, int], int] | HasPolicy
 """The forms of a policy; see `read_policy`."""
@@ -66,11 +59,10 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
     count = num_actions(actions)
     if isinstance(policy, str):
         return _named(policy, mdp, count)
-    first = NUM_ACTIONS - count
-    if hasattr(policy, "first_action"):
-        first = policy.first_action
-        policy = getattr(policy, "policy", policy)
-    elif callable(policy):
+    policy, first = unwrapped_policy(policy)
+    if first is None:
+        first = NUM_ACTIONS - count
+    if callable(policy):
         policy = _called(policy, mdp)
     table = np.asarray(policy)
     shape = (mdp.height, mdp.width)

@@ -1,4 +1,4 @@
-"""What is written over a level's picture: answers, counts, notes. Plain data, drawn in `draw`."""
+"""The overlay of a picture: values, policies, counts, notes. Plain data."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Note:
     """A text anywhere on the grid.
 
     Attributes:
-        x: the column of the cell in whose middle the text stands; fractions lie between cells.
+        x: the column of the cell on whose centre the text is; fractions are between cells.
         y: its row.
         text: one line of text.
         color: a CSS colour, or None for the theme's `text_fg`.
@@ -30,22 +30,20 @@ class Note:
 
 @dataclass(frozen=True, slots=True)
 class Overlay:
-    """What is written over the cells of a level and into its panels, as plain data.
+    """What is shown over the cells of a level and in its panels.
 
     Attributes:
-        values: what each cell is worth; it may be infinite. None for a cell on which nothing is
-            written.
-        actions: the actions that are best in each cell, as `Action`s; none where there is nothing
-            to do.
-        action_values: what each action is worth in each cell, in the order of `Action`: five
-            numbers, each None where nothing is written; or none at all.
-        visits: how often the robot was in each cell, shown as warmth and as a number. None and 0
-            show nothing.
+        values: the value of each cell; it may be infinite. None for a cell that shows nothing.
+        actions: the actions of a policy in each cell, as `Action`s; it may be none.
+        action_values: the value of each action in each cell, in the order of `Action`: five
+            numbers, each None if it is not shown; or none at all.
+        visits: the number of visits to each cell, shown as a heat map and as a number. None and
+            0 show nothing.
         coordinates: whether each free cell shows its coordinates.
         notes: texts anywhere on the grid.
-        side_panel: lines for the panel beside the grid. A level without one is given one.
+        side_panel: lines for the panel beside the grid. A level without one gets one.
         bottom_panel: lines for the panel below the grid, likewise.
-        precision: the number of decimals that numbers have at most.
+        precision: the largest number of decimals.
     """
 
     values: Rows[float | None] | None = None

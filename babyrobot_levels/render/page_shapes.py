@@ -1,19 +1,19 @@
-"""Shapes as short data that JSON can hold and a script can paint: whole numbers, in few characters.
+"""Shapes as compact JSON data that the page's script paints: mostly integers.
 
-A layer is a list of groups `[x, y, shapes]`, whose shapes are measured from the point (x, y):
-what is alike in two cells is then written alike. Lengths are tenths of a pixel, opacities are
-percentages, a colour is its place in the palette. A shape is a list that begins with its kind:
+A layer is a list of groups `[x, y, shapes]`, whose shapes are relative to the point (x, y), so
+that equal cells give equal text. Lengths are tenths of a pixel, opacities are percentages, and a
+colour is its index in the palette. A shape is a list that begins with its kind:
 
 - 0, a rectangle: fill, x, y, width, height, opacity, radius;
 - 1, an ellipse: fill, x, y, rx, ry, opacity;
 - 2, a path: fill (-1 for none), commands, opacity, stroke, width, cap (1 for round), dash, gap;
 - 3, a text: fill, x, y, text, size, anchor, bold, opacity;
-- 4, the outline of the last path once more: fill, scale in thousandths, x, y, opacity; (x, y) is
-  the point that stays where it is.
+- 4, the outline of the last path again: fill, scale in thousandths, x, y, opacity; (x, y) is the
+  fixed point.
 
-What stands last is left out as long as it is the usual. Commands are one text: `m`, `l`, `c` and
-`z` as in SVG, each number counted from the point before, and `s`, the points of a closed smooth
-curve (a Catmull-Rom spline), each counted from the one before.
+Default values at the end are left out. Commands are one text: `m`, `l`, `c` and `z` as in SVG,
+each number relative to the previous point, and `s`, the points of a closed smooth curve (a
+Catmull-Rom spline), each relative to the previous one.
 """
 
 from __future__ import annotations
@@ -24,8 +24,16 @@ from typing import Any
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.paths import Point, smooth
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Shape,
+    Text,
+    smooth,
+)
 
 RECT, ELLIPSE, PATH, TEXT, AGAIN = range(5)
 """The kinds of shapes."""
@@ -37,14 +45,14 @@ Packed = list[Any]
 
 _UNIT = 0.1
 _NEAR = 0.1
-"""How far, in pixels, a path may be from a scaled one and still be told as that."""
+"""The largest distance in pixels at which a path counts as a scaled copy of another."""
 
 
 class Palette:
-    """The colours of a picture, each once, in the order in which they are met.
+    """The colours of a picture, each once, in the order of their first use.
 
-    Attributes:
-        colors: the colours, `#rrggbb` or `#rrggbbaa`; or a name that was given.
+    Args:
+        names: names that are kept as they are, besides colours.
     """
 
     def __init__(self, names: Iterable[str] = ()) -> None:
@@ -57,18 +65,18 @@ class Palette:
         return list(self._places)
 
     def place(self, color: str | None) -> int:
-        """Return the place of a colour; -1 for none."""
+        """Return the index of a colour; -1 for none."""
         if color is None:
             return -1
-        told = color if color in self._names else hexadecimal(color)
-        return self._places.setdefault(told, len(self._places))
+        key = color if color in self._names else hexadecimal(color)
+        return self._places.setdefault(key, len(self._places))
 
 
 def hexadecimal(color: str) -> str:
-    """Return a colour as `#rrggbb`, or as `#rrggbbaa` where something shines through it."""
+    """Return a colour as `#rrggbb`, or as `#rrggbbaa` if it is not opaque."""
     red, green, blue, alpha = rgba(color)
-    told = f"#{red:02x}{green:02x}{blue:02x}"
-    return told if alpha == 1 else f"{told}{round(255 * alpha):02x}"
+    text = f"#{red:02x}{green:02x}{blue:02x}"
+    return text if alpha == 1 else f"{text}{round(255 * alpha):02x}"
 
 
 def pack(shapes: Iterable[Shape], palette: Palette, margin: float = 0.0) -> list[Group]:
@@ -76,8 +84,8 @@ def pack(shapes: Iterable[Shape], palette: Palette, margin: float = 0.0) -> list
 
     Args:
         shapes: the shapes, in painting order.
-        palette: the colours so far; those of the shapes are added.
-        margin: the free space around the cells, in pixels.
+        palette: the colours so far, to which those of the shapes are added.
+        margin: the margin around the cells, in pixels.
     """
     groups: list[Group] = []
     for (left, top), run in groupby(shapes, lambda shape: _corner(_start(shape), margin)):
@@ -136,7 +144,7 @@ def _packed(shape: Shape, origin: Point, palette: Palette, last: Path | None) ->
 
 
 def _short(needed: Packed, *more: tuple[int, int]) -> Packed:
-    """Return a shape without the values at its end that are the usual ones."""
+    """Return a shape without the default values at its end."""
     values = list(more)
     while values and values[-1][0] == values[-1][1]:
         values.pop()
@@ -151,7 +159,7 @@ def _length(value: float) -> int:
 
 
 def _scaled(path: Path, other: Path, origin: Point) -> tuple[int, int, int] | None:
-    """Return how one path comes of another: scale and fixed point; None where it does not."""
+    """Return scale and fixed point of a scaled copy of another path; None if it is none."""
     letters = [letter for letter, _ in path.commands]
     if letters != [letter for letter, _ in other.commands]:
         return None
@@ -191,7 +199,7 @@ def _commands(commands: Sequence[Command], origin: Point) -> str:
 
 
 def _smooth_points(commands: Sequence[Command]) -> list[Point]:
-    """Return the points of a closed smooth curve; none where the path is another one."""
+    """Return the points of a closed smooth curve; none for other paths."""
     if len(commands) < 4 or {letter for letter, _ in commands[1:-1]} != {"C"}:
         return []
     points = [(numbers[-2], numbers[-1]) for _, numbers in commands[:-2]]
@@ -206,5 +214,5 @@ def _steps(points: Sequence[Point], last: tuple[int, int]) -> Iterator[tuple[int
 
 
 def _joined(steps: Iterable[tuple[int, int]]) -> str:
-    """Return numbers as short as SVG allows: a minus is a gap as well."""
+    """Return numbers as short as SVG allows: a minus sign also separates."""
     return " ".join(str(number) for step in steps for number in step).replace(" -", "-")

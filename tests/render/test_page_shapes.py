@@ -4,9 +4,17 @@ from __future__ import annotations
 
 import math
 
-from babyrobot_levels.render.packed import AGAIN, ELLIPSE, PATH, RECT, TEXT, Palette, pack
-from babyrobot_levels.render.scene.paths import polygon, polyline, smooth
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.render.page_shapes import AGAIN, ELLIPSE, PATH, RECT, TEXT, Palette, pack
+from babyrobot_levels.render.scene.shapes import (
+    Ellipse,
+    Path,
+    Rect,
+    Shape,
+    Text,
+    polygon,
+    polyline,
+    smooth,
+)
 
 
 def packed(*shapes: Shape, margin: float = 0) -> list[list[object]]:

@@ -9,21 +9,21 @@ from ipycanvas import Canvas  # type: ignore[import-untyped]
 from support.canvases import Sent
 
 import babyrobot_levels as brl
-from babyrobot_levels.render import stage as stages
+from babyrobot_levels.render.notebook import canvas as stages
+from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.scene.build import LAYERS, build_layers
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
-from babyrobot_levels.render.stage import Stage
 
 SMALL = brl.Level(version=1, size=(3, 2))
 LARGE = brl.Level.model_validate({"version": 1, "size": (100, 100), "maze": {"seed": 1}})
 
 
-def ids(stage: Stage, *names: str) -> list[str]:
+def ids(stage: LayeredCanvas, *names: str) -> list[str]:
     return [stage.widget[LAYERS.index(name)].model_id for name in names]
 
 
-def client_ready(stage: Stage) -> None:
+def client_ready(stage: LayeredCanvas) -> None:
     """Do what a page does that has just been opened."""
     stage.widget[-1]._handle_custom_msg({"event": "client_ready"}, [])
 
@@ -33,7 +33,7 @@ def client_ready(stage: Stage) -> None:
 
 @pytest.mark.parametrize("level", [SMALL, LARGE], ids=["small", "large"])
 def test_a_level_of_any_size_is_drawn_in_one_message(level: brl.Level, sent: Sent) -> None:
-    stage = Stage(build_layers(level))
+    stage = LayeredCanvas(build_layers(level))
     assert len(sent.drawings) == 1
     assert sent.layers == ids(stage, *LAYERS)
     # The rest says what canvases there are, and how large.
@@ -41,7 +41,7 @@ def test_a_level_of_any_size_is_drawn_in_one_message(level: brl.Level, sent: Sen
 
 
 def test_only_layers_that_differ_are_painted(sent: Sent) -> None:
-    stage = Stage(build_layers(SMALL, state=0))
+    stage = LayeredCanvas(build_layers(SMALL, state=0))
     sent.clear()
     stage.paint(build_layers(SMALL, state=0))
     assert sent.kinds == []
@@ -56,7 +56,7 @@ def test_only_layers_that_differ_are_painted(sent: Sent) -> None:
 
 
 def test_frames_are_played_by_the_browser_in_one_message(sent: Sent) -> None:
-    stage = Stage(build_layers(SMALL, state=0))
+    stage = LayeredCanvas(build_layers(SMALL, state=0))
     frames = [build_layers(SMALL, state=state)["robot"] for state in (0, 1, 2)]
     sent.clear()
     stage.animate("robot", frames, 40)
@@ -75,7 +75,7 @@ def test_frames_are_played_by_the_browser_in_one_message(sent: Sent) -> None:
 def test_a_canvas_is_as_large_as_its_picture_but_never_too_large(columns: int, rows: int) -> None:
     level = brl.Level(version=1, size=(columns, rows))
     scenes = build_layers(level)
-    widget = Stage(scenes).widget
+    widget = LayeredCanvas(scenes).widget
     width, height = scenes["base"].width, scenes["base"].height
     assert max(widget.width, widget.height) <= 2048
     scale = min(1, 2048 / max(width, height))
@@ -83,7 +83,7 @@ def test_a_canvas_is_as_large_as_its_picture_but_never_too_large(columns: int, r
 
 
 def test_another_size_is_taken_over_and_all_is_painted(sent: Sent) -> None:
-    stage = Stage(build_layers(SMALL))
+    stage = LayeredCanvas(build_layers(SMALL))
     other = brl.Level(version=1, size=(5, 4))
     sent.clear()
     stage.paint(build_layers(other))
@@ -99,7 +99,7 @@ def test_what_is_hostile_is_sent_as_a_text_and_nothing_else(sent: Sent) -> None:
     text = 'x"],0],[62,["IPY_MODEL_0"]] </script>\u202e\ud800 \t  y\x00'
     ground = Rect(0, 0, 9, 9, "rebeccapurple", opacity=0.5)
     shapes = (ground, Text(1, 2, text, 10, "beige"))
-    Stage({name: Scene(9, 9, shapes if name == "text" else ()) for name in LAYERS})
+    LayeredCanvas({name: Scene(9, 9, shapes if name == "text" else ()) for name in LAYERS})
     assert len(sent.drawings) == 1
     [[shown, *_]] = sent.commands("fillText")
     assert shown == 'x"],0],[62,["IPY_MODEL_0"]] </script>\u202e? y\x00'
@@ -119,7 +119,7 @@ class Broken(Exception):
 def test_what_an_exception_left_unfinished_is_painted_the_next_time(
     error: type[BaseException], sent: Sent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    stage = Stage(build_layers(SMALL, state=0))
+    stage = LayeredCanvas(build_layers(SMALL, state=0))
     painted: list[Canvas] = []
 
     def paint(canvas: Canvas, *rest: object) -> None:
@@ -149,7 +149,7 @@ def test_a_step_that_was_broken_off_is_made_good(
     sent: Sent, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     layers = build_layers(SMALL, state=0)
-    stage = Stage(layers)
+    stage = LayeredCanvas(layers)
 
     def paint(*_: object) -> None:
         raise KeyboardInterrupt
@@ -164,7 +164,7 @@ def test_a_step_that_was_broken_off_is_made_good(
 
 
 def test_a_page_that_is_opened_later_is_given_the_whole_picture(sent: Sent) -> None:
-    stage = Stage(build_layers(SMALL, state=0))
+    stage = LayeredCanvas(build_layers(SMALL, state=0))
     stage.animate("robot", [build_layers(SMALL, state=2)["robot"]], 40)
     before = sent.seen_on(stage.widget)
     sent.clear()
@@ -175,7 +175,7 @@ def test_a_page_that_is_opened_later_is_given_the_whole_picture(sent: Sent) -> N
 
 def test_every_message_says_on_which_canvas_it_draws(sent: Sent) -> None:
     """A page that was opened since the last one would fail at the first command, for good."""
-    stage = Stage(build_layers(SMALL, state=0))
+    stage = LayeredCanvas(build_layers(SMALL, state=0))
     for state in (1, 2):
         stage.paint(build_layers(SMALL, state=state))
         stage.animate("robot", [build_layers(SMALL, state=0)["robot"]], 40)
@@ -189,7 +189,7 @@ def test_every_message_says_on_which_canvas_it_draws(sent: Sent) -> None:
 
 
 def test_a_closed_stage_leaves_the_layers_that_a_page_may_still_draw_on(sent: Sent) -> None:
-    stage = Stage(build_layers(SMALL))
+    stage = LayeredCanvas(build_layers(SMALL))
     layers = [stage.widget[number] for number in range(len(LAYERS))]
     sent.clear()
     stage.close()

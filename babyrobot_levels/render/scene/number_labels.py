@@ -1,4 +1,4 @@
-"""Numbers in the cells, on grounds that keep them readable."""
+"""Numbers in the cells, on backgrounds that keep them readable."""
 
 from __future__ import annotations
 
@@ -8,21 +8,19 @@ from typing import Literal
 
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.lines import CHARACTER_WIDTH
-from babyrobot_levels.render.scene.paths import Point, polyline
-from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH
+from babyrobot_levels.render.scene.shapes import Command, Path, Point, Rect, Shape, Text, polyline
 
 Anchor = Literal["start", "middle", "end"]
 
 HEIGHT = 13.0
-"""How high a number is with its ground."""
+"""The height of a number's background."""
 
 _SMALLEST = 7.5
-"""The size of text below which decimals are given up."""
+"""The font size below which decimals are dropped instead."""
 
 SMALL = 10.5
-"""The same at most of a number that shares its cell with three others."""
+"""The largest height where a cell shows the values of its actions."""
 
 
 def short(value: float, precision: int = 2) -> str:
@@ -30,7 +28,7 @@ def short(value: float, precision: int = 2) -> str:
 
     Args:
         value: the number.
-        precision: the decimals that it has at most; large numbers have none.
+        precision: the largest number of decimals; large numbers have none.
     """
     if abs(value) >= 99_999.5:
         digits, _, exponent = f"{value:.1e}".partition("e")
@@ -54,24 +52,24 @@ def pill(
     height: float = HEIGHT,
     strong: bool = True,
 ) -> Iterator[Shape]:
-    """Yield a value on its ground.
+    """Yield a value on its background.
 
     Args:
         value: the value; it may be infinite.
-        x: where the ground begins, has its middle, or ends, as `anchor` says.
-        under: where its lower edge is.
-        room: how wide it may be.
-        precision: the number of decimals that the value has at most.
+        x: the left edge, middle or right edge of the background, depending on `anchor`.
+        under: its lower edge.
+        room: its largest width.
+        precision: the largest number of decimals.
         colors: the theme's colours.
-        anchor: what `x` is.
-        height: how high the ground is.
+        anchor: which point `x` is.
+        height: the height of the background.
         strong: whether the value is in bold.
     """
     padding = (0.64 if height == HEIGHT else 0.4) * height
     columns = int((room - padding) / (_SMALLEST * CHARACTER_WIDTH))
     text = "" if math.isinf(value) else short(value, precision)
     while precision > 0 and len(text) > columns:
-        # Fewer decimals can be read, smaller ones cannot.
+        # Fewer decimals are readable, smaller ones are not.
         precision -= 1
         text = short(value, precision)
     count = max(len(text), 3)
@@ -83,7 +81,7 @@ def pill(
     if text:
         yield Text(middle, centre + 0.342 * size, text, size, colors.text_fg, bold=strong)
         return
-    # Not every font has this sign, so it is drawn.
+    # Not every font has this character.
     x = middle + (0 if value > 0 else 3.5)
     yield Path(_infinity(x, centre), stroke=colors.text_fg, width=1.3)
     if value < 0:
@@ -100,15 +98,15 @@ def action_pills(
     precision: int,
     colors: Colors,
 ) -> Iterator[Shape]:
-    """Yield what the moves are worth, each at its side of the cell; the best are in bold.
+    """Yield the values of the moves, each at its side of the cell; the largest are in bold.
 
     Args:
-        values: in the order of `Action`, None for nothing. For stay there is no room.
+        values: in the order of `Action`, None for nothing. That of `stay` is not shown.
         corner: the upper left corner of the cell.
-        room: what they may take of the cell, in pixels below its upper edge.
-        height: how high each of them is.
-        gap: how wide the middle is to be kept free.
-        precision: the number of decimals that values have at most.
+        room: top and bottom of the free part of the cell, in pixels below its upper edge.
+        height: the height of each of them.
+        gap: the width of the middle that is kept free.
+        precision: the largest number of decimals.
         colors: the theme's colours.
     """
     best = max((value for value in values if value is not None), default=None)

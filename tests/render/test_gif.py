@@ -14,10 +14,10 @@ from PIL import Image, ImageSequence
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.animation import MAX_SIDE, Step, to_gif
+from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
 
 PER_STEP = 5
@@ -164,7 +164,7 @@ def test_a_faster_robot_takes_less_time() -> None:
 
 
 def test_what_would_be_too_much_is_refused() -> None:
-    with pytest.raises(ValueError, match="at least one step"):
+    with pytest.raises(ValueError, match="has no steps"):
         to_gif(ROW, [])
     with pytest.raises(ValueError, match="too large"):
         to_gif(level(size=[100, 100]), [Step(0, 2, 1, -1.0)] * 10, scale=1.0)
