@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
     from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
+    from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
     from babyrobot_levels.generate.search import StarvedError as StarvedError
     from babyrobot_levels.generate.suites import Suite as Suite
@@ -56,7 +57,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.catalogue import load as load
     from babyrobot_levels.library.level import Level as Level
     from babyrobot_levels.library.reading import loads as loads
-    from babyrobot_levels.lint.check import check as check
+    from babyrobot_levels.lint.runner import check as check
     from babyrobot_levels.mdp.actions import Action as Action
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
@@ -81,6 +82,7 @@ _HOMES = {
     "Evaluation": "analysis.solver.results",
     "Grid": "mdp.grid",
     "Level": "library.level",
+    "LevelEnv": "envs.single",
     "LevelError": "text.errors",
     "LevelInfo": "library.catalogue",
     "LevelNotFoundError": "text.errors",
@@ -97,7 +99,7 @@ _HOMES = {
     "Sweep": "analysis.learning.results",
     "Trials": "analysis.learning.results",
     "UndefinedReturnError": "analysis.solver.results",
-    "check": "lint.check",
+    "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",
     "evaluate": "analysis.solver.evaluation",

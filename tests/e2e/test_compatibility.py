@@ -35,18 +35,21 @@ An attribute of an old name has to stay, with a DeprecationWarning.
 REMOVED_MEMBERS = {"Level.remember_drawn"}
 """Members of classes that were never meant for users, nor documented."""
 
+
+def recorded(name: str) -> Any:
+    return json.loads((version.FOLDER / name).read_text(encoding="utf-8"))
+
+
 REMOVED_MODULES = {
     "babyrobot_levels.render.film",
     *(
         f"babyrobot_levels.scene.overlays.{name}"
         for name in ("draw", "heat", "notes", "numbers", "policy", "rooms")
     ),
+    # There was one module for each rule.
+    *(name for name in recorded("modules.json") if name.startswith("babyrobot_levels.lint.rules.")),
 }
 """Internal modules without a successor, by their old full names."""
-
-
-def recorded(name: str) -> Any:
-    return json.loads((version.FOLDER / name).read_text(encoding="utf-8"))
 
 
 # -- modules ---------------------------------------------------------------------------------
@@ -116,7 +119,7 @@ def test_the_table_of_moved_modules_has_no_name_that_is_taken() -> None:
     [
         ("babyrobot_levels.solver.results", "babyrobot_levels.analysis.solver.results"),
         ("babyrobot_levels.lint.reach", "babyrobot_levels.mdp.reachability"),
-        ("babyrobot_levels.lint.check", None),
+        ("babyrobot_levels.lint.check", "babyrobot_levels.lint.runner"),
         ("babyrobot_levels", None),
         ("numpy.level", None),
     ],

@@ -11,13 +11,7 @@ from numpy.typing import ArrayLike
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats
 from babyrobot_levels.analysis.solver.results import num_actions
-from babyrobot_levels.mdp.actions import (
-    NUM_ACTIONS,
-    NUM_MOVES,
-    Action,
-    HasPolicy,
-    unwrapped_policy,
-)
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean
 
@@ -59,9 +53,8 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
     count = num_actions(actions)
     if isinstance(policy, str):
         return _named(policy, mdp, count)
-    policy, first = unwrapped_policy(policy)
-    if first is None:
-        first = NUM_ACTIONS - count
+    policy, first_action = unwrapped_policy(policy)
+    first = NUM_ACTIONS - count if first_action is None else first_action
     if callable(policy):
         policy = _called(policy, mdp)
     table = np.asarray(policy)
