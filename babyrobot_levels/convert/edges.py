@@ -7,6 +7,7 @@ from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 
@@ -61,15 +62,11 @@ def wall_looks(level: LevelFields) -> dict[Edge, dict[str, Any]]:
 def edge_runs(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int, dict[str, Any]]]:
     """Yield for each run of equal edges in a line its first edge, its length and its properties."""
 
-    def line(edge: Edge) -> tuple[str, int, int]:
+    def position(edge: Edge) -> tuple[tuple[str, int], int]:
         x, y, side = edge
-        return (side, x, y) if side == "E" else (side, y, x)
+        return ((side, x), y) if side == "E" else ((side, y), x)
 
-    def row(numbered: tuple[int, Edge]) -> Any:
-        index, edge = numbered
-        side, across, along = line(edge)
-        return side, across, along - index, edges[edge]
-
-    for _, run in groupby(enumerate(sorted(edges, key=line)), row):
-        (_, first), *more = run
-        yield first, 1 + len(more), edges[first]
+    for line in consecutive(sorted(edges, key=position), position):
+        for properties, run in groupby(line, edges.__getitem__):
+            first, *more = run
+            yield first, 1 + len(more), properties
