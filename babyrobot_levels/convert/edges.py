@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.language.fields import LevelFields
@@ -62,11 +61,13 @@ def wall_looks(level: LevelFields) -> dict[Edge, dict[str, Any]]:
 def edge_runs(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int, dict[str, Any]]]:
     """Yield for each run of equal edges in a line its first edge, its length and its properties."""
 
-    def position(edge: Edge) -> tuple[tuple[str, int], int]:
+    def line(edge: Edge) -> tuple[str, int, int]:
         x, y, side = edge
-        return ((side, x), y) if side == "E" else ((side, y), x)
+        return (side, x, y) if side == "E" else (side, y, x)
 
-    for line in consecutive(sorted(edges, key=position), position):
-        for properties, run in groupby(line, edges.__getitem__):
-            first, *more = run
-            yield first, 1 + len(more), properties
+    def position(edge: Edge) -> tuple[Any, int]:
+        side, across, along = line(edge)
+        return (side, across, edges[edge]), along
+
+    for run in consecutive(sorted(edges, key=line), position):
+        yield run[0], len(run), edges[run[0]]
