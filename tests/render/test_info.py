@@ -174,6 +174,13 @@ def test_a_solution_stands_for_its_arrays(actions: str) -> None:
     assert whole.actions[1][2] == ()
 
 
+def test_the_policy_of_a_solution_knows_that_its_actions_are_moves() -> None:
+    solution = brl.solve(LEVEL, actions="moves")
+    actions = read(policy=solution.policy).actions
+    assert actions is not None
+    assert actions[0][2] == (S,)
+
+
 def test_a_sweep_of_learning_stands_for_its_arrays() -> None:
     *_, sweep = value_iteration(LEVEL)
     whole = read(values=sweep, policy=sweep)
