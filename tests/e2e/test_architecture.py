@@ -87,7 +87,7 @@ OWNERS = {
     "PIL": {"render"},
     "rich": {"cli"},
     "platformdirs": {"folders"},
-    "ipycanvas": {"render.canvas", "render.stage"},
+    "ipycanvas": {"render.notebook.canvas"},
     "IPython": {"notebook"},
     "matplotlib": set(),
     "numba": {"engine.loops", "maze.compiled", "maze.kernel"},
