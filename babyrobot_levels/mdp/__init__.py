@@ -1,0 +1,1 @@
+"""What a level comes to: its walls, its mazes, and the exact tables of its MDP."""
