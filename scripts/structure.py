@@ -61,7 +61,9 @@ class Structure:
         for name, path in self.modules.items():
             found[name] = set()
             for node in ast.walk(ast.parse(path.read_text("utf-8"))):
-                found[name] |= {self._module(each) for each in _imported(node)} - {None, name}
+                modules = map(self._module, _imported(node))
+                found[name] |= {module for module in modules if module}
+            found[name].discard(name)
         return found
 
     def _module(self, name: str) -> str | None:
@@ -300,12 +302,12 @@ def picture(layers: list[list[Room]]) -> str:
             ways.append(f'<path d="M{RIGHT} {leaves[room.name]:.1f}H{end}" class="way"/>')
         if room.name in columns:
             importers = [each.name for each in rooms if room.name in each.imports]
-            x, end = columns[room.name], enters[room.name]
+            x, bottom = columns[room.name], enters[room.name]
             start = min(leaves[name] for name in importers)
             lines.append(
-                f'<path d="M{x} {start:.1f}V{end - 8:.1f}q0 8-8 8H{RIGHT + 8}" stroke="{color}" '
+                f'<path d="M{x} {start:.1f}V{bottom - 8:.1f}q0 8-8 8H{RIGHT + 8}" stroke="{color}" '
                 'class="line"/>'
-                f'<path d="M{RIGHT + 1.5} {end:.1f}l9-4.5v9z" fill="{color}"/>'
+                f'<path d="M{RIGHT + 1.5} {bottom:.1f}l9-4.5v9z" fill="{color}"/>'
             )
             dots += [
                 f'<circle cx="{x}" cy="{leaves[name]:.1f}" r="4.5" fill="{color}"/>'

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
@@ -120,13 +120,11 @@ def test_the_gallery_is_counted_right(name: str) -> None:
     check_shape_and_ways(level.with_maze_seed(5) if level.has_random_maze else level)
 
 
-@settings(deadline=None, max_examples=400)
 @given(world=worlds(6))
 def test_any_level_is_counted_right(world: World) -> None:
     check_shape_and_ways(level_of(world))
 
 
-@settings(deadline=None, max_examples=150)
 @given(world=worlds(5))
 def test_levels_with_nothing_but_walls_are_counted_right(world: World) -> None:
     """They need no tables."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from pydantic import BaseModel
@@ -187,20 +187,17 @@ def _bend(draw: DrawFn, here: Any) -> None:
         here[key] = draw(JUNK)
 
 
-@settings(max_examples=60, deadline=None)
 @given(decorated_worlds())
 def test_good_levels_are_accepted(world: dict[str, Any]) -> None:
     assert shape_faults(world, LevelFields) == []
     LEVEL.validate(world)
 
 
-@settings(max_examples=400, deadline=None)
 @given(bent(decorated_worlds()))
 def test_the_schema_accepts_the_shapes_that_the_loader_accepts(data: dict[str, Any]) -> None:
     assert_agreed(data)
 
 
-@settings(max_examples=400, deadline=None)
 @given(st.dictionaries(FIELDS, JUNK, max_size=3))
 def test_they_agree_on_single_fields_of_all_shapes(fields: dict[str, Any]) -> None:
     assert_agreed({"version": 1, **fields})
@@ -268,7 +265,6 @@ def test_they_agree_on_a_drawing_that_is_not_there(fields: dict[str, Any]) -> No
     assert shape_faults({"version": 1, **fields}, LevelFields) == []
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     st.fixed_dictionaries(
         {},

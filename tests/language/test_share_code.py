@@ -12,7 +12,7 @@ from typing import Any
 
 import gymnasium
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.codes import code_of, packed, sealed
 from support.worlds import LEGEND, World, decorated_worlds, drawings, level_of
@@ -46,7 +46,6 @@ def assert_same(other: Level, level: Level) -> None:
 # -- there and back ------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(decorated_worlds())
 def test_a_code_holds_the_whole_level(world: World) -> None:
     level = level_of(world)
@@ -58,21 +57,18 @@ def test_a_code_holds_the_whole_level(world: World) -> None:
     assert other.share_code() == code
 
 
-@settings(deadline=None)
 @given(drawings())
 def test_a_code_holds_a_drawing(drawing: Any) -> None:
     level = level_of({"version": 1, "map": compose(drawing), "legend": LEGEND})
     assert_same(load(level.share_code()), level)
 
 
-@settings(deadline=None)
 @given(st.floats(-1e300, 1e300), st.integers(-(10**30), 10**30))
 def test_a_code_holds_any_number(reward: float, seed: int) -> None:
     level = level_of({"version": 1, "rewards": {"step": reward}, "maze": {"seed": seed}})
     assert_same(load(level.share_code()), level)
 
 
-@settings(deadline=None)
 @given(st.text())
 def test_a_code_holds_any_text(text: str) -> None:
     level = level_of({"version": 1, "title": text})
@@ -172,7 +168,6 @@ def test_random_mazes_have_no_one_digest() -> None:
 # -- damaged codes ---------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(st.integers(0, len(MAZE) - 1), st.characters(exclude_categories=["Z", "C"]))
 def test_no_changed_character_goes_unnoticed(place: int, character: str) -> None:
     code = MAZE[:place] + character + MAZE[place + 1 :]
@@ -274,7 +269,6 @@ def test_what_a_code_holds_is_checked_as_a_file_is(data: bytes, rule: str) -> No
     assert "<share code>:1:" in str(caught.value)
 
 
-@settings(deadline=None)
 @given(st.binary(max_size=300))
 def test_whatever_a_code_holds_nothing_but_a_level_error_comes_of_it(data: bytes) -> None:
     for code in (code_of(data), sealed(data)):

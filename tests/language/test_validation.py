@@ -7,7 +7,7 @@ import time
 from pathlib import Path
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from support.reports import BAD, GOOD, read, report
 
@@ -355,7 +355,6 @@ def mutations(draw: st.DrawFn) -> bytes:
     return bytes(data)
 
 
-@settings(deadline=None, max_examples=600)
 @given(mutations())
 @example(b"")
 @example(b"\xef\xbb\xbf")

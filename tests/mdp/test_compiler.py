@@ -174,7 +174,6 @@ def test_tables_are_made_once_and_shared() -> None:
 # -- the rules, once more ----------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=400)
 @given(worlds())
 def test_tables_are_those_of_the_reference(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.handwriting import Scribe
 from support.places import TESTS
@@ -62,7 +62,6 @@ def handwritten(scribe: Scribe, world: dict[str, Any]) -> tuple[str, Document]:
     return text, read_back
 
 
-@settings(deadline=None, max_examples=150)
 @given(
     decorated_worlds(),
     st.randoms(use_true_random=False),
@@ -78,7 +77,6 @@ def test_any_handwriting(world: dict[str, Any], rng: random.Random, chatty: floa
     assert formatted(result) == result
 
 
-@settings(deadline=None, max_examples=60)
 @given(worlds(5), st.randoms(use_true_random=False))
 def test_the_digest_stays(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Scribe(rng), world)
@@ -97,14 +95,12 @@ class Copyist(Scribe):
         return []
 
 
-@settings(deadline=None, max_examples=100)
 @given(worlds(4), st.randoms(use_true_random=False))
 def test_lists_and_mappings_come_to_one_form(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Copyist(rng, chatty=0.0), world)
     assert formatted(text).replace("\r\n", "\n") == from_mapping(world).to_yaml()
 
 
-@settings(deadline=None, max_examples=150)
 @given(decorated_worlds())
 def test_what_levels_write_is_canonical(world: dict[str, Any]) -> None:
     text = from_mapping(world).to_yaml()

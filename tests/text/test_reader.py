@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from babyrobot_levels.text.document import Document, YamlFault
@@ -143,7 +143,6 @@ def test_core_tags_are_read() -> None:
     }
 
 
-@settings(deadline=None)
 @given(
     st.recursive(
         st.none()

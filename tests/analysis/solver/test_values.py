@@ -9,7 +9,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from hypothesis import assume, event, given, settings
+from hypothesis import assume, event, given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from support.chains import all_totals, dense, states_of, value_iteration
@@ -57,7 +57,6 @@ def as_if_large(large: bool) -> Iterator[None]:
         yield
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     worlds(6), st.sampled_from([0.3, 0.9, 0.97]), st.sampled_from(["all", "moves"]), st.booleans()
 )
@@ -108,7 +107,6 @@ def rooms(draw: DrawFn) -> World:
     return world
 
 
-@settings(max_examples=250, deadline=None)
 @given(rooms() | worlds(3), st.sampled_from(["all", "moves"]), st.booleans())
 def test_totals_are_the_best_of_all_policies(world: World, actions: str, large: bool) -> None:
     with as_if_large(large):
@@ -148,7 +146,6 @@ def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> 
     assert_sound(level, solve(level, discount, actions=actions))
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 999), st.sampled_from([0, 0.5, 1]))
 def test_without_chance_the_best_way_is_the_shortest(
     width: int, height: int, seed: int, loops: float
