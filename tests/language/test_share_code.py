@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import re
-import tracemalloc
 import zlib
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.codes import code_of, packed, sealed
+from support.work import traced_memory
 from support.worlds import LEGEND, World, decorated_worlds, drawings, level_of
 
 import babyrobot_levels as brl
@@ -236,13 +236,9 @@ def test_a_bomb_is_refused_before_it_is_unpacked() -> None:
     block = b" " * (1 << 20)
     code = sealed(b"".join(packer.compress(block) for _ in range(400)) + packer.flush())
     assert len(code) < MAX_CHARACTERS
-    tracemalloc.start()
-    try:
-        with pytest.raises(LevelError, match="larger than 1 MiB"):
-            load(code)
-        assert tracemalloc.get_traced_memory()[1] < 16 << 20
-    finally:
-        tracemalloc.stop()
+    with traced_memory() as work, pytest.raises(LevelError, match="larger than 1 MiB"):
+        load(code)
+    assert work.memory < 16 << 20
 
 
 @pytest.mark.parametrize(

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import time
 from pathlib import Path
 
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from support.reports import BAD, GOOD, read, report
+from support.work import counted_calls
 
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
@@ -314,9 +314,9 @@ def many(entry: str, count: int) -> str:
     ],
 )
 def test_files_full_of_faults_are_told_quickly(text: str) -> None:
-    begin = time.process_time()
-    assert diagnose(text)
-    assert time.process_time() - begin < 4
+    with counted_calls() as work:
+        assert diagnose(text)
+    assert work.calls < 5_000_000, work
 
 
 # -- whatever a file holds ---------------------------------------------------------------------
