@@ -232,8 +232,8 @@ def _order(suite: str | None, words: Words, names: str | None, excluded: frozens
 def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the count if one is given, and what its levels are called."""
     from babyrobot_levels.generate.suites import load_suite, name_pattern
+    from babyrobot_levels.language.documents import suite_from_mapping
     from babyrobot_levels.language.plain_data import plain
-    from babyrobot_levels.library.reading import suite_from_mapping
 
     given = [name for name in words.given() if name != "--count"]
     if given:
@@ -274,10 +274,14 @@ def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
 
 def digest_of(path: Path) -> str | None:
     """Return the digest of a file's level, None for suites, faulty levels, and random mazes."""
-    from babyrobot_levels.library.reading import read_file
+    from babyrobot_levels.library.reading import load_file
+    from babyrobot_levels.text.errors import LevelError
 
-    level = read_file(path)[0]
-    return None if level is None or level.has_random_maze else level.digest
+    try:
+        level = load_file(path)
+    except LevelError:
+        return None
+    return None if level.has_random_maze else level.digest
 
 
 def _write(target: Target, jobs: int | None) -> None:

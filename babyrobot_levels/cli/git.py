@@ -17,6 +17,7 @@ from babyrobot_levels.cli.console import wants_color
 from babyrobot_levels.cli.differences import difference_text
 from babyrobot_levels.cli.diffs import unified
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
@@ -36,8 +37,6 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
 
     What cannot be compared is told as well: git takes a driver that fails for a crash.
     """
-    from babyrobot_levels.text.files import ReadFault
-
     path = arguments[0]
     if len(arguments) == 1:
         return f"{one_line(path)}: not merged yet\n\n"
@@ -45,8 +44,8 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
     title = path if path == new_path else f"{path} -> {new_path}"
     try:
         before, after = _read(arguments[1], path), _read(arguments[4], new_path)
-    except ReadFault as fault:
-        return f"{one_line(title)}: {one_line(str(fault))}\n\n"
+    except LevelError as fault:
+        return f"{one_line(title)}: {one_line(fault.diagnostics[0].message)}\n\n"
     return _told(title, before, after, limit) + "\n"
 
 
@@ -61,16 +60,18 @@ class Version:
 
 def _read(file: str, path: str) -> Version | None:
     """Return a version, None for no file."""
-    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.library.reading import load_source
     from babyrobot_levels.text.files import read_source
 
     if file in _NO_FILES:
         return None
     source = read_source(Path(file), path)
     # The other version may lie in a folder of git's, but its themes lie where the path says.
-    level, diagnostics = read_level(source, Path(path))
-    faults = tuple(f"line {each.line}: {one_line(each.message)}" for each in diagnostics)
-    return Version(source, level, () if level is not None else faults[:1])
+    try:
+        return Version(source, load_source(source, Path(path)), ())
+    except LevelError as error:
+        first = error.diagnostics[0]
+        return Version(source, None, (f"line {first.line}: {one_line(first.message)}",))
 
 
 def _told(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:

@@ -78,7 +78,7 @@ def import_level(
     """
     from babyrobot_levels.convert.conversion import ConversionError
     from babyrobot_levels.convert.file_text import file_text
-    from babyrobot_levels.library.level import slug
+    from babyrobot_levels.language.documents import slug
 
     if name is not None and slug(name) != name:
         good = slug(name)
@@ -113,16 +113,15 @@ def import_level(
 
 def _source(file: Path) -> SourceFile:
     from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.files import ReadFault
 
     try:
         return read_path(file)
-    except ReadFault as fault:
-        if fault.diagnostic.code == "BR101":
-            fail(f"{file}: {fault.diagnostic.message}")
+    except LevelError as fault:
+        if fault.diagnostics[0].code == "BR101":
+            fail(f"{file}: {fault.diagnostics[0].message}")
         # It may be a picture, or a file that is packed.
         help_text = "`babyrobot import -h` names the worlds that can be read; all are text in UTF-8"
-        diagnostic = fault.diagnostic
+        diagnostic = fault.diagnostics[0]
         if diagnostic.code == "BR102":
             diagnostic = replace(diagnostic, help=help_text)
         raise LevelError([diagnostic]) from None

@@ -62,7 +62,7 @@ def option(field: str) -> str:
 def suite_of(words: Words) -> SuiteFields:
     """Return the suite that a call asks for; if it asks for what cannot be, say so and end."""
     from babyrobot_levels.language.suite import SuiteFields
-    from babyrobot_levels.language.validation import validate
+    from babyrobot_levels.language.validation import route_of, validate
 
     data: dict[str, Any] = {"version": 1, "kind": "suite", "count": words.count}
     maze: dict[str, Any] = {}
@@ -85,7 +85,7 @@ def suite_of(words: Words) -> SuiteFields:
             data[name] = getattr(words, name)
     suite, problems = validate(data, SuiteFields)
     if suite is None:
-        field, message = str(problems[0].route[0]), problems[0].message
+        field, message = str(route_of(problems[0])[0]), problems[0].message
         message = re.sub(r"^`[^`]*` (?=must )", "", message)
         fail(f"{option(field)}: {message}", problems[0].help)
     return suite

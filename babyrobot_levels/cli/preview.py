@@ -202,17 +202,9 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
 
 def _read_level() -> Level:
     """Return the level that standard input holds."""
-    from babyrobot_levels.library.reading import read_level
-    from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.files import ReadFault
+    from babyrobot_levels.library.reading import load_source
 
-    try:
-        level, diagnostics = read_level(read_path(STANDARD_INPUT))
-    except ReadFault as fault:
-        raise LevelError([fault.diagnostic]) from None
-    if level is None:
-        raise LevelError(diagnostics)
-    return level
+    return load_source(read_path(STANDARD_INPUT))
 
 
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:

@@ -42,7 +42,7 @@ def resolve(
 
       babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
     """
-    from babyrobot_levels.text.reader import MAX_BYTES
+    from babyrobot_levels.text.source import MAX_BYTES
 
     loaded = with_seed(load_level(level), maze_seed)
     if loaded.maze is None:
@@ -73,12 +73,16 @@ def with_seed(level: Level, maze_seed: int | None) -> Level:
 def _text_for(level: Level, text: str, path: Path) -> str:
     """Return the text for a file: away from its folder, a level carries its theme with it."""
     from babyrobot_levels.language.looks import BUILTIN_THEMES
-    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.library.reading import load_source
+    from babyrobot_levels.text.errors import LevelError
     from babyrobot_levels.text.source import SourceFile
 
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
-        found, _ = read_level(SourceFile(str(path), text), path)
-        if found is None or found.colors_and_widths != level.colors_and_widths:
-            text = level.replace(theme=level.colors_and_widths).to_yaml(comments=True)
+        try:
+            theme = load_source(SourceFile(str(path), text), path).resolved_theme
+        except LevelError:
+            theme = None
+        if theme != level.resolved_theme:
+            text = level.replace(theme=level.resolved_theme).to_yaml(comments=True)
     # Where the schema lies is said as seen from the level's own folder.
     return _RELATIVE_SCHEMA.sub(lambda found: found[1] + schema_for(path), text, count=1)

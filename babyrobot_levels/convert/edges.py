@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from babyrobot_levels.convert.conversion import ConversionError, World
 from babyrobot_levels.language.formatting.formatter import format_source
-from babyrobot_levels.library.reading import read_level
+from babyrobot_levels.library.reading import errors_of
 from babyrobot_levels.lint.fixer import fix
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.text.emitter import emit_field
-from babyrobot_levels.text.files import ReadFault, decode
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -39,16 +40,14 @@ def file_text(world: World, *, schema: str, name: str | None, title: str) -> str
 def _tidy(text: str) -> str:
     """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
     try:
-        source = decode(text.encode("utf-8"), "<imported>")
-    except ReadFault as fault:
+        source = source_of(text.encode("utf-8"), "<imported>")
+    except LevelError as fault:
         raise ConversionError(
-            f"the level would be too much for one file: {fault}",
+            f"the level would be too much for one file: {fault.diagnostics[0].message}",
             "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
         ) from None
-    level, diagnostics = read_level(source)
-    if level is None:
-        raise ConversionError(
-            "this is no valid level:\n" + "\n".join(map(str, diagnostics[:5])),
-        )
+    errors = errors_of(source)
+    if errors:
+        raise ConversionError("this is no valid level:\n" + "\n".join(map(str, errors[:5])))
     fixed = fix(source, select(None)).text
     return format_source(SourceFile(source.name, fixed)).text

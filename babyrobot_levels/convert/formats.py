@@ -22,8 +22,8 @@ from babyrobot_levels.convert.minigrid import read_minigrid, write_minigrid
 from babyrobot_levels.convert.sokoban import read_sokoban, write_sokoban
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -53,10 +53,7 @@ FORMATS = {
 SUFFIXES = {".tmj": "tiled", ".xsb": "sokoban", ".sok": "sokoban"}
 """File suffixes that say which format a file has."""
 
-_LOOKS = (
-    *("title", "description", "author", "license", "source", "tags", "discount", "max_steps"),
-    *("theme", "display", "maze", "walls.color"),
-)
+_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
 """The first words of what can be lost without another game coming of it."""
 
 
@@ -76,7 +73,7 @@ def export(level: Level, name: str) -> Conversion:
     conversion = FORMATS[name].write(level)
     if any(not lost.field.startswith(_LOOKS) for lost in conversion.warnings):
         return conversion
-    again = from_mapping(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
+    again = Level.from_fields(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
     if again.digest == level.digest:
         return conversion
     difference = (

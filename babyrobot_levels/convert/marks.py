@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.convert.blocks import Rows, as_blocks, has_walls
 from babyrobot_levels.convert.conversion import Lost, fields_lost
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ ENDS = "x"
 HOLE_COLOR, LAVA_COLOR = "#1b3a5c", "orangered"
 """The colours of such cells where the other format shows them in one of its own."""
 
-SPATIAL = frozenset({"size", "start", "exit", "maze", "walls", "openings", "blocked"})
+SPATIAL = frozenset(fields_with(Role.GEOMETRY)) - {"map", "legend"}
 """The fields that a map of blocks is made of."""
 
 UNLIKE = frozenset({"areas", "rewards"})

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from operator import add
 
+from babyrobot_levels.text.diagnostics import Issue, Mark
+
 BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
 RESERVED = frozenset("#SEoO+-|: ")
 """Characters that a legend cannot define."""
@@ -71,17 +73,6 @@ class Drawing:
                 yield (x, y), "E", length
 
 
-@dataclass(frozen=True, slots=True)
-class DrawingProblem:
-    """A fault of a drawing: line and character of the text (from 0), how many, and what to say."""
-
-    row: int
-    column: int
-    length: int
-    message: str
-    help: str | None = None
-
-
 def compose(drawing: Drawing) -> str:
     """Return the drawing as text; each line ends with a newline."""
     border = "+" + "---+" * drawing.width
@@ -98,7 +89,7 @@ def compose(drawing: Drawing) -> str:
 
 def parse(
     text: str, is_known: Callable[[str], bool], max_size: int
-) -> tuple[Drawing | None, list[DrawingProblem]]:
+) -> tuple[Drawing | None, list[Issue]]:
     """Return the drawing that `text` shows, or None and what is wrong with it.
 
     `is_known` tells whether the legend defines a character. Blank lines around the drawing,
@@ -129,15 +120,15 @@ class _Parser:
         self.rows = [row[self.indent :] for row in rows]
         self.is_known = is_known
         self.max_size = max_size
-        self.problems: list[DrawingProblem] = []
+        self.issues: list[Issue] = []
 
     @property
     def is_full(self) -> bool:
-        return len(self.problems) >= MAX_PROBLEMS
+        return len(self.issues) >= MAX_PROBLEMS
 
-    def parse(self) -> tuple[Drawing | None, list[DrawingProblem]]:
+    def parse(self) -> tuple[Drawing | None, list[Issue]]:
         if not self._check_frame():
-            return None, self.problems
+            return None, self.issues
         width = len(self.rows[0]) // 4
         cells, east, south = [], [], []
         for number, row in enumerate(self.rows):
@@ -151,8 +142,8 @@ class _Parser:
                 line = self._wall_row(number, row, width)
                 if 0 < number < len(self.rows) - 1:
                     south.append(line)
-        if self.problems:
-            return None, self.problems
+        if self.issues:
+            return None, self.issues
         return Drawing(tuple(cells), tuple(east), tuple(south)), []
 
     def _report(
@@ -160,9 +151,12 @@ class _Parser:
     ) -> None:
         if self.is_full:
             return
-        self.problems.append(
-            DrawingProblem(
-                self.first + row, self.indent + column, max(length, 1), message, help_text
+        self.issues.append(
+            Issue(
+                "BR312",
+                Mark(self.first + row, self.indent + column, max(length, 1)),
+                message,
+                help_text,
             )
         )
 
@@ -202,7 +196,7 @@ class _Parser:
         height = len(self.rows) // 2
         if max(length // 4, height) > self.max_size:
             self._report(0, 0, length, f"a level is at most {self.max_size} cells wide and high")
-        return not self.problems
+        return not self.issues
 
     def _wall_row(self, number: int, row: str, width: int) -> str:
         marks = []

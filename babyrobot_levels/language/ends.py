@@ -13,10 +13,10 @@ from babyrobot_levels.language.geometry import (
     painted,
     show_cell,
 )
-from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.text.diagnostics import Issue
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelFields
+    from babyrobot_levels.language.fields import LevelFields
 
 
 def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
@@ -28,7 +28,7 @@ def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
     return [(cell, (field,)) for cell in cells]
 
 
-def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Problem]:
+def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
     """Yield the faults of starts and exits. `blocked` tells of a cell whether it is blocked."""
     exits = set(level.exits)
     left = {warp.at for warp in level.warps if warp.when == "enter"}
@@ -45,16 +45,16 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 default = (
                     f"{show_cell(cell)} is blocked, but where nothing is said the {field} is there"
                 )
-                yield Problem(
+                yield Issue(
                     code,
                     route if given else _blocking(level, cell),
                     message if given else default,
                     f"put the {field} elsewhere, or leave the cell free",
                 )
             elif cell in seen:
-                yield Problem("BR305", route, f"{show_cell(cell)} is listed twice")
+                yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
             elif field == "start" and cell in exits:
-                yield Problem(
+                yield Issue(
                     "BR303",
                     _given(level, route, ("exit",)),
                     _start_is_exit(level, cell),
@@ -62,14 +62,14 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 )
             elif field == "start" and cell in left:
                 number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
-                yield Problem(
+                yield Issue(
                     "BR309",
                     _given(level, route, ("warps", number, "at")),
                     f"the start {show_cell(cell)} is a warp, and nobody can stand there",
                     "start elsewhere, or let the warp act `when: leave`",
                 )
             elif field == "start" and ends(cell):
-                yield Problem(
+                yield Issue(
                     "BR316",
                     route,
                     f"the start {show_cell(cell)} is on an area that ends the episode",

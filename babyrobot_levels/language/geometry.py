@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.text.diagnostics import Issue
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.cells import Rectangle
-    from babyrobot_levels.language.level import LevelFields
+    from babyrobot_levels.language.fields import LevelFields
 
 Cell = tuple[int, int]
 Route = tuple[str | int, ...]
@@ -56,10 +56,10 @@ def show_cell(cell: Cell) -> str:
     return f"[{cell[0]}, {cell[1]}]"
 
 
-def off_the_grid(level: LevelFields, what: str, cell: Cell, route: Route) -> Problem:
+def off_the_grid(level: LevelFields, what: str, cell: Cell, route: Route) -> Issue:
     """Return the fault of something that is off the grid."""
     width, height = level.size
-    return Problem(
+    return Issue(
         "BR301",
         route,
         f"{what} {show_cell(cell)} is off the grid, which is {width} wide and {height} high",

@@ -16,9 +16,8 @@ from typing import Any
 from pydantic import BaseModel
 
 from babyrobot_levels.language.color import FORM_PATTERN, NAMES, PATTERN
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.language.map import DRAWN_FIELDS
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
 
@@ -41,7 +40,7 @@ def level_schema() -> dict[str, Any]:
         "legend": {"required": ["map"], "properties": {"map": {"type": "string"}}},
         "map": {
             "if": {"properties": {"map": {"type": "string"}}},
-            "then": {"not": {"anyOf": [{"required": [field]} for field in DRAWN_FIELDS]}},
+            "then": {"not": {"anyOf": [{"required": [field]} for field in fields_with(DRAWN)]}},
         },
     }
     return schema

@@ -2,47 +2,55 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Area, Puddle, Rectangle
-from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.walls import Wall, sides_of
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelFields
-
-DRAWN_FIELDS = ("size", "start", "exit", "puddles", "blocked")
-"""Fields that cannot stand beside a drawing, which says them already."""
+from babyrobot_levels.text.diagnostics import Issue, Key
 
 GLASS_PASS = 0.5
 """The probability of getting through a drawn wall of glass of which no entry says more."""
 
 
-def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
-    """Return the fields that the level's drawing gives, or the faults that it has."""
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What a drawing gives.
+
+    Attributes:
+        drawing: the drawing.
+        fields: the values of the fields that it gives.
+        counts: how many of the first entries of `walls` and `areas` come from it.
+    """
+
+    drawing: d.Drawing
+    fields: dict[str, Any]
+    counts: dict[str, int]
+
+
+def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
+    """Return what the level's drawing gives, or None and what is wrong with it."""
     if level.map is None:
-        return {}, [
-            Problem(
-                "BR206", ("legend",), "a `legend` explains a `map`, and there is none", key=True
-            )
+        return None, [
+            Issue("BR206", Key(("legend",)), "a `legend` explains a `map`, and there is none")
         ]
-    problems = [
-        Problem(
+    issues = [
+        Issue(
             "BR206",
-            (field,),
-            f"`{field}` cannot stand beside `map`: the drawing says it already",
+            Key((field,)),
+            f"`{field}` cannot be combined with `map`: the drawing gives it",
             f"remove `{field}`, or draw it",
-            key=True,
         )
-        for field in DRAWN_FIELDS
+        for field in fields_with(DRAWN)
         if field in level.model_fields_set
     ]
     if level.map.strip() and "\n" not in level.map.strip():
-        return {}, [
-            *problems,
-            Problem(
+        return None, [
+            *issues,
+            Issue(
                 "BR312",
                 ("map",),
                 "the drawing is a single line",
@@ -51,28 +59,17 @@ def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
         ]
     drawing, faults = d.parse(level.map, lambda character: character in level.legend, MAX_SIZE)
     if drawing is None:
-        problems += [
-            Problem(
-                "BR312",
-                ("map",),
-                fault.message,
-                fault.help,
-                mark=(fault.row, fault.column, fault.length),
-            )
-            for fault in faults
-        ]
-        return {}, problems
+        return None, [*issues, *faults]
     starts, exits = drawing.find(d.START), drawing.find(d.EXIT)
     if not starts:
-        problems.append(
-            Problem("BR313", ("map",), "the drawing has no start", "put an `S` into a cell")
+        issues.append(
+            Issue("BR313", ("map",), "the drawing has no start", "put an `S` into a cell")
         )
-    problems += _check_wall_entries(level, drawing)
-    if problems:
-        return {}, problems
+    issues += _check_wall_entries(level, drawing)
+    if issues:
+        return None, issues
     walls, areas = drawn_walls(drawing), legend_areas(level, drawing)
-    level.remember_drawn(walls=len(walls), areas=len(areas))
-    return {
+    fields = {
         "size": (drawing.width, drawing.height),
         "start": starts[0] if len(starts) == 1 else tuple(starts),
         "exit": "none" if not exits else exits[0] if len(exits) == 1 else tuple(exits),
@@ -86,7 +83,8 @@ def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
             Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)
         ),
         "areas": (*areas, *level.areas),
-    }, []
+    }
+    return Drawn(drawing, fields, {"walls": len(walls), "areas": len(areas)}), []
 
 
 def drawn_walls(drawing: d.Drawing) -> list[Wall]:
@@ -112,15 +110,15 @@ def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
     ]
 
 
-def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Problem]:
+def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
     """Beside a drawing, `walls` only gives properties to walls that are drawn."""
-    problems = []
+    issues = []
     for index, wall in enumerate(level.walls):
         marks = {_mark(drawing, x, y, wall.side) for x, y in sides_of(wall)}
         route = ("walls", index)
         if d.OPEN in marks:
-            problems.append(
-                Problem(
+            issues.append(
+                Issue(
                     "BR314",
                     route,
                     "no wall is drawn there",
@@ -128,8 +126,8 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Problem]
                 )
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ > 0 and d.SOLID in marks:
-            problems.append(
-                Problem(
+            issues.append(
+                Issue(
                     "BR314",
                     (*route, "pass"),
                     "the wall is drawn solid there, so nobody gets through",
@@ -137,15 +135,15 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Problem]
                 )
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ == 0 and d.GLASS in marks:
-            problems.append(
-                Problem(
+            issues.append(
+                Issue(
                     "BR314",
                     (*route, "pass"),
                     "the wall is drawn as glass there, which lets the robot through",
                     "draw it as `---` or `|`",
                 )
             )
-    return problems
+    return issues
 
 
 def _mark(drawing: d.Drawing, x: int, y: int, side: str) -> str:

@@ -13,11 +13,11 @@ from babyrobot_levels.language.geometry import (
     off_the_grid,
     show_cell,
 )
-from babyrobot_levels.language.problem import Problem
 from babyrobot_levels.language.walls import RECTANGULAR, Opening, sides_of
+from babyrobot_levels.text.diagnostics import Issue
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelFields
+    from babyrobot_levels.language.fields import LevelFields
 
 MAX_COVERED = 1 << 24
 """The most cells that all rectangles, walls and openings may cover, each counted for itself."""
@@ -26,35 +26,35 @@ MAX_PROBLEMS = 200
 """A file with more faults than this gets only so many told."""
 
 
-def problems_of(level: LevelFields) -> list[Problem]:
+def issues_of(level: LevelFields) -> list[Issue]:
     """Return the faults of a level whose fields are each valid for themselves."""
     too_much = _check_covered(level)
     if too_much:
         return too_much
-    problems: list[Problem] = []
+    issues: list[Issue] = []
     for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
-        _collect(problems, check(level))
+        _collect(issues, check(level))
     blocked = blocked_cells(level)
     for check_cells in (check_ends, _check_puddles, _check_warps):
-        _collect(problems, check_cells(level, blocked))
-    return problems
+        _collect(issues, check_cells(level, blocked))
+    return issues
 
 
-def _collect(problems: list[Problem], found: Iterator[Problem]) -> None:
+def _collect(issues: list[Issue], found: Iterator[Issue]) -> None:
     for problem in found:
-        if len(problems) >= MAX_PROBLEMS:
+        if len(issues) >= MAX_PROBLEMS:
             return
-        problems.append(problem)
+        issues.append(problem)
 
 
-def _check_covered(level: LevelFields) -> list[Problem]:
+def _check_covered(level: LevelFields) -> list[Issue]:
     cells = sum(area.size[0] * area.size[1] for area in (*level.areas, *level.blocked))
     cells += sum(opening.length for opening in (*level.walls, *level.openings))
     if cells <= MAX_COVERED:
         return []
     field = "areas" if level.areas else "blocked" if level.blocked else "walls"
     return [
-        Problem(
+        Issue(
             "BR205",
             (field,),
             f"areas, blocked cells and walls cover {cells:,} cells, counted one by one; "
@@ -63,7 +63,7 @@ def _check_covered(level: LevelFields) -> list[Problem]:
     ]
 
 
-def _check_rectangles(level: LevelFields) -> Iterator[Problem]:
+def _check_rectangles(level: LevelFields) -> Iterator[Issue]:
     for field in ("areas", "blocked"):
         for index, rectangle in level.written(field):
             (x, y), (columns, rows) = rectangle.at, rectangle.size
@@ -74,9 +74,9 @@ def _check_rectangles(level: LevelFields) -> Iterator[Problem]:
                 yield off_the_grid(level, "the rectangle's last cell", last, (field, index))
 
 
-def _check_maze(level: LevelFields) -> Iterator[Problem]:
+def _check_maze(level: LevelFields) -> Iterator[Issue]:
     if level.maze is not None and level.maze.algorithm in RECTANGULAR and level.blocked:
-        yield Problem(
+        yield Issue(
             "BR317",
             ("maze", "algorithm"),
             f"`{level.maze.algorithm}` needs the whole rectangle, and cells of it are blocked",
@@ -84,13 +84,13 @@ def _check_maze(level: LevelFields) -> Iterator[Problem]:
         )
 
 
-def _check_sides(level: LevelFields) -> Iterator[Problem]:
+def _check_sides(level: LevelFields) -> Iterator[Issue]:
     for field in ("walls", "openings"):
         for index, entry in level.written(field):
             yield from _check_side(level, field, index, entry)
 
 
-def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> Iterator[Problem]:
+def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> Iterator[Issue]:
     what = "wall" if field == "walls" else "opening"
     route = (field, index)
     cells = sides_of(entry)
@@ -103,13 +103,13 @@ def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> I
     (x, y), (width, height) = entry.at, level.size
     outer = {"N": y == 0, "W": x == 0, "S": y == height - 1, "E": x == width - 1}[entry.side]
     if outer and field == "openings":
-        yield Problem(
+        yield Issue(
             "BR310",
             (*route, "side"),
             f"side {entry.side} of {show_cell(entry.at)} is the outer wall, which cannot be opened",
         )
     elif outer and getattr(entry, "pass_", 0) > 0:
-        yield Problem(
+        yield Issue(
             "BR311",
             (*route, "pass"),
             f"side {entry.side} of {show_cell(entry.at)} is the outer wall, "
@@ -118,16 +118,16 @@ def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> I
         )
 
 
-def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Problem]:
+def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
     seen: set[Cell] = set()
     for index, puddle in enumerate(level.puddles):
         route = ("puddles", index, "at")
         if not is_inside(level, puddle.at):
             yield off_the_grid(level, "the puddle", puddle.at, route)
         elif blocked(puddle.at):
-            yield Problem("BR306", route, f"the puddle {show_cell(puddle.at)} is on a blocked cell")
+            yield Issue("BR306", route, f"the puddle {show_cell(puddle.at)} is on a blocked cell")
         elif puddle.at in seen:
-            yield Problem(
+            yield Issue(
                 "BR307",
                 route,
                 f"there is a puddle on {show_cell(puddle.at)} already",
@@ -136,7 +136,7 @@ def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Itera
         seen.add(puddle.at)
 
 
-def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Problem]:
+def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
     exits = set(level.exits)
     seen: set[Cell] = set()
     entered: dict[Cell, Cell] = {}
@@ -149,7 +149,7 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
             if not is_inside(level, cell):
                 yield off_the_grid(level, "the warp's cell", cell, route)
             elif blocked(cell):
-                yield Problem(
+                yield Issue(
                     "BR308",
                     route,
                     f"the warp's cell {show_cell(cell)} is blocked: it leads nowhere",
@@ -158,11 +158,11 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
                 continue
             at_is_good = False
         if warp.at in seen:
-            yield Problem(
+            yield Issue(
                 "BR307", ("warps", index, "at"), f"there is a warp on {show_cell(warp.at)} already"
             )
         elif warp.at in exits:
-            yield Problem(
+            yield Issue(
                 "BR308",
                 ("warps", index, "at"),
                 f"the warp {show_cell(warp.at)} is on an exit, where the episode is over",
@@ -173,7 +173,7 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
     yield from _check_circles(level, entered)
 
 
-def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Problem]:
+def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Issue]:
     """Report the warps from which a robot is sent round for ever."""
     index_of = {warp.at: index for index, warp in enumerate(level.warps)}
     done: set[Cell] = set()
@@ -186,7 +186,7 @@ def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Pr
         if cell in path:
             circle = [*path][[*path].index(cell) :]
             way = " to ".join(show_cell(step) for step in [*circle[:8], cell])
-            yield Problem(
+            yield Issue(
                 "BR308",
                 ("warps", index_of[cell], "to"),
                 f"the warp leads in a circle: {way}",
@@ -195,7 +195,7 @@ def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Pr
         done.update(path)
 
 
-def _check_wind(level: LevelFields) -> Iterator[Problem]:
+def _check_wind(level: LevelFields) -> Iterator[Issue]:
     if level.wind is None:
         return
     for side in ("north", "east", "south", "west"):
@@ -204,7 +204,7 @@ def _check_wind(level: LevelFields) -> Iterator[Problem]:
         count = level.size[0] if vertical else level.size[1]
         if strengths is not None and len(strengths) != count:
             line = "column" if vertical else "row"
-            yield Problem(
+            yield Issue(
                 "BR315",
                 ("wind", side),
                 f"`{side}` gives {len(strengths)} strength{'s' * (len(strengths) != 1)} "

@@ -8,10 +8,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
-from babyrobot_levels.language.level import whole_version
+from babyrobot_levels.language.fields import whole_version
 from babyrobot_levels.language.looks import ThemeLike
 from babyrobot_levels.language.moves import Rewards
-from babyrobot_levels.language.problem import Problem, SpecProblems
 from babyrobot_levels.language.ranges import (
     Counts,
     Numbers,
@@ -22,6 +21,8 @@ from babyrobot_levels.language.ranges import (
     empty_ranges,
 )
 from babyrobot_levels.language.walls import Algorithm
+from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.errors import InvalidDocument
 
 MAX_COUNT = 10**9
 MAX_DRAWN = 256
@@ -101,7 +102,7 @@ class SuiteFields(Model):
         """Check what only the whole suite shows."""
         problems = list(_problems(self))
         if problems:
-            raise SpecProblems(problems)
+            raise InvalidDocument(problems)
         return self
 
     @property
@@ -117,32 +118,32 @@ class SuiteFields(Model):
         return most
 
 
-def _problems(suite: SuiteFields) -> Iterator[Problem]:
+def _problems(suite: SuiteFields) -> Iterator[Issue]:
     ranges = ("size", "puddles", "path_length", "dead_ends", "difficulty")
     faults = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
     yield from faults or _misfits(suite)
     yield from _faulty_splits(suite)
 
 
-def _misfits(suite: SuiteFields) -> Iterator[Problem]:
+def _misfits(suite: SuiteFields) -> Iterator[Issue]:
     """Yield what levels of these sizes have no room for."""
     (width, height), largest = bounds(suite.size)
     cells = width * height
     if cells <= 2:
         message = f"a level of {cells} cell{'s' * (cells - 1)} is won at once, or not at all"
-        yield Problem("BR205", ("size",), message, "three cells are the fewest")
+        yield Issue("BR205", ("size",), message, "three cells are the fewest")
     elif bounds(suite.puddles)[1] > cells - 2:
         message = f"the smallest level has room for {cells - 2} beside start and exit"
-        yield Problem("BR205", ("puddles",), message)
+        yield Issue("BR205", ("puddles",), message)
     if suite.start == "farthest" and max(largest) > MAX_DRAWN:
         message = (
             f"levels with `start: farthest` are drawn as a map, at most {MAX_DRAWN} cells wide "
             "and high"
         )
-        yield Problem("BR205", ("start",), message, "let the exit be `farthest`")
+        yield Issue("BR205", ("start",), message, "let the exit be `farthest`")
 
 
-def impossible(suite: SuiteFields) -> Iterator[Problem]:
+def impossible(suite: SuiteFields) -> Iterator[Issue]:
     """Yield what no level of these sizes can have, however long one looks for it."""
     cells = suite.largest[0] * suite.largest[1]
     if suite.path_length is not None:
@@ -150,27 +151,27 @@ def impossible(suite: SuiteFields) -> Iterator[Problem]:
         route = ("path_length",)
         if least > cells - 1:
             message = f"no walk through {cells} cells has more than {cells - 1} steps"
-            yield Problem("BR205", route, message)
+            yield Issue("BR205", route, message)
         if most is not None and most < 2:
-            yield Problem("BR205", route, "from start to exit there are at least two steps")
+            yield Issue("BR205", route, "from start to exit there are at least two steps")
         if suite.max_steps is not None and least > suite.max_steps:
             message = f"a walk of {least} steps takes longer than `max_steps`, {suite.max_steps}"
-            yield Problem("BR205", route, message)
+            yield Issue("BR205", route, message)
     if suite.dead_ends is not None and bounds(suite.dead_ends)[0] > cells:
-        yield Problem("BR205", ("dead_ends",), f"{cells} cells have no more dead ends than that")
+        yield Issue("BR205", ("dead_ends",), f"{cells} cells have no more dead ends than that")
 
 
-def _faulty_splits(suite: SuiteFields) -> Iterator[Problem]:
+def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
     if not suite.splits:
         return
     total = sum(suite.splits.values())
     if abs(total - 1) > 1e-9:
-        yield Problem("BR205", ("splits",), f"the shares add up to {total:g}, not to 1")
+        yield Issue("BR205", ("splits",), f"the shares add up to {total:g}, not to 1")
         return
     for name, part in split_ranges(suite).items():
         if not part:
             message = f"of {suite.count} levels, none is left for `{name}`"
-            yield Problem("BR205", ("splits", name), message, "raise `count`, or the share")
+            yield Issue("BR205", ("splits", name), message, "raise `count`, or the share")
 
 
 def split_ranges(suite: SuiteFields) -> dict[str, range]:

@@ -7,16 +7,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.language.validation import parse
-from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.language.validation import Checked, check
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import (
     MAX_DEPTH,
     PACK_FILE,
     SUFFIXES,
-    ReadFault,
     is_file,
-    read_source,
 )
+from babyrobot_levels.text.reader import open_document
 
 
 def theme_folders(folder: Path) -> list[Path]:
@@ -34,7 +33,7 @@ def theme_folders(folder: Path) -> list[Path]:
     return [folder / "themes"]
 
 
-def read_theme(name: str, folders: Sequence[Path]) -> tuple[Theme | None, list[Diagnostic]]:
+def read_theme(name: str, folders: Sequence[Path]) -> Checked[Theme]:
     """Return the theme of that name from the first folder that has it, or what is wrong with it.
 
     None, and nothing wrong, where no folder has it.
@@ -44,10 +43,10 @@ def read_theme(name: str, folders: Sequence[Path]) -> tuple[Theme | None, list[D
             path = folder / f"{name}{suffix}"
             if is_file(path):
                 try:
-                    return parse(read_source(path), Theme)
-                except ReadFault as fault:
-                    return None, [fault.diagnostic]
-    return None, []
+                    return check(open_document(path), Theme)
+                except LevelError as error:
+                    return Checked(None, [*error.diagnostics])
+    return Checked(None, [])
 
 
 def theme_names(folders: Sequence[Path]) -> list[str]:

@@ -9,7 +9,7 @@ from itertools import compress
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDES, Side
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.walls import Opening
 from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.text.errors import LevelError

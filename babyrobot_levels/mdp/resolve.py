@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.language.map import GLASS_PASS
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import GridWorld
 
 Edge = tuple[str, int, int]
 """A side and its cell `(x, y)`. Between two cells the side is E or S."""
@@ -19,28 +17,26 @@ Traits = dict[str, Any]
 """The fields of a wall beside its place that are not left at their defaults."""
 
 
-def resolve(level: Level) -> Level:
-    """Return the same level without `maze` and `openings`: its `walls`, or its `map`, say it all.
+def resolved_fields(level: GridWorld) -> dict[str, Any]:
+    """Return the fields that replace `maze` and `openings`, which become None.
 
-    Game and picture stay the same. A level without a maze is returned as it is.
+    Tables and picture stay the same.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
     """
-    if level.maze is None:
-        return level
     walls = _walls(level)
     fields: dict[str, Any] = {"maze": None, "openings": None}
     if level.map is not None:
         fields["map"] = level.draw()
-        # Only what a drawing cannot show is told beside it.
+        # `walls` only gives what a drawing cannot show.
         drawn: tuple[Traits, ...] = ({}, {"pass": GLASS_PASS})
         walls = {edge: traits for edge, traits in walls.items() if traits not in drawn}
     fields["walls"] = list(_entries(walls)) or None
-    return level.replace(**fields)
+    return fields
 
 
-def _walls(level: Level) -> dict[Edge, Traits]:
+def _walls(level: GridWorld) -> dict[Edge, Traits]:
     """Return all walls between cells, and of the outer wall what has looks of its own."""
     grid = level.grid()
     walls: dict[Edge, Traits] = {edge: {} for edge in _inner_edges(grid)}

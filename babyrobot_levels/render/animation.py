@@ -22,7 +22,7 @@ from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.film import Film
 
 MAX_SIDE = 800
@@ -70,7 +70,7 @@ class Step:
 
 
 def to_gif(
-    level: Level,
+    level: GridWorld,
     steps: Sequence[Step],
     *,
     overlay: Overlay | None = None,
@@ -119,7 +119,7 @@ class _Shot:
     time: int
 
 
-def _shots(level: Level, steps: Sequence[Step], between: int) -> Iterator[_Shot]:
+def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_Shot]:
     columns = level.size[0]
     exits = {y * columns + x for x, y in level.exits}
     speed = level.display.robot.speed
@@ -164,7 +164,9 @@ _SHIFTS = {
 class _Stage:
     """The ground, and the patches that are laid on it."""
 
-    def __init__(self, level: Level, layout: Layout, overlay: Overlay | None, scale: float) -> None:
+    def __init__(
+        self, level: GridWorld, layout: Layout, overlay: Overlay | None, scale: float
+    ) -> None:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
         self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
@@ -176,7 +178,7 @@ class _Stage:
         left, top = (round(self._scale * at) for at in self._layout.corner(*place))
         side = max(1, round(self._scale * CELL))
         if pose not in self._robots:
-            scene = Scene(CELL, CELL, robot_shapes(self._level.colors_and_widths, 0.0, 0.0, pose))
+            scene = Scene(CELL, CELL, robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose))
             self._robots[pose] = film_of(lambda ground: to_rgb(scene, (side, side), ground))
         ground = self.ground[top : top + side, left : left + side]
         return Patch(left, top, laid(self._robots[pose], ground))

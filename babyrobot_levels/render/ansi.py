@@ -10,7 +10,7 @@ from babyrobot_levels.render.colors import Rgb, over
 from babyrobot_levels.render.scene.walls import GLASS
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 Style = tuple[Rgb, Rgb]
 """The colours of a character and of its ground."""
@@ -21,7 +21,7 @@ _WATER = "white"
 _DARK, _LIGHT = (16, 20, 26), (255, 255, 255)
 
 
-def paint(lines: list[str], level: Level, grid: Grid, state: int | None) -> list[str]:
+def paint(lines: list[str], level: GridWorld, grid: Grid, state: int | None) -> list[str]:
     """Return the lines of a terminal picture with ANSI escapes, reset at the end of each.
 
     Args:
@@ -37,8 +37,8 @@ def paint(lines: list[str], level: Level, grid: Grid, state: int | None) -> list
 class _Palette:
     """Knows the colours of each place of the picture; rows and columns are those of the text."""
 
-    def __init__(self, level: Level, grid: Grid, state: int | None) -> None:
-        self._colors = colors = level.colors_and_widths.colors
+    def __init__(self, level: GridWorld, grid: Grid, state: int | None) -> None:
+        self._colors = colors = level.resolved_theme.colors
         self._width, self._height, self._state = grid.width, grid.height, state
         self._base = over(colors.base, _PAPER)
         self._grounds = [[self._base] * grid.width for _ in range(grid.height)]

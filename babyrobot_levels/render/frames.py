@@ -21,7 +21,7 @@ from babyrobot_levels.render.scene.shapes import Scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.film import Film
 
     _Patch = tuple[slice, slice, NDArray[np.uint8]]
@@ -76,7 +76,7 @@ class FramePainter:
 
     def __init__(
         self,
-        level: Level,
+        level: GridWorld,
         size: tuple[int, int] | None = None,
         grayscale: bool = False,
         overlay: Overlay | None = None,
@@ -87,7 +87,7 @@ class FramePainter:
         layers = build_layers(level, robot=False, cells_only=cells_only, overlay=overlay)
         below = [layers[name] for name in ("base", "grid", "underlay")]
         above = [layers[name] for name in ("overlay", "text")]
-        self._theme, self._grayscale = level.colors_and_widths, grayscale
+        self._theme, self._grayscale = level.resolved_theme, grayscale
         self._below = self._painted(below)
         self._above = self._film(above, (self.width, self.height)) if overlay else None
         self._base = self._below if self._above is None else laid(self._above, self._below)

@@ -13,12 +13,12 @@ import json
 import zlib
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.share_code import PLAY_MARK, share_code
+from babyrobot_levels.language.share_code import PLAY_MARK, encode
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.render.pagedata import Guide, TooLargeError, page_data
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 PLAY_VERSION = 1
 """The version of play parts: a page reads those of its own."""
@@ -30,7 +30,7 @@ MAX_UNPACKED = 4 << 20
 """The most bytes that a page unpacks."""
 
 
-def link_fragment(level: Level, game: Level, guide: Guide | None = None) -> str:
+def link_fragment(level: GridWorld, game: GridWorld, guide: Guide | None = None) -> str:
     """Return what stands behind the `#` of a link: a share code, and what a page plays.
 
     Args:
@@ -42,7 +42,7 @@ def link_fragment(level: Level, game: Level, guide: Guide | None = None) -> str:
         LevelError: the level is larger than a level file may be.
         TooLargeError: the level is too large for a link.
     """
-    code = share_code(level)
+    code = encode(level.to_dict(whole=True))
     told = json.dumps(
         page_data(game, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
     )

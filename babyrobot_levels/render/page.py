@@ -35,14 +35,14 @@ from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
 """The page's script, in the order in which its parts need each other."""
 
 
 def to_html(
-    level: Level,
+    level: GridWorld,
     *,
     guide: Guide | None = None,
     walker: Walker = "best",
@@ -75,7 +75,7 @@ def to_html(
     }
     style = _static("page.css")
     script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
-    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.colors_and_widths, 0, 0)))
+    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.resolved_theme, 0, 0)))
     return Template(_static("page.html")).substitute(
         title=escaped(title_of(level)),
         description=escaped(data["description"]),
@@ -98,7 +98,7 @@ def embedded_json(data: Any) -> str:
     return text
 
 
-def _picture(level: Level, guide: Guide | None, shown: list[str]) -> str:
+def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
     """Return the picture that is seen where no script runs."""
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
@@ -115,7 +115,7 @@ def _picture(level: Level, guide: Guide | None, shown: list[str]) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _fact_rows(level: Level) -> Iterator[str]:
+def _fact_rows(level: GridWorld) -> Iterator[str]:
     for name, text in facts(level):
         yield f"<dt>{name}</dt><dd><bdi>{escaped(text)}</bdi></dd>"
 

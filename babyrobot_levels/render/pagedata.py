@@ -22,7 +22,7 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
@@ -55,7 +55,7 @@ class Guide:
     expected_return: float
 
 
-def without_panels(level: Level) -> Level:
+def without_panels(level: GridWorld) -> GridWorld:
     """Return the level without what the page itself has a place for: panels and compass.
 
     Raises:
@@ -72,7 +72,7 @@ def without_panels(level: Level) -> Level:
 
 
 def page_data(
-    level: Level,
+    level: GridWorld,
     *,
     guide: Guide | None = None,
     walker: Walker = "best",
@@ -85,7 +85,7 @@ def page_data(
     Args and errors are those of `to_html`.
     """
     level = without_panels(level)
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     return {
         "title": title_of(level),
         "description": (level.description or "").strip(),
@@ -124,12 +124,12 @@ def common_data() -> dict[str, Any]:
     }
 
 
-def title_of(level: Level) -> str:
+def title_of(level: GridWorld) -> str:
     """Return what stands at the top of a level's page."""
     return level.title or level.name or "Level"
 
 
-def facts(level: Level) -> Iterator[tuple[str, str]]:
+def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
     """Yield what is known of a level, each with its name."""
     width, height = level.size
     told = {
@@ -144,7 +144,7 @@ def facts(level: Level) -> Iterator[tuple[str, str]]:
     yield from ((name, text) for name, text in told.items() if text)
 
 
-def _picture(level: Level, guide: Guide | None) -> dict[str, Any]:
+def _picture(level: GridWorld, guide: Guide | None) -> dict[str, Any]:
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
     margin, palette = layout_of(level).margin, Palette()

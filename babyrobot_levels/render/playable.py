@@ -10,7 +10,7 @@ from babyrobot_levels.render.scene.layout import layout_of
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.mdp.tables import Mdp
 
 EVENTS = ("stay", "move", "carried", "bump", "skid", "bounce")
@@ -41,7 +41,7 @@ _SHIFTS = {
 }
 
 
-def playable(level: Level) -> dict[str, Any]:
+def playable(level: GridWorld) -> dict[str, Any]:
     """Return the data, which JSON can hold.
 
     `rows` are the different things that an action can come to, and `table` says for each state and

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.moves import shifts
-from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.mdp.drawn import drawing_of
+from babyrobot_levels.mdp.grid import Grid
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelFields
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.language.level import LevelSpec
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 ROBOT = "☻"
 TO_START = "↻"
@@ -32,47 +33,8 @@ _ACROSS = {d.SOLID: "───", d.GLASS: "╌╌╌", d.OPEN: "   "}
 _DOWN = {d.SOLID: "│", d.GLASS: "╎", d.OPEN: " "}
 
 
-def drawing_of(level: LevelFields, grid: Grid) -> d.Drawing:
-    """Return what the language's drawing shows of a level."""
-    width, height = grid.width, grid.height
-    cells = [[d.PLAIN] * width for _ in range(height)]
-    if level.map is not None:
-        shown, _ = d.parse(level.map, lambda character: character in level.legend, max(level.size))
-        for character in level.legend if shown else ():
-            for x, y in shown.find(character):  # type: ignore[union-attr]
-                cells[y][x] = character
-    for puddle in level.puddles:
-        x, y = puddle.at
-        cells[y][x] = d.SMALL if puddle.size == "small" else d.LARGE
-    for character, ends in ((d.START, level.starts), (d.EXIT, level.exits)):
-        for x, y in ends:
-            cells[y][x] = character
-    for cell, blocked in enumerate(grid.blocked_cells):
-        if blocked:
-            cells[cell // width][cell % width] = d.BLOCKED
-
-    east, south = _marks(grid, "E"), _marks(grid, "S")
-    rows = range(0, width * height, width)
-    return d.Drawing(
-        tuple("".join(row) for row in cells),
-        tuple(east[first : first + width - 1] for first in rows),
-        tuple(south[first : first + width] for first in rows[:-1]),
-    )
-
-
-def _marks(grid: Grid, side: str) -> str:
-    """Return the drawing's mark for what is on one side of each cell."""
-    solid, glass, nothing = map(ord, (d.SOLID, d.GLASS, d.OPEN))
-    walls = bytes(solid if bits & BIT[side] else nothing for bits in range(256))
-    marks = bytearray(grid.wall_bits.translate(walls))
-    for cell, where in grid.glass:
-        if where == side and marks[cell] == solid:
-            marks[cell] = glass
-    return marks.decode("ascii")
-
-
 def unicode_drawing(
-    level: Level, grid: Grid, *, state: int | None = None, color: bool = False
+    level: GridWorld, grid: Grid, *, state: int | None = None, color: bool = False
 ) -> str:
     """Return a picture for terminals; each line ends with a newline.
 
@@ -99,7 +61,7 @@ def unicode_drawing(
 
 
 def policy_drawing(
-    level: LevelFields, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
+    level: LevelSpec, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
 ) -> str:
     """Return a picture of where a policy leads; each line ends with a newline.
 
@@ -123,7 +85,7 @@ def policy_drawing(
     return "\n".join([*("".join(line) for line in _lines(drawing, cells)), ""])
 
 
-def _symbols(level: LevelFields, drawing: d.Drawing) -> Iterator[list[str]]:
+def _symbols(level: LevelSpec, drawing: d.Drawing) -> Iterator[list[str]]:
     """Yield rows of what the cells show. Starts and exits hide warps, and warps hide puddles."""
     south, east = shifts(level.wind, drawing.width, drawing.height)
     warps = {warp.at: warp.to for warp in level.warps}

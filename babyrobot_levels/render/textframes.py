@@ -14,7 +14,7 @@ from babyrobot_levels.render.text import ROBOT, policy_drawing, unicode_drawing
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 PLAIN_ROBOT = "@"
 
@@ -33,7 +33,7 @@ class TextPainter:
     """
 
     def __init__(
-        self, level: Level, *, plain: bool = False, overlay: Overlay | None = None
+        self, level: GridWorld, *, plain: bool = False, overlay: Overlay | None = None
     ) -> None:
         overlay = overlay or Overlay()
         self._level, self._grid = level, level.grid()

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 
 
 class BabyRobotError(Exception):
@@ -35,6 +33,14 @@ class LevelError(BabyRobotError, ValueError):
 
     def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
         return type(self), (self.diagnostics, self.message)
+
+
+class InvalidDocument(ValueError):
+    """Issues on their way through a pydantic validator, which lets only a `ValueError` pass."""
+
+    def __init__(self, issues: Iterable[Issue]):
+        self.issues = tuple(issues)
+        super().__init__("; ".join(issue.message for issue in self.issues))
 
 
 class LevelNotFoundError(BabyRobotError, LookupError):

@@ -15,8 +15,8 @@ from pathlib import Path
 from types import FrameType
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.reader import MAX_BYTES
-from babyrobot_levels.text.source import START, Position, SourceFile
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile
 
 SUFFIXES = (".yaml", ".yml")
 PACK_FILE = "pack.yaml"
@@ -28,23 +28,6 @@ _MAX_PREFIX = 40
 """So many characters of a file's name does its temporary name begin with."""
 
 
-class ReadFault(Exception):
-    """A file that cannot be read as a text. Carries the diagnostic that says why."""
-
-    def __init__(
-        self,
-        code: str,
-        name: str,
-        message: str,
-        help_text: str | None = None,
-        place: Position = START,
-    ):
-        self.diagnostic = Diagnostic(
-            code, Severity.ERROR, message, name, place.line, place.column, place, help=help_text
-        )
-        super().__init__(message)
-
-
 class NotRegularError(OSError):
     """A device, a pipe or a socket where a file is needed."""
 
@@ -53,23 +36,23 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     """Read a level's text. `name` is what messages call it, the path as given if left out.
 
     Raises:
-        ReadFault: there is no such file, it is not a regular one, too large, or not UTF-8.
+        LevelError: there is no such file, it is not a regular one, too large, or not UTF-8.
     """
     shown = name or str(path)
     try:
         data = read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
-        raise ReadFault("BR101", shown, "this is a folder, not a level file") from None
+        raise _unreadable("BR101", shown, "this is a folder, not a level file") from None
     except NotRegularError:
-        raise ReadFault("BR101", shown, "this is not a regular file") from None
+        raise _unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        raise ReadFault("BR101", shown, "there is no such file") from None
+        raise _unreadable("BR101", shown, "there is no such file") from None
     except PermissionError:
-        raise ReadFault("BR101", shown, "the file may not be read (permission denied)") from None
+        raise _unreadable("BR101", shown, "the file may not be read (permission denied)") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise ReadFault("BR101", shown, f"the file cannot be read ({reason})") from None
-    return decode(data, shown)
+        raise _unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
+    return source_of(data, shown)
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -110,14 +93,14 @@ def is_folder(path: Path) -> bool:
     return os.path.isdir(path)  # noqa: PTH112
 
 
-def decode(data: bytes, name: str) -> SourceFile:
+def source_of(data: bytes, name: str) -> SourceFile:
     """Return bytes as a text.
 
     Raises:
-        ReadFault: they are too many, or not UTF-8.
+        LevelError: they are too many, or not UTF-8.
     """
     if len(data) > MAX_BYTES:
-        raise ReadFault("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
+        raise _unreadable("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
     try:
         return SourceFile(name, data.decode("utf-8"))
     except UnicodeDecodeError as error:
@@ -126,7 +109,19 @@ def decode(data: bytes, name: str) -> SourceFile:
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             message = "the file is UTF-16, not UTF-8"
         place = before.position(len(before.text))
-        raise ReadFault("BR102", name, message, "save the file as UTF-8", place) from None
+        raise _unreadable("BR102", name, message, "save the file as UTF-8", place) from None
+
+
+def _unreadable(
+    code: str, name: str, message: str, help_text: str | None = None, place: Position = START
+) -> LevelError:
+    return LevelError(
+        [
+            Diagnostic(
+                code, Severity.ERROR, message, name, place.line, place.column, place, help=help_text
+            )
+        ]
+    )
 
 
 def write_text(path: Path, text: str, *, sync: bool = True) -> None:

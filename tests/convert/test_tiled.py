@@ -69,7 +69,7 @@ def test_whatever_a_level_says_comes_back(world: World) -> None:
             assert getattr(again, field) == getattr(level, field)
     for field in ("discount", "max_steps", "rewards", "display", "areas", "warps", "wind", "skid"):
         assert getattr(again, field) == getattr(level, field)
-    assert again.colors_and_widths == level.colors_and_widths
+    assert again.resolved_theme == level.resolved_theme
 
 
 @pytest.mark.parametrize("name", ["final-maze", "garden", "frozen-lake", "four-corners"])

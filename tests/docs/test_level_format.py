@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 from support.places import DOCS, ROOT
+from support.reading import read_level
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import Colors, Theme, Widths
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.diagnostics import Diagnostic

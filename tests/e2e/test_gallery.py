@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 from support.places import GALLERY_FOLDER, ROOT
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level

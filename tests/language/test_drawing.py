@@ -12,7 +12,7 @@ from support.worlds import LEGEND, World, drawings, level_of, level_of_text, wor
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.validation import parse as load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Mark
 from babyrobot_levels.text.source import SourceFile
 
 MAX_SIZE = 1024
@@ -25,8 +25,14 @@ SHOWN = """\
 """
 
 
-def parse(text: str, known: str = "~x9") -> tuple[d.Drawing | None, list[d.DrawingProblem]]:
+def parse(text: str, known: str = "~x9") -> tuple[d.Drawing | None, list[Issue]]:
     return d.parse(text, lambda character: character in known, MAX_SIZE)
+
+
+def mark(issue: Issue) -> tuple[int, int, int]:
+    """Return row, column and length of what an issue points to."""
+    assert isinstance(issue.location, Mark)
+    return issue.location.row, issue.location.column, issue.location.length
 
 
 def drawn(text: str, **fields: Any) -> Level:
@@ -178,9 +184,10 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
         assert problems
         lines = changed.split("\n")
         for problem in problems:
-            assert 0 <= problem.row < len(lines)
-            assert 0 <= problem.column <= len(lines[problem.row])
-            assert problem.length >= 1
+            row, column, length = mark(problem)
+            assert 0 <= row < len(lines)
+            assert 0 <= column <= len(lines[row])
+            assert length >= 1
     else:
         assert not problems
         assert parse(d.compose(other)) == (other, [])
@@ -220,14 +227,14 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
 def test_faults(text: str, row: int, column: int, length: int, message: str) -> None:
     drawing, problems = parse(text)
     assert drawing is None
-    assert (row, column, length) in [(p.row, p.column, p.length) for p in problems]
-    (fault,) = [p for p in problems if (p.row, p.column) == (row, column)]
+    assert (row, column, length) in map(mark, problems)
+    (fault,) = [p for p in problems if mark(p)[:2] == (row, column)]
     assert message in fault.message
 
 
 def test_all_faults_are_told_at_once() -> None:
     _, problems = parse("+---+---+\n| ?   ! |\n+ - + - +\n|SS     ;\n+---+---*\n")
-    assert [(p.row, p.column) for p in problems] == [
+    assert [mark(p)[:2] for p in problems] == [
         (1, 2),
         (1, 6),
         (2, 1),

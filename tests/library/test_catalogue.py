@@ -443,19 +443,19 @@ def test_a_theme_beside_the_level_is_used() -> None:
     write("worlds/themes/sea.yaml", "colors: {base: '#123456'}\nwidths: {walls: 7}\n")
     level = brl.load(write("worlds/mine.yaml", f"{LEVEL}theme: sea\n"))
     assert level.theme == "sea"
-    assert level.colors_and_widths.colors.base == "#123456"
-    assert level.colors_and_widths.widths.walls == 7
+    assert level.resolved_theme.colors.base == "#123456"
+    assert level.resolved_theme.widths.walls == 7
     assert brl.check("worlds/mine.yaml") == []
     # It goes with the level, wherever that goes.
-    assert level.replace(size=(5, 5)).colors_and_widths == level.colors_and_widths
+    assert level.replace(size=(5, 5)).resolved_theme == level.resolved_theme
     whole = brl.load(level.to_dict(whole=True))
-    assert whole.colors_and_widths.colors.base == "#123456"
+    assert whole.resolved_theme.colors.base == "#123456"
 
 
 def test_a_builtin_theme_wins_over_a_file() -> None:
     write("themes/green.yaml", "colors: {base: '#123456'}\n")
     level = brl.load(write("mine.yaml", f"{LEVEL}theme: green\n"))
-    assert level.colors_and_widths.colors.base != "#123456"
+    assert level.resolved_theme.colors.base != "#123456"
 
 
 def test_an_unknown_theme_is_told_with_those_that_are_known() -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageSequence
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.animation import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
@@ -25,7 +25,7 @@ PER_STEP = 5
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 ROW = level(size=[4, 1])

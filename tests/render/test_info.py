@@ -11,7 +11,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.learning import value_iteration
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
@@ -20,7 +20,7 @@ from babyrobot_levels.render.scene.shapes import Text
 
 N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
 
-LEVEL: Any = from_mapping({"version": 1, "size": [3, 2]})
+LEVEL: Any = Level.from_fields({"version": 1, "size": [3, 2]})
 
 
 def read(**info: Any) -> Overlay:

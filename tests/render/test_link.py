@@ -18,7 +18,6 @@ from babyrobot_levels.cli.answers import guide_of
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.link import MAX_LINK, link_fragment
 from babyrobot_levels.render.pagedata import TooLargeError, page_data
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
@@ -110,13 +109,13 @@ def test_the_dictionary_of_version_1_stays_as_it_is() -> None:
 
 
 def test_a_level_that_is_too_large_for_a_link_says_so() -> None:
-    large = from_mapping({"version": 1, "size": [128, 128], "maze": {"seed": 1}})
+    large = Level.from_fields({"version": 1, "size": [128, 128], "maze": {"seed": 1}})
     with pytest.raises(TooLargeError, match=rf"too large for a link: .* of at most {MAX_LINK:,}"):
         link_fragment(large, large)
 
 
 def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    level = from_mapping({"version": 1, "description": "x" * 10_000})
+    level = Level.from_fields({"version": 1, "description": "x" * 10_000})
     data = json.dumps(page_data(level), ensure_ascii=False, separators=(",", ":"))
     size = len(data.encode())
     monkeypatch.setattr("babyrobot_levels.render.link.MAX_UNPACKED", size)
@@ -127,6 +126,6 @@ def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.Monke
 
 
 def test_a_level_with_more_cells_than_a_page_has_room_for_says_so() -> None:
-    large = from_mapping({"version": 1, "size": [129, 128]})
+    large = Level.from_fields({"version": 1, "size": [129, 128]})
     with pytest.raises(TooLargeError, match="too large for a page"):
         link_fragment(large, large)

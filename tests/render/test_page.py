@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import embedded_json, to_html
 from babyrobot_levels.render.pagedata import Guide, facts
@@ -27,7 +27,7 @@ EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 ROW = level(size=[3, 1], title="A row")
@@ -277,7 +277,7 @@ def test_every_outcome_has_the_pose_of_the_pictures() -> None:
 def test_every_pose_has_its_pictures() -> None:
     common = common_of(to_html(ROW))
     assert [len(phases) for phases in common["sprites"]] == [common["phases"]] * len(POSES)
-    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.colors_and_widths, 0, 0))
+    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.resolved_theme, 0, 0))
     assert common["palette"].count("robot") == common["palette"].count("puddle") == 1
 
 

@@ -12,7 +12,7 @@ from support.work import counted_calls
 
 from babyrobot_levels.language.color import NAMES
 from babyrobot_levels.language.looks import BUILTIN_THEMES
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
@@ -24,7 +24,7 @@ WHITE = (255, 255, 255)
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 def painted(*shapes: Shape, side: int = 40) -> np.ndarray[Any, np.dtype[np.uint8]]:

@@ -27,7 +27,6 @@ from babyrobot_levels.convert.conversion import (
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.text.suggest import did_you_mean
 
 Cell = tuple[int, int]
@@ -70,7 +69,7 @@ def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
     world = read_setup(setup)
     for lost in world.lost:
         warnings.warn(str(lost), ConversionWarning, stacklevel=2)
-    return from_mapping(world.fields, name=name)
+    return Level.from_fields(world.fields, name=name)
 
 
 def read_setup(setup: Mapping[str, Any]) -> World:

@@ -157,7 +157,7 @@ def _blocked(level: Level) -> list[Any]:
             for blocked, run in groupby(range(width), lambda x: cells[y * width + x]):  # noqa: B023
                 columns = list(run)
                 rectangles += [(columns[0], y, len(columns), 1)] if blocked else []
-    color = level.colors_and_widths.colors.blocked
+    color = level.resolved_theme.colors.blocked
     if level.theme in THEMES or color == DEFAULT.colors.blocked:
         return rectangles
     return [(rectangle, color) for rectangle in rectangles]
@@ -187,7 +187,7 @@ def _lost_rewards(level: Level) -> Iterator[Lost]:
 def _theme(level: Level, lost: list[Lost]) -> dict[str, Any]:
     if level.theme in THEMES:
         return {"grid": {"theme": level.theme}}
-    theme = level.colors_and_widths
+    theme = level.resolved_theme
     colors = {}
     for name, value in theme.colors.model_dump().items():
         if value != getattr(DEFAULT.colors, name):

@@ -14,15 +14,13 @@ from babyrobot_levels.convert.edges import Edge, edge_of, in_rows
 from babyrobot_levels.convert.tiled.tiles import FAR, MAX_TILES, TileLayer, tile_layer
 from babyrobot_levels.convert.tiled.tilesets import CLASSES, Tilesets
 from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.language.level import LevelFields
-from babyrobot_levels.text.document import YamlFault
-from babyrobot_levels.text.reader import MAX_BYTES, read
-from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 
 TEXTS = ("title", "description", "author", "license", "source")
-SPATIAL = frozenset(
-    {"size", "start", "exit", "walls", "openings", "maze", "puddles", "blocked", "map", "legend"}
-)
+SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN))
 MAX_LENGTH = 4_000_000
 """More than the largest grid has sides of cells."""
 
@@ -186,8 +184,10 @@ class _Reader:
             elif isinstance(value, str) and name not in TEXTS:
                 try:
                     fields[name] = read(SourceFile(f"property {name}", value)).data
-                except YamlFault as fault:
-                    raise ConversionError(f"property {name}: {fault}") from None
+                except LevelError as fault:
+                    raise ConversionError(
+                        f"property {name}: {fault.diagnostics[0].message}"
+                    ) from None
             else:
                 fields[name] = value
         return fields

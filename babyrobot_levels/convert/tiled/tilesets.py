@@ -12,7 +12,8 @@ from babyrobot_levels.convert.checked import integer, mapping, sequence
 from babyrobot_levels.convert.conversion import ConversionError, Lost, shown
 from babyrobot_levels.convert.data import MAX_DEPTH, read_data
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile
 
 CLASSES = ("start", "exit", "small-puddle", "large-puddle", "blocked")
@@ -88,8 +89,8 @@ class Tilesets:
             if path.suffix.lower() not in (".tsj", ".json", ".tsx"):
                 return "is no tileset by its name (.tsx, .tsj or .json)"
             return read_source(path, str(path.relative_to(home)))
-        except ReadFault as fault:
-            return f"is not read: {fault.diagnostic.message}"
+        except LevelError as fault:
+            return f"is not read: {fault.diagnostics[0].message}"
         except (OSError, ValueError):
             return "is no name of a file"
 

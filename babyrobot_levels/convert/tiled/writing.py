@@ -12,7 +12,6 @@ from babyrobot_levels.convert.tiled.reading import SPATIAL, TEXTS
 from babyrobot_levels.convert.tiled.tilesets import CLASSES
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
@@ -50,7 +49,7 @@ def write_tiled(level: Level) -> Conversion:
         _tile_layer(2, "starts and exits", ends, level.size),
         _wall_layer(3, walls),
     ]
-    red, green, blue, _ = rgba(level.colors_and_widths.colors.base)
+    red, green, blue, _ = rgba(level.resolved_theme.colors.base)
     data = {
         "backgroundcolor": f"#{red:02x}{green:02x}{blue:02x}",
         "compressionlevel": -1,
@@ -166,8 +165,8 @@ def _tileset(image: str) -> dict[str, Any]:
 
 def _picture(level: Level) -> bytes:
     """Return the picture of the tiles: that of a level which has one of each, side by side."""
-    theme = plain(level.colors_and_widths)
-    tiles = from_mapping(
+    theme = plain(level.resolved_theme)
+    tiles = Level.from_fields(
         {
             "version": 1,
             "size": [len(CLASSES), 1],

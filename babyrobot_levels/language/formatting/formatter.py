@@ -7,16 +7,16 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+from babyrobot_levels.language.documents import check_document, is_suite
 from babyrobot_levels.language.formatting.fields import fields_of
 from babyrobot_levels.language.formatting.kept import KeptAsIs
 from babyrobot_levels.language.formatting.tree import tidy, tree_of
+from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.validation import from_yaml, parse_document
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import is_suite, read_document, read_suite
+from babyrobot_levels.language.validation import check
 from babyrobot_levels.text.comments import comments
-from babyrobot_levels.text.document import Document, YamlFault
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.layout import lines_of
 from babyrobot_levels.text.reader import read
@@ -62,23 +62,16 @@ def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     Raises:
         LevelError: the text is not valid.
     """
-    try:
-        document = read(source)
-    except YamlFault as fault:
-        raise LevelError([from_yaml(fault.problem, source)]) from None
+    document = read(source)
     is_theme = path is not None and path.absolute().parent.name == "themes"
-    model: type[Level | SuiteFields | Theme] = Level
+    model: type[LevelSpec | SuiteFields | Theme] = LevelSpec
     if is_theme or is_suite(document):
         model = Theme if is_theme else SuiteFields
     if is_theme or path is None:
         # Whether a theme that the level names is there, only a file's folder tells.
-        valid, diagnostics = parse_document(document, model)
-    elif model is SuiteFields:
-        valid, diagnostics = read_suite(document, path)
+        check(document, model).valid()
     else:
-        valid, diagnostics = read_document(document, path)
-    if valid is None:
-        raise LevelError(diagnostics)
+        check_document(document, LevelSpec, path).valid()
     try:
         lines = lines_of(tree_of(document, fields_of(model)))
     except KeptAsIs as reason:
@@ -95,9 +88,9 @@ def _says_the_same(text: str, before: Document) -> bool:
     """Tell whether a text has the data and the comments of a document."""
     try:
         after = read(SourceFile("", text))
-    except YamlFault:
+    except LevelError:
         return False
-    return not after.problems and _content(after) == _content(before)
+    return not after.issues and _content(after) == _content(before)
 
 
 def _content(document: Document) -> tuple[str, Counter[str]]:

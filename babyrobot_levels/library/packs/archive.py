@@ -19,7 +19,7 @@ from babyrobot_levels.library.packs.errors import PackError
 from babyrobot_levels.library.packs.manifest import MANIFEST, Manifest, check_files, read_manifest
 from babyrobot_levels.library.packs.paths import clashes, path_fault
 from babyrobot_levels.text.files import read_bytes
-from babyrobot_levels.text.reader import MAX_BYTES
+from babyrobot_levels.text.source import MAX_BYTES
 
 SUFFIX = ".brlpack"
 

@@ -14,9 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from babyrobot_levels.language.pack import VERSION, PackFields
-from babyrobot_levels.language.validation import parse
+from babyrobot_levels.language.validation import check
 from babyrobot_levels.library.folders import user_folder
-from babyrobot_levels.text.files import PACK_FILE, ReadFault, is_folder, read_source
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import PACK_FILE, is_folder
+from babyrobot_levels.text.reader import open_document
 
 CURRENT = "current"
 MAX_LINE = 100
@@ -103,8 +105,8 @@ def version_of(folder: str) -> str | None:
 def fields(folder: Path) -> PackFields | None:
     """Return what a pack's `pack.yaml` says, or None where there is none that is valid."""
     try:
-        return parse(read_source(folder / PACK_FILE), PackFields)[0]
-    except ReadFault:
+        return check(open_document(folder / PACK_FILE), PackFields).value
+    except LevelError:
         return None
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 from babyrobot_levels.mdp.compiler.arrivals import Arrivals
 from babyrobot_levels.mdp.compiler.branches import (

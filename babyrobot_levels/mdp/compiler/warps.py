@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.mdp.grid import Grid
 

@@ -12,7 +12,7 @@ from babyrobot_levels.render.screen import screen_scale
 from babyrobot_levels.render.svg import to_svg
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.scene.shapes import Scene
 
 Bundle = dict[str, Any]
@@ -50,7 +50,7 @@ def picture_mimebundle(scene: Scene, text: str) -> Bundle:
     }
 
 
-def level_mimebundle(level: Level) -> Bundle:
+def level_mimebundle(level: GridWorld) -> Bundle:
     """Return what a level shows as the last line of a cell: its picture and its drawing.
 
     Of a level that grows another maze at each reset, the one of seed 0 is shown.
@@ -62,13 +62,13 @@ def level_mimebundle(level: Level) -> Bundle:
     return picture_mimebundle(build_scene(level), level.draw())
 
 
-def is_too_large(level: Level) -> bool:
+def is_too_large(level: GridWorld) -> bool:
     """Return whether a level has more than `MAX_CELLS` cells."""
     columns, rows = level.size
     return columns * rows > MAX_CELLS
 
 
-def in_words(level: Level) -> Bundle:
+def in_words(level: GridWorld) -> Bundle:
     """Return what stands for the picture of a level that is too large."""
     columns, rows = level.size
     name = level.title or level.name or "a level"

@@ -29,7 +29,7 @@ from babyrobot_levels.render.textframes import TextPainter
 if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
 
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.output import Output
     from babyrobot_levels.render.scene.overlays import Overlay
     from babyrobot_levels.render.stage import Stage
@@ -65,7 +65,7 @@ class LevelView:
         LevelError: the maze has no seed yet (`seed: random`).
     """
 
-    def __init__(self, level: Level, *, speed: float | None = None) -> None:
+    def __init__(self, level: GridWorld, *, speed: float | None = None) -> None:
         self._step_seconds = STEP_SECONDS / (level.display.robot.speed if speed is None else speed)
         self._frontend = frontend()
         self._stage: Stage | None = None
@@ -76,7 +76,7 @@ class LevelView:
         x, y = level.starts[0]
         self._build(level, y * level.size[0] + x, STANDING, None)
 
-    def _build(self, level: Level, state: int, pose: Pose, overlay: Overlay | None) -> None:
+    def _build(self, level: GridWorld, state: int, pose: Pose, overlay: Overlay | None) -> None:
         self._layers = build_layers(level, state=state, pose=pose, overlay=overlay)
         self._layout = layout_of(level, overlay=overlay)
         self._level, self._state, self._pose, self._overlay = level, state, pose, overlay
@@ -181,7 +181,7 @@ class LevelView:
         if self._is_watched:
             self._read_until = time.monotonic() + self._step_seconds
 
-    def set_level(self, level: Level, state: int) -> None:
+    def set_level(self, level: GridWorld, state: int) -> None:
         """Show another level, with the robot in a state. What is written over it stays.
 
         Raises:
@@ -214,7 +214,7 @@ class LevelView:
     def _robot(self, y: float, x: float, pose: Pose) -> Scene:
         """Return the robot's layer with him in a cell, or between two."""
         corner = self._layout.corner(x, y)
-        shapes = robot_shapes(self._level.colors_and_widths, *corner, pose)
+        shapes = robot_shapes(self._level.resolved_theme, *corner, pose)
         return replace(self._layers["robot"], shapes=shapes)
 
     @property

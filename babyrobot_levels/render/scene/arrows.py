@@ -13,7 +13,7 @@ from babyrobot_levels.render.scene.paths import QUARTER, Point, curve, polygon, 
 from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Shape
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WIDTH = 3.0
 _HEAD = 11.0
@@ -24,12 +24,12 @@ _MAX_CHEVRONS = 3
 Dash = tuple[float, float] | None
 
 
-def warp_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def warp_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the warps: an arrow from ring to cell, or a round one to the start.
 
     A warp that acts on entering is drawn solid, one that acts on leaving dashed.
     """
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     rings = {warp.at for warp in level.warps}
     for warp in level.warps:
         centre = layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5)
@@ -96,7 +96,7 @@ def _halo(shaft: tuple[Command, ...], head: tuple[Command, ...], color: str) -> 
     yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)
 
 
-def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def wind_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield chevrons where the wind blows: one for each cell that it pushes, at most three."""
     if level.wind is None:
         return
@@ -113,7 +113,7 @@ def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
     if commands:
         yield Path(
             tuple(commands),
-            stroke=level.colors_and_widths.colors.arrows,
+            stroke=level.resolved_theme.colors.arrows,
             width=2.5,
             cap="round",
             opacity=0.55,

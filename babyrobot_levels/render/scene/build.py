@@ -20,7 +20,7 @@ from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, lab
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 
 LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
@@ -28,7 +28,7 @@ LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
 
 
 def build_scene(
-    level: Level,
+    level: GridWorld,
     *,
     state: int | None = None,
     pose: Pose = STANDING,
@@ -59,7 +59,7 @@ def build_scene(
 
 
 def build_layers(
-    level: Level,
+    level: GridWorld,
     *,
     state: int | None = None,
     pose: Pose = STANDING,
@@ -89,19 +89,21 @@ def build_layers(
     }
     if robot and (state is not None or level.display.robot.show):
         corner = _robot_corner(level, layout, state)
-        layers["robot"] = robot_shapes(level.colors_and_widths, *corner, pose)
+        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose)
     layers |= overlay_shapes(level, overlay, layout)._asdict()
     title = level.title or level.name or "Level"
     return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
 
 
-def build_base(level: Level, *, cells_only: bool = False, overlay: Overlay | None = None) -> Scene:
+def build_base(
+    level: GridWorld, *, cells_only: bool = False, overlay: Overlay | None = None
+) -> Scene:
     """Return the picture of a level without the robot; see `build_scene`."""
     return build_scene(level, robot=False, cells_only=cells_only, overlay=overlay)
 
 
 def _base_shapes(
-    level: Level, overlay: Overlay, layout: Layout, *, cells_only: bool
+    level: GridWorld, overlay: Overlay, layout: Layout, *, cells_only: bool
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
     yield from puddle_shapes(level, layout)
@@ -110,7 +112,7 @@ def _base_shapes(
         yield from compass_shapes(level, layout)
 
 
-def _grid_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def _grid_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     yield from wind_shapes(level, layout)
     yield from warp_shapes(level, layout)
     yield from end_texts(level, layout)
@@ -120,7 +122,7 @@ def _grid_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         yield from coordinate_texts(level, layout)
 
 
-def _robot_corner(level: Level, layout: Layout, state: int | None) -> tuple[float, float]:
+def _robot_corner(level: GridWorld, layout: Layout, state: int | None) -> tuple[float, float]:
     if state is None:
         return layout.corner(*level.starts[0])
     if not 0 <= state < layout.columns * layout.rows:

@@ -11,7 +11,7 @@ from babyrobot_levels.render.scene.runs import rectangles, runs
 from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _DASH = 4.0
 _LINE_WIDTH = 1.0
@@ -19,9 +19,9 @@ _EDGE = 3.0
 """How high blocked cells seem to stand above the ground."""
 
 
-def ground_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the ground, from the bottom up."""
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     blocked = level.grid().blocked_cells
     yield Rect(layout.margin, layout.margin, layout.grid_width, layout.grid_height, colors.base)
     for area in level.areas:

@@ -16,7 +16,7 @@ from babyrobot_levels.render.scene.told_rows import cells_of, number_of
 from babyrobot_levels.text.suggest import did_you_mean
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 KEYS = (
     "values",
@@ -42,7 +42,7 @@ _ELSEWHERE = {
 """What PyPI's babyrobot calls the same things."""
 
 
-def overlay_from(info: Mapping[str, Any], level: Level) -> Overlay:
+def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
     """Return what a mapping asks to be shown on a level.
 
     All keys may be left out. Arrays are NumPy's, or lists; where they hold nan or None nothing is
@@ -98,12 +98,12 @@ def _hint(key: str) -> str:
     return did_you_mean(key, KEYS) or f"; there are {', '.join(KEYS)}"
 
 
-def _values(told: Any, level: Level) -> list[list[float | None]]:
+def _values(told: Any, level: GridWorld) -> list[list[float | None]]:
     rows = cells_of(told, "values", level)
     return [[number_of(cell, "values") for cell in row] for row in rows]
 
 
-def _visits(told: Any, level: Level) -> list[list[float | None]]:
+def _visits(told: Any, level: GridWorld) -> list[list[float | None]]:
     rows = [[number_of(cell, "visits") for cell in row] for row in cells_of(told, "visits", level)]
     for count in (count for row in rows for count in row if count is not None):
         if not 0 <= count < math.inf:
@@ -111,7 +111,7 @@ def _visits(told: Any, level: Level) -> list[list[float | None]]:
     return rows
 
 
-def _action_values(told: Any, level: Level) -> list[list[list[float | None]]]:
+def _action_values(told: Any, level: GridWorld) -> list[list[list[float | None]]]:
     rows = cells_of(told, "action_values", level, deep=True)
     numbers = [
         [[number_of(value, "action_values") for value in cell] for cell in row] for row in rows
@@ -122,7 +122,7 @@ def _action_values(told: Any, level: Level) -> list[list[list[float | None]]]:
     ]
 
 
-def _note(item: Any, precision: int, level: Level) -> Note:
+def _note(item: Any, precision: int, level: GridWorld) -> Note:
     try:
         (x, y), text, color = item if len(item) == 3 else (*item, None)
         x, y = float(x), float(y)

@@ -12,7 +12,7 @@ from babyrobot_levels.render.scene.lines import height_of, wrapped
 from babyrobot_levels.render.scene.overlays import Overlay
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 CELL = 64.0
 """The side of a cell in pixels."""
@@ -78,7 +78,9 @@ class Layout:
         return ((x, y) for y in range(self.rows) for x in range(self.columns))
 
 
-def layout_of(level: Level, *, cells_only: bool = False, overlay: Overlay | None = None) -> Layout:
+def layout_of(
+    level: GridWorld, *, cells_only: bool = False, overlay: Overlay | None = None
+) -> Layout:
     """Return the layout of a level's picture.
 
     Args:
@@ -89,7 +91,7 @@ def layout_of(level: Level, *, cells_only: bool = False, overlay: Overlay | None
     columns, rows = level.size
     if cells_only:
         return Layout(columns, rows, 0.0, 0.0, 0.0)
-    widths = level.colors_and_widths.widths
+    widths = level.resolved_theme.widths
     # Half of the outer wall stands outside of the cells, and must not be cut off.
     margin = float(math.ceil(max(widths.padding, widths.border / 2)))
     side, bottom = panel_width(level.display.side_panel), panel_width(level.display.bottom_panel)

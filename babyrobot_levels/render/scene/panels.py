@@ -12,14 +12,14 @@ from babyrobot_levels.render.scene.paths import polygon
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _NEEDLE = "#e5484d"
 
 
-def panel_shapes(level: Level, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
+def panel_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
     """Yield the ground of the panels: one beside the grid, one below both."""
-    display, ground = level.display, level.colors_and_widths.colors.text_bg
+    display, ground = level.display, level.resolved_theme.colors.text_bg
     if panel_width(display.side_panel) or overlay.side_panel:
         fill = _ground(display.side_panel, ground)
         yield Rect(layout.left_width, 0, layout.side, layout.top_height, fill)
@@ -32,11 +32,11 @@ def _ground(panel: str | float | Panel, ground: str) -> str:
     return panel.color if isinstance(panel, Panel) and panel.color is not None else ground
 
 
-def compass_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the compass, at the top of the strip beside the grid: north is up."""
     if not level.display.compass:
         return
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     x = layout.left_width + layout.side / 2
     y = COMPASS / 2
     yield Ellipse(x, y, 31, 31, colors.text_bg)

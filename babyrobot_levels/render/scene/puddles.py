@@ -11,7 +11,7 @@ from babyrobot_levels.render.scene.paths import Point, curve, smooth
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _POINTS = 12
 _FLATTEN = 0.84
@@ -22,9 +22,9 @@ _WHITE = "#ffffff"
 _SHORE = "#000000"
 
 
-def puddle_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the puddles: water, a lighter middle, a highlight, and drops beside small ones."""
-    fill = level.colors_and_widths.colors.puddle
+    fill = level.resolved_theme.colors.puddle
     for puddle in level.puddles:
         x, y = puddle.at
         centre_x, centre_y = layout.corner(x + 0.5, y + 0.5)

@@ -10,16 +10,16 @@ from babyrobot_levels.render.scene.lines import CHARACTER_WIDTH
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _END_SIZE = 11.0
 _COORDINATE_SIZE = 9.5
 _LABEL_SIZES = (12.0, 10.5, 9.0)
 
 
-def end_texts(level: Level, layout: Layout) -> Iterator[Text]:
+def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
     """Yield START and EXIT, at the foot of their cells, where the robot does not hide them."""
-    colors, display = level.colors_and_widths.colors, level.display
+    colors, display = level.resolved_theme.colors, level.display
     for word, cells, shown, fill in (
         ("START", level.starts, display.start_text, colors.start_text),
         ("EXIT", level.exits, display.exit_text, colors.exit_text),
@@ -29,9 +29,9 @@ def end_texts(level: Level, layout: Layout) -> Iterator[Text]:
             yield Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
-def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the labels of areas, at an edge, on a ground that keeps them readable."""
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     for area in level.areas:
         label = " ".join((area.label or "").split())
         if not label:
@@ -57,7 +57,7 @@ def fit(text: str, room: float) -> tuple[float, str]:
 
 
 def coordinate_texts(
-    level: Level, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
+    level: GridWorld, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
 ) -> Iterator[Text]:
     """Yield the coordinates of each free cell, at its left.
 
@@ -67,7 +67,7 @@ def coordinate_texts(
         tops: how many pixels below its upper edge each cell has room; by default, all have it
             there.
     """
-    colors, blocked = level.colors_and_widths.colors, level.grid().blocked_cells
+    colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     fills = dict.fromkeys(level.starts, colors.start_text)
     fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():

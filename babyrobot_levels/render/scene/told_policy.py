@@ -10,7 +10,7 @@ from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 from babyrobot_levels.render.scene.told_rows import cells_of, number_of, shape_of
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _NAMES = {name: action for action in Action for name in (action.name, action.name[0])}
 _NAMES["S"] = Action.SOUTH
@@ -18,7 +18,7 @@ _TIE = 1e-9
 """How much less than the largest a probability may be and still count, as a share of it."""
 
 
-def read_policy(told: Any, level: Level) -> list[list[tuple[Action, ...]]]:
+def read_policy(told: Any, level: GridWorld) -> list[list[tuple[Action, ...]]]:
     """Return the actions of a policy in each cell, `[height][width]`; see `overlay_from`.
 
     Raises:

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 
-def cells_of(told: Any, key: str, level: Level, *, deep: bool = False) -> list[list[Any]]:
+def cells_of(told: Any, key: str, level: GridWorld, *, deep: bool = False) -> list[list[Any]]:
     """Return what is told for each cell, `[height][width]`.
 
     Args:

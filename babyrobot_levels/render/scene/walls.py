@@ -14,7 +14,7 @@ from babyrobot_levels.render.scene.paths import polyline
 from babyrobot_levels.render.scene.shapes import Command, Path, Shape
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 GLASS = "#8fd0f5"
 _GLASS_CORE = "#f4fbff"
@@ -37,12 +37,12 @@ class _Style:
     """Of glass, the colour of its two edges."""
 
 
-def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
     Walls with a colour or width of their own are few and meant to be seen: they lie on the others.
     """
-    colors, widths = level.colors_and_widths.colors, level.colors_and_widths.widths
+    colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
     glass = _Style(GLASS, widths.walls + _GLASS_EXTRA, glass=True, rim=colors.walls)
     solid = _Style(colors.walls, widths.walls)
     border = _Style(colors.border, widths.border)
@@ -77,7 +77,7 @@ def _outer_edges(layout: Layout) -> Iterator[Edge]:
         yield True, layout.columns, y
 
 
-def _own_styles(level: Level, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
+def _own_styles(level: GridWorld, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
     """Return the styles of those walls that the level gives looks of their own."""
     own: dict[Edge, _Style] = {}
     for wall in level.walls:

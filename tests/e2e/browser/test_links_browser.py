@@ -22,7 +22,6 @@ from support.worlds import World, decorated_worlds, level_of
 from babyrobot_levels.cli.answers import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.link import MAX_UNPACKED, link_fragment
 from babyrobot_levels.render.page import to_html
 from babyrobot_levels.render.pagedata import page_data
@@ -32,7 +31,7 @@ SOME = [
     "moonlight", "random-maze", "river-crossing", "side-panel", "teleport-pads",
 ]  # fmt: skip
 """Between them, they have all that a level can have; worlds that are drawn have the rest."""
-OWN = from_mapping({"version": 1, "size": [4, 3], "title": "The page's own", "theme": "print"})
+OWN = Level.from_fields({"version": 1, "size": [4, 3], "title": "The page's own", "theme": "print"})
 FAST = {"robot": {"speed": 100}}
 NO_LEVEL = "This link is damaged: what it holds is no level."
 
@@ -170,7 +169,7 @@ def test_a_link_without_best_moves_has_no_controls_for_them(ground: Playground) 
 
 def test_the_robot_has_the_levels_own_colours(ground: Playground) -> None:
     colors = {"robot": "#123456", "puddle": "rgba(1, 2, 3, 0.5)"}
-    world = from_mapping({"version": 1, "theme": {"colors": colors}})
+    world = Level.from_fields({"version": 1, "theme": {"colors": colors}})
     fills = "() => [...document.querySelectorAll('symbol *')].map((e) => e.getAttribute('fill'))"
     ground.follow("")
     before = set(ground.page.evaluate(fills))

@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, expect
 from support.playground import KEYS, Playground, guide
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import to_html
 
@@ -20,7 +20,7 @@ FAST = {"robot": {"speed": 100}}
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 @pytest.fixture

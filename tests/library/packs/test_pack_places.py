@@ -26,7 +26,7 @@ PACK = "name: zoo\nversion: 1.0.0\ndescription: A zoo\n"
 
 
 def base(level: brl.Level) -> str | None:
-    return level.colors_and_widths.colors.base
+    return level.resolved_theme.colors.base
 
 
 def listed(here: Path, *arguments: str) -> Result:

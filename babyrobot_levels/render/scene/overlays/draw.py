@@ -17,7 +17,7 @@ from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.texts import coordinate_texts
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _COUNT_ROOM = 30.0
 """Coordinates stand beside the count."""
@@ -31,7 +31,7 @@ class OverlayShapes(NamedTuple):
     text: tuple[Shape, ...]
 
 
-def overlay_shapes(level: Level, overlay: Overlay, layout: Layout) -> OverlayShapes:
+def overlay_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> OverlayShapes:
     """Return what an overlay says: heat and arrows on the ground, numbers, and other texts.
 
     They keep clear of each other, and of the texts that the picture has already.
@@ -39,7 +39,7 @@ def overlay_shapes(level: Level, overlay: Overlay, layout: Layout) -> OverlaySha
     Raises:
         ValueError: the overlay is not as large as the level.
     """
-    colors, rooms = level.colors_and_widths.colors, Rooms(level, layout)
+    colors, rooms = level.resolved_theme.colors, Rooms(level, layout)
     visits = [(cell, count) for cell, count in _cells(overlay.visits, layout) if count]
     ground: list[Shape] = [*heat_shapes(visits, rooms, layout, colors.arrows)]
     tops = _corners(level, overlay, visits, rooms, layout)
@@ -62,7 +62,7 @@ def overlay_shapes(level: Level, overlay: Overlay, layout: Layout) -> OverlaySha
 
 
 def _corners(
-    level: Level,
+    level: GridWorld,
     overlay: Overlay,
     visits: list[tuple[Cell, float]],
     rooms: Rooms,
@@ -84,9 +84,9 @@ def _counts(
         yield from pill(count, right - 4, under, _COUNT_ROOM, 0, colors, "end")
 
 
-def _values(level: Level, overlay: Overlay, rooms: Rooms, layout: Layout) -> Iterator[Shape]:
+def _values(level: GridWorld, overlay: Overlay, rooms: Rooms, layout: Layout) -> Iterator[Shape]:
     """Yield values, at the feet of the cells; an exit, where all is over, needs no 0."""
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     for cell, value in _cells(overlay.values, layout):
         if value is not None and not (value == 0 and cell in level.exits):
             middle, upper = layout.corner(cell[0] + 0.5, cell[1])

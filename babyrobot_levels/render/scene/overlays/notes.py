@@ -19,12 +19,12 @@ from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import fit
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 
-def note_shapes(level: Level, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
+def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
     """Yield texts on the grid, each on a ground that keeps it readable."""
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     left_edge, right_edge = layout.margin + 2, layout.margin + layout.grid_width - 2
     for note in notes:
         line = " ".join(note.text.split())
@@ -40,9 +40,9 @@ def note_shapes(level: Level, notes: Sequence[Note], layout: Layout) -> Iterator
         yield Text(left + width / 2, y + 0.342 * size, text, size, fill, bold=True)
 
 
-def panel_texts(level: Level, overlay: Overlay, layout: Layout) -> Iterator[Text]:
+def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:
     """Yield the lines of the panels; long ones are broken, and what has no room is left out."""
-    display, color = level.display, level.colors_and_widths.colors.text_fg
+    display, color = level.display, level.resolved_theme.colors.text_fg
     top = COMPASS if display.compass else 0.0
     if layout.side:
         yield from _lines(

@@ -10,7 +10,7 @@ from babyrobot_levels.render.scene.shapes import Rect
 from babyrobot_levels.render.scene.texts import end_texts, label_shapes
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _TOP, _FOOT = 4.0, CELL - 4.0
 _BELOW_COORDINATES = 16.0
@@ -30,7 +30,7 @@ class Rooms:
         layout: where its cells are.
     """
 
-    def __init__(self, level: Level, layout: Layout) -> None:
+    def __init__(self, level: GridWorld, layout: Layout) -> None:
         top = _BELOW_COORDINATES if level.display.coordinates else _TOP
         cells = ((x, y) for y in range(layout.rows) for x in range(layout.columns))
         self._rooms = dict.fromkeys(cells, (top, _FOOT))
@@ -66,7 +66,7 @@ class Rooms:
         return foot
 
 
-def _text_boxes(level: Level, layout: Layout) -> Iterator[tuple[float, float, float, float]]:
+def _text_boxes(level: GridWorld, layout: Layout) -> Iterator[tuple[float, float, float, float]]:
     for text in end_texts(level, layout):
         yield text.x, text.y - 0.75 * text.size, text.x, text.y
     for shape in label_shapes(level, layout):
