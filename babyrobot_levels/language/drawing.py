@@ -177,11 +177,10 @@ class _Parser:
             return False
         for number, row in enumerate(self.rows):
             if len(row) != length and not self.is_full:
-                more = len(row) > length
                 self._report(
                     number,
-                    length if more else len(row),
-                    len(row) - length if more else 1,
+                    min(len(row), length),
+                    max(len(row) - length, 1),
                     f"this line of the drawing has {len(row)} characters, the first has {length}",
                     "each cell is three characters wide, with one between two cells",
                 )

@@ -138,8 +138,8 @@ class _Painter:
                 opacity *= dash / (dash + gap)
             else:
                 lines = [part for line in lines for part in dashes(line, dash, gap)]
-        if width < 1:
-            width, opacity = 1.0, opacity * width
+        # A line thinner than a pixel is a fainter one.
+        width, opacity = max(width, 1.0), opacity * min(width, 1.0)
 
         def stroke(pen: Pen) -> None:
             for line in lines:
