@@ -17,7 +17,9 @@ SLOW = {
     "e2e/test_packaging.py",
     "e2e/test_pre_commit.py",
     "envs/test_notebook.py",
+    "library/packs/test_built.py",
     "limits",
+    "render/notebook/test_output.py",
 }
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
 

@@ -330,6 +330,7 @@ def test_an_exit_farther_down_the_same_way_is_more_difficult() -> None:
         assert increasing([maze.replace(exit=list(cell)) for cell in path[1:]])
 
 
+@pytest.mark.slow
 def test_a_larger_maze_is_more_difficult_on_average() -> None:
     def mean(size: int) -> float:
         fields = {"version": 1, "size": [size, size]}

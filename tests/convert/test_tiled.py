@@ -296,6 +296,7 @@ def test_many_large_layers_are_refused_before_any_is_unpacked() -> None:
         world_of(foreign(width=1024, height=1024, layers=[layer] * 5), "tiled")
 
 
+@pytest.mark.slow
 def test_more_than_a_file_has_room_for_is_refused_early() -> None:
     layer = packed_layer(packed([5] * 1024**2, "zlib"), "zlib")
     with pytest.raises(ConversionError, match=r"1,048,576 starts, .* too much for one file"):

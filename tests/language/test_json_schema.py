@@ -284,6 +284,7 @@ def test_they_agree_on_themes(data: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("order", [[], ["--maze-seed", "3"], ["--template", "drawing"]], ids=str)
+@pytest.mark.slow
 def test_other_checkers_accept_a_new_level(
     order: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

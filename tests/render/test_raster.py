@@ -225,6 +225,7 @@ def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     assert max(sizes) <= 40_000
 
 
+@pytest.mark.slow
 def test_a_large_maze_is_painted_soon() -> None:
     world = level(size=[100, 100], maze={"seed": 1})
     world.grid()
