@@ -14,6 +14,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.codes import code_of, packed, sealed
+from support.each import for_each
 from support.work import traced_memory
 from support.worlds import LEGEND, World, decorated_worlds, drawings, level_of
 
@@ -177,7 +178,7 @@ def test_no_changed_character_goes_unnoticed(place: int, character: str) -> None
         load(code)
 
 
-@pytest.mark.parametrize("length", range(5, len(MAZE)))
+@for_each("length", range(5, len(MAZE)))
 def test_a_code_that_is_cut_off_says_so(length: int) -> None:
     with pytest.raises(LevelError, match=r"^the share code is cut off: "):
         load(MAZE[:length])

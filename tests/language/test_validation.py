@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+from support.each import for_each
 from support.reports import BAD, GOOD, read, report
 from support.work import counted_calls
 
@@ -64,7 +65,7 @@ def test_every_report_belongs_to_a_file() -> None:
     assert {path.stem for path in folder.glob("*.txt")} == {path.stem for path in BAD}
 
 
-@pytest.mark.parametrize("path", BAD, ids=lambda path: path.stem)
+@for_each("path", BAD)
 def test_every_place_is_in_the_file(path: Path) -> None:
     for found in read(path)[1]:
         assert found.severity is Severity.ERROR
@@ -79,7 +80,7 @@ def test_every_place_is_in_the_file(path: Path) -> None:
                 assert found.excerpt() is not None, "the fault is shown where there is a text"
 
 
-@pytest.mark.parametrize("path", BAD, ids=lambda path: path.stem)
+@for_each("path", BAD)
 def test_messages_are_plain_sentences(path: Path) -> None:
     for found in read(path)[1]:
         assert not re.search(r"form:|\[key\]|pydantic|tuple|dict|str_|Input should", str(found))

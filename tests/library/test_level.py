@@ -14,6 +14,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from support.each import for_each
 from support.reports import GOOD
 from support.worlds import (
     AWKWARD,
@@ -349,7 +350,7 @@ def test_good_files_are_saved_as_the_same_level(path: Path, tmp_path: Path) -> N
     assert again.to_dict() == level.to_dict()
 
 
-@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+@for_each("path", GOOD)
 @pytest.mark.parametrize(
     "fields",
     [

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+from support.each import for_each
 from support.handwriting import Scribe
 from support.places import TESTS
 from support.worlds import decorated_worlds, level_of_text, worlds
@@ -129,7 +130,7 @@ def test_a_new_maze_is_canonical() -> None:
     assert formatted(text) == text
 
 
-@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+@for_each("path", GALLERY)
 def test_the_gallery_is_canonical(path: Path) -> None:
     text = path.read_bytes().decode()
     assert formatted(text) == text

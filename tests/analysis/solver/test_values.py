@@ -13,6 +13,7 @@ from hypothesis import assume, event, given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from support.chains import all_totals, dense, states_of, value_iteration
+from support.each import for_each
 from support.playing import GALLERY
 from support.worlds import World, level_of, worlds
 
@@ -135,7 +136,7 @@ def check_totals(world: World, actions: str) -> None:
 
 @pytest.mark.parametrize("discount", [1.0, 0.95])
 @pytest.mark.parametrize("actions", ["all", "moves"])
-@pytest.mark.parametrize("name", sorted(GALLERY))
+@for_each("name", sorted(GALLERY))
 def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> None:
     level = load(GALLERY[name])
     if level.has_random_maze:
