@@ -17,12 +17,15 @@ RESERVED = frozenset("#SEoO+-|: ")
 """Characters that a legend cannot define."""
 
 MAX_PROBLEMS = 100
-"""Of a drawing with more faults than this, only so many are told."""
+"""At most so many errors are reported per drawing."""
 
 SOLID, GLASS, OPEN = "|", ":", " "
 """The marks of a side, in both directions."""
 
 _HORIZONTAL = {"---": SOLID, "- -": GLASS, "   ": OPEN}
+_BLOCK_CHARACTERS = frozenset("#. @$*SEXGFH01")
+"""What such maps are drawn with."""
+
 _HORIZONTAL_TEXT = {mark: text for text, mark in _HORIZONTAL.items()}
 
 
@@ -90,7 +93,7 @@ def compose(drawing: Drawing) -> str:
 def parse(
     text: str, is_known: Callable[[str], bool], max_size: int
 ) -> tuple[Drawing | None, list[Issue]]:
-    """Return the drawing that `text` shows, or None and what is wrong with it.
+    """Return the drawing that `text` shows, or None and its errors.
 
     `is_known` tells whether the legend defines a character. Blank lines around the drawing,
     blanks at the ends of its lines and a common indentation do not count.
@@ -163,16 +166,20 @@ class _Parser:
     def _check_frame(self) -> bool:
         """Check the outline: odd numbers of lines, of one length, that fit whole cells."""
         if not self.rows:
-            self._report(0, 0, 1, "the drawing is empty", "draw at least one cell, as in `| S |`")
+            self._report(0, 0, 1, "the drawing is empty", "draw at least one cell")
             return False
         length = len(self.rows[0])
+        if "#" in self.rows[0] and set("".join(self.rows)) <= _BLOCK_CHARACTERS:
+            message = "this is a map of blocks, in which a wall takes a whole cell"
+            self._report(0, 0, length, message, "convert it with `babyrobot import`")
+            return False
         if length < 5 or length % 4 != 1 or self.rows[0][0] in (SOLID, GLASS):
             self._report(
                 0,
                 0,
                 length,
-                "the drawing's first line is not the top of a row of cells",
-                "it is `+---` for each cell and a last `+`: `+---+---+` for two",
+                "the first line of the drawing is not a wall of the form `+---+---+`",
+                "write `+---` for each cell and a final `+`",
             )
             return False
         for number, row in enumerate(self.rows):
@@ -181,8 +188,8 @@ class _Parser:
                     number,
                     min(len(row), length),
                     max(len(row) - length, 1),
-                    f"this line of the drawing has {len(row)} characters, the first has {length}",
-                    "each cell is three characters wide, with one between two cells",
+                    f"this line has {len(row)} characters, the first one has {length}",
+                    "draw each cell three characters wide, with one character between cells",
                 )
         if len(self.rows) < 3 or len(self.rows) % 2 == 0:
             self._report(
@@ -190,11 +197,12 @@ class _Parser:
                 0,
                 len(self.rows[-1]),
                 "the drawing ends in the middle of a row of cells",
-                "below each line of cells stands a line of `+` and walls",
+                "add a line of `+` and walls below each line of cells",
             )
         height = len(self.rows) // 2
         if max(length // 4, height) > self.max_size:
-            self._report(0, 0, length, f"a level is at most {self.max_size} cells wide and high")
+            most = self.max_size
+            self._report(0, 0, length, f"the level has more than {most} columns or rows")
         return not self.issues
 
     def _wall_row(self, number: int, row: str, width: int) -> str:
@@ -202,7 +210,7 @@ class _Parser:
         outer = number in (0, len(self.rows) - 1)
         for x in range(width + 1):
             if row[4 * x] != "+":
-                self._report(number, 4 * x, 1, f"a corner is `+`, not `{row[4 * x]}`")
+                self._report(number, 4 * x, 1, f"expected the corner `+`, found `{row[4 * x]}`")
         for x in range(width):
             text = row[4 * x + 1 : 4 * x + 4]
             mark = _HORIZONTAL.get(text)
@@ -211,8 +219,8 @@ class _Parser:
                     number,
                     4 * x + 1,
                     3,
-                    f"`{text}` is no wall",
-                    "`---` is a wall, `- -` a wall of glass, three blanks are none",
+                    f"`{text}` is not a wall",
+                    "use `---` for a wall, `- -` for glass, three spaces for no wall",
                 )
             elif outer and mark != SOLID:
                 self._report_outer(number, 4 * x + 1, 3)
@@ -228,8 +236,8 @@ class _Parser:
                     number,
                     4 * x,
                     1,
-                    f"`{mark}` stands between two cells, where only a wall can",
-                    "`|` is a wall, `:` a wall of glass, a blank is none",
+                    f"`{mark}` cannot be between two cells",
+                    "use `|` for a wall, `:` for glass, a space for no wall",
                 )
                 mark = SOLID
             elif x in (0, width) and mark != SOLID:
@@ -247,20 +255,18 @@ class _Parser:
                 number,
                 column,
                 3,
-                f"`{text}` is no cell",
-                "a cell is `###`, or one character between two blanks",
+                f"`{text}` is not a cell",
+                "write `###`, or one character between two spaces",
             )
         elif middle not in (PLAIN, START, EXIT, SMALL, LARGE) and not self.is_known(middle):
             self._report(
                 number,
                 column + 1,
                 1,
-                f"the legend does not say what `{middle}` is",
-                "known without one: S start, E exit, o small puddle, O large puddle, ### blocked",
+                f"`{middle}` is not in the legend",
+                "built in: S start, E exit, o small puddle, O large puddle, ### blocked",
             )
         return middle
 
     def _report_outer(self, number: int, column: int, length: int) -> None:
-        self._report(
-            number, column, length, "the wall around the level is solid and cannot be left out"
-        )
+        self._report(number, column, length, "the outer wall must be solid")

@@ -1,4 +1,4 @@
-"""What must hold of starts and exits."""
+"""Checks of starts and exits."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
 
 
 def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
-    """Yield the faults of starts and exits. `blocked` tells of a cell whether it is blocked."""
+    """Yield the errors of starts and exits. `blocked` tells whether a cell is blocked."""
     exits = set(level.exits)
     left = {warp.at for warp in level.warps if warp.when == "enter"}
     ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
@@ -42,14 +42,12 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 code = "BR302" if field == "start" else "BR304"
                 given = field in level.model_fields_set
                 message = f"the {field} {show_cell(cell)} is on a blocked cell"
-                default = (
-                    f"{show_cell(cell)} is blocked, but where nothing is said the {field} is there"
-                )
+                default = f"the default {field} {show_cell(cell)} is on a blocked cell"
                 yield Issue(
                     code,
                     route if given else _blocking(level, cell),
                     message if given else default,
-                    f"put the {field} elsewhere, or leave the cell free",
+                    f"move the {field}, or unblock the cell",
                 )
             elif cell in seen:
                 yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
@@ -58,22 +56,22 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                     "BR303",
                     _given(level, route, ("exit",)),
                     _start_is_exit(level, cell),
-                    "move one of the two; a level without an exit says `exit: none`",
+                    "move one of them, or use `exit: none` for a level without an exit",
                 )
             elif field == "start" and cell in left:
                 number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
                 yield Issue(
                     "BR309",
                     _given(level, route, ("warps", number, "at")),
-                    f"the start {show_cell(cell)} is a warp, and nobody can stand there",
-                    "start elsewhere, or let the warp act `when: leave`",
+                    f"the start {show_cell(cell)} is on a warp that acts on entering",
+                    "move the start, or use `when: leave` for the warp",
                 )
             elif field == "start" and ends(cell):
                 yield Issue(
                     "BR316",
                     route,
                     f"the start {show_cell(cell)} is on an area that ends the episode",
-                    "start elsewhere, or take `ends` away there",
+                    "move the start, or remove `ends` from the area",
                 )
             seen.add(cell)
 
@@ -97,10 +95,10 @@ def _blocking(level: LevelFields, cell: Cell) -> Route:
 def _start_is_exit(level: LevelFields, cell: Cell) -> str:
     start, exit_ = ("start" in level.model_fields_set, "exit" in level.model_fields_set)
     if start and not exit_:
-        default = "where nothing is said, the exit is the bottom-right cell"
-        return f"the start {show_cell(cell)} is the exit too: {default}"
+        default = "the default exit is the bottom-right cell"
+        return f"the start {show_cell(cell)} is also the exit: {default}"
     if exit_ and not start:
-        return f"the exit {show_cell(cell)} is the start too: where nothing is said, it is [0, 0]"
+        return f"the exit {show_cell(cell)} is also the start: the default start is [0, 0]"
     if not start:
-        return f"start and exit are both {show_cell(cell)} where nothing is said"
-    return f"the start {show_cell(cell)} is an exit too"
+        return f"start and exit are both {show_cell(cell)} by default"
+    return f"the start {show_cell(cell)} is also an exit"

@@ -1,4 +1,4 @@
-"""Words and questions that the checks of a level share: cells, routes, what is blocked."""
+"""Helpers of the checks: cells as text, the bounds of the grid, painted rectangles."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def show_cell(cell: Cell) -> str:
 
 
 def off_the_grid(level: LevelFields, what: str, cell: Cell, route: Route) -> Issue:
-    """Return the fault of something that is off the grid."""
+    """Return the error of something that is outside the grid."""
     width, height = level.size
     return Issue(
         "BR301",

@@ -13,7 +13,7 @@ from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
 
 GLASS_PASS = 0.5
-"""The probability of getting through a drawn wall of glass of which no entry says more."""
+"""The `pass` of a drawn wall of glass without an entry in `walls`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,9 +34,7 @@ class Drawn:
 def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
     """Return what the level's drawing gives, or None and what is wrong with it."""
     if level.map is None:
-        return None, [
-            Issue("BR206", Key(("legend",)), "a `legend` explains a `map`, and there is none")
-        ]
+        return None, [Issue("BR206", Key(("legend",)), "`legend` needs a `map`")]
     issues = [
         Issue(
             "BR206",
@@ -53,8 +51,8 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
             Issue(
                 "BR312",
                 ("map",),
-                "the drawing is a single line",
-                "write `map: |`, and the drawing on the lines below it",
+                "the drawing is on a single line",
+                "write `map: |` and put the drawing on the lines below, indented",
             ),
         ]
     drawing, faults = d.parse(level.map, lambda character: character in level.legend, MAX_SIZE)
@@ -62,9 +60,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
         return None, [*issues, *faults]
     starts, exits = drawing.find(d.START), drawing.find(d.EXIT)
     if not starts:
-        issues.append(
-            Issue("BR313", ("map",), "the drawing has no start", "put an `S` into a cell")
-        )
+        issues.append(Issue("BR313", ("map",), "the drawing has no start", "mark a cell with `S`"))
     issues += _check_wall_entries(level, drawing)
     if issues:
         return None, issues
@@ -111,7 +107,7 @@ def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
 
 
 def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
-    """Beside a drawing, `walls` only gives properties to walls that are drawn."""
+    """Check that `walls`, beside a drawing, only sets properties of drawn walls."""
     issues = []
     for index, wall in enumerate(level.walls):
         marks = {_mark(drawing, x, y, wall.side) for x, y in sides_of(wall)}
@@ -121,8 +117,8 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
                 Issue(
                     "BR314",
                     route,
-                    "no wall is drawn there",
-                    "beside a `map`, `walls` gives properties to walls that the map shows",
+                    "the map shows no wall there",
+                    "with a `map`, entries of `walls` set properties of walls that the map shows",
                 )
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ > 0 and d.SOLID in marks:
@@ -130,7 +126,7 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
                 Issue(
                     "BR314",
                     (*route, "pass"),
-                    "the wall is drawn solid there, so nobody gets through",
+                    "the map shows a solid wall there, not glass",
                     "draw it as `- -` or `:`",
                 )
             )
@@ -139,7 +135,7 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
                 Issue(
                     "BR314",
                     (*route, "pass"),
-                    "the wall is drawn as glass there, which lets the robot through",
+                    "the map shows glass there, so `pass` must be above 0",
                     "draw it as `---` or `|`",
                 )
             )

@@ -45,7 +45,7 @@ class PackFields(Model):
     def _portable(self) -> Self:
         if self.name in RESERVED:
             message = f"no folder can be called `{self.name}` on Windows"
-            raise InvalidDocument([Issue("BR207", ("name",), message, "call the pack otherwise")])
+            raise InvalidDocument([Issue("BR207", ("name",), message, "choose another name")])
         return self
 
 

@@ -104,7 +104,7 @@ def shown(value: Any) -> str:
 
 
 def empty_ranges(model: Model, names: tuple[str, ...]) -> Iterator[Issue]:
-    """Yield a fault for each range of a model whose `min` is above its `max`."""
+    """Yield an error for each range of a model whose `min` is above its `max`."""
     for name in names:
         value = getattr(model, name)
         if value is None:
@@ -114,5 +114,5 @@ def empty_ranges(model: Model, names: tuple[str, ...]) -> Iterator[Issue]:
         pairs = zip(least, most, strict=True) if is_pair else [(least, most)]
         if any(high is not None and low > high for low, high in pairs):
             shown_least, shown_most = (list(least), list(most)) if is_pair else (least, most)
-            message = f"`min` is {shown_least}, above `max`, which is {shown_most}"
+            message = f"`min` ({shown_least}) is above `max` ({shown_most})"
             yield Issue("BR205", (name, "min"), message)

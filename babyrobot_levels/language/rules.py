@@ -20,14 +20,14 @@ if TYPE_CHECKING:
     from babyrobot_levels.language.fields import LevelFields
 
 MAX_COVERED = 1 << 24
-"""The most cells that all rectangles, walls and openings may cover, each counted for itself."""
+"""The most cells that all rectangles, walls and openings may cover together."""
 
 MAX_PROBLEMS = 200
-"""A file with more faults than this gets only so many told."""
+"""At most so many errors are reported per file."""
 
 
 def issues_of(level: LevelFields) -> list[Issue]:
-    """Return the faults of a level whose fields are each valid for themselves."""
+    """Return the errors between the fields of a level, each of which is valid by itself."""
     too_much = _check_covered(level)
     if too_much:
         return too_much
@@ -57,8 +57,8 @@ def _check_covered(level: LevelFields) -> list[Issue]:
         Issue(
             "BR205",
             (field,),
-            f"areas, blocked cells and walls cover {cells:,} cells, counted one by one; "
-            f"at most {MAX_COVERED:,} are allowed",
+            f"areas, blocked cells and walls cover {cells:,} cells, each counted; "
+            f"the limit is {MAX_COVERED:,}",
         )
     ]
 
@@ -71,7 +71,7 @@ def _check_rectangles(level: LevelFields) -> Iterator[Issue]:
             if not is_inside(level, first):
                 yield off_the_grid(level, "the cell", first, (field, index, "at"))
             elif not is_inside(level, last):
-                yield off_the_grid(level, "the rectangle's last cell", last, (field, index))
+                yield off_the_grid(level, "the last cell of the rectangle", last, (field, index))
 
 
 def _check_maze(level: LevelFields) -> Iterator[Issue]:
@@ -79,8 +79,8 @@ def _check_maze(level: LevelFields) -> Iterator[Issue]:
         yield Issue(
             "BR317",
             ("maze", "algorithm"),
-            f"`{level.maze.algorithm}` needs the whole rectangle, and cells of it are blocked",
-            "take another algorithm, say `wilson` or `kruskal`; or block no cells",
+            f"`{level.maze.algorithm}` cannot grow a maze around blocked cells",
+            "use another algorithm, such as `wilson` or `kruskal`, or remove the blocked cells",
         )
 
 
@@ -106,14 +106,15 @@ def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> I
         yield Issue(
             "BR310",
             (*route, "side"),
-            f"side {entry.side} of {show_cell(entry.at)} is the outer wall, which cannot be opened",
+            f"side {entry.side} of {show_cell(entry.at)} is part of the outer wall, "
+            "which cannot be opened",
         )
     elif outer and getattr(entry, "pass_", 0) > 0:
         yield Issue(
             "BR311",
             (*route, "pass"),
-            f"side {entry.side} of {show_cell(entry.at)} is the outer wall, "
-            "and there is nothing behind it",
+            f"side {entry.side} of {show_cell(entry.at)} is part of the outer wall, "
+            "so `pass` has no effect",
             "remove `pass`",
         )
 
@@ -130,8 +131,8 @@ def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Itera
             yield Issue(
                 "BR307",
                 route,
-                f"there is a puddle on {show_cell(puddle.at)} already",
-                "one cell has one puddle",
+                f"{show_cell(puddle.at)} already has a puddle",
+                "keep one puddle per cell",
             )
         seen.add(puddle.at)
 
@@ -152,20 +153,18 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
                 yield Issue(
                     "BR308",
                     route,
-                    f"the warp's cell {show_cell(cell)} is blocked: it leads nowhere",
+                    f"the warp's cell {show_cell(cell)} is blocked",
                 )
             else:
                 continue
             at_is_good = False
         if warp.at in seen:
-            yield Issue(
-                "BR307", ("warps", index, "at"), f"there is a warp on {show_cell(warp.at)} already"
-            )
+            yield Issue("BR307", ("warps", index, "at"), f"{show_cell(warp.at)} already has a warp")
         elif warp.at in exits:
             yield Issue(
                 "BR308",
                 ("warps", index, "at"),
-                f"the warp {show_cell(warp.at)} is on an exit, where the episode is over",
+                f"the warp {show_cell(warp.at)} is on an exit, where the episode ends",
             )
         elif at_is_good and warp.when == "enter" and not isinstance(warp.to, str):
             entered[warp.at] = warp.to
@@ -174,7 +173,7 @@ def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterato
 
 
 def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Issue]:
-    """Report the warps from which a robot is sent round for ever."""
+    """Yield the warps that form a cycle, which never ends."""
     index_of = {warp.at: index for index, warp in enumerate(level.warps)}
     done: set[Cell] = set()
     for first in entered:
@@ -185,12 +184,12 @@ def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Is
             cell = entered[cell]
         if cell in path:
             circle = [*path][[*path].index(cell) :]
-            way = " to ".join(show_cell(step) for step in [*circle[:8], cell])
+            path_text = " to ".join(show_cell(step) for step in [*circle[:8], cell])
             yield Issue(
                 "BR308",
                 ("warps", index_of[cell], "to"),
-                f"the warp leads in a circle: {way}",
-                "let one of them lead elsewhere",
+                f"the warps form a cycle: {path_text}",
+                "change the target of one of them",
             )
         done.update(path)
 

@@ -126,39 +126,41 @@ def _problems(suite: SuiteFields) -> Iterator[Issue]:
 
 
 def _misfits(suite: SuiteFields) -> Iterator[Issue]:
-    """Yield what levels of these sizes have no room for."""
+    """Yield what does not fit into levels of these sizes."""
     (width, height), largest = bounds(suite.size)
     cells = width * height
     if cells <= 2:
-        message = f"a level of {cells} cell{'s' * (cells - 1)} is won at once, or not at all"
-        yield Issue("BR205", ("size",), message, "three cells are the fewest")
+        message = f"a level of {cells} cell{'s' * (cells - 1)} is too small to play"
+        yield Issue("BR205", ("size",), message, "use at least three cells")
     elif bounds(suite.puddles)[1] > cells - 2:
-        message = f"the smallest level has room for {cells - 2} beside start and exit"
+        message = f"the smallest level has only {cells - 2} cells besides start and exit"
         yield Issue("BR205", ("puddles",), message)
     if suite.start == "farthest" and max(largest) > MAX_DRAWN:
         message = (
             f"levels with `start: farthest` are drawn as a map, at most {MAX_DRAWN} cells wide "
             "and high"
         )
-        yield Issue("BR205", ("start",), message, "let the exit be `farthest`")
+        yield Issue("BR205", ("start",), message, "use `exit: farthest` instead")
 
 
 def impossible(suite: SuiteFields) -> Iterator[Issue]:
-    """Yield what no level of these sizes can have, however long one looks for it."""
+    """Yield what no level of these sizes can have."""
     cells = suite.largest[0] * suite.largest[1]
     if suite.path_length is not None:
         least, most = bounds(suite.path_length)
         route = ("path_length",)
         if least > cells - 1:
-            message = f"no walk through {cells} cells has more than {cells - 1} steps"
+            message = f"a shortest path in {cells} cells has at most {cells - 1} steps"
             yield Issue("BR205", route, message)
         if most is not None and most < 2:
-            yield Issue("BR205", route, "from start to exit there are at least two steps")
+            yield Issue("BR205", route, "the path from start to exit has at least two steps")
         if suite.max_steps is not None and least > suite.max_steps:
-            message = f"a walk of {least} steps takes longer than `max_steps`, {suite.max_steps}"
+            message = f"a path of {least} steps exceeds `max_steps` ({suite.max_steps})"
             yield Issue("BR205", route, message)
     if suite.dead_ends is not None and bounds(suite.dead_ends)[0] > cells:
-        yield Issue("BR205", ("dead_ends",), f"{cells} cells have no more dead ends than that")
+        yield Issue(
+            "BR205", ("dead_ends",), f"a level of {cells} cells cannot have so many dead ends"
+        )
 
 
 def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
@@ -166,12 +168,12 @@ def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
         return
     total = sum(suite.splits.values())
     if abs(total - 1) > 1e-9:
-        yield Issue("BR205", ("splits",), f"the shares add up to {total:g}, not to 1")
+        yield Issue("BR205", ("splits",), f"the shares add up to {total:g} instead of 1")
         return
     for name, part in split_ranges(suite).items():
         if not part:
-            message = f"of {suite.count} levels, none is left for `{name}`"
-            yield Issue("BR205", ("splits", name), message, "raise `count`, or the share")
+            message = f"`{name}` gets none of the {suite.count} levels"
+            yield Issue("BR205", ("splits", name), message, "increase `count` or the share")
 
 
 def split_ranges(suite: SuiteFields) -> dict[str, range]:

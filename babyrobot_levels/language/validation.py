@@ -104,7 +104,11 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
 
 def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
     issues: list[Issue] = []
+    unknown = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
     for detail in details:
+        if detail["type"] == "missing" and len(detail["loc"]) > 1 and detail["loc"][:-1] in unknown:
+            # It probably is the unknown field, whose help lists the known ones.
+            continue
         whole = _issues_of(detail)
         if whole:
             issues += whole

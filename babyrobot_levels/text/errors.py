@@ -31,6 +31,10 @@ class LevelError(BabyRobotError, ValueError):
         parts += [str(diagnostic) for diagnostic in self.diagnostics]
         return "\n\n".join(parts) or "the level cannot be used"
 
+    def _render_traceback_(self) -> list[str]:
+        """Return what IPython shows: the diagnostics, without frames of this library."""
+        return [f"{type(self).__name__}: {self}"]
+
     def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
         return type(self), (self.diagnostics, self.message)
 

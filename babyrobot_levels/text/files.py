@@ -1,4 +1,4 @@
-"""Files: read within limits, and written whole or not at all."""
+"""Files: read within limits, and written atomically."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     try:
         data = read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
-        raise _unreadable("BR101", shown, "this is a folder, not a level file") from None
+        raise _unreadable("BR101", shown, "this is a directory, not a file") from None
     except NotRegularError:
         raise _unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        raise _unreadable("BR101", shown, "there is no such file") from None
+        raise _unreadable("BR101", shown, "no such file") from None
     except PermissionError:
-        raise _unreadable("BR101", shown, "the file may not be read (permission denied)") from None
+        raise _unreadable("BR101", shown, "permission denied") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise _unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
@@ -105,11 +105,11 @@ def source_of(data: bytes, name: str) -> SourceFile:
         return SourceFile(name, data.decode("utf-8"))
     except UnicodeDecodeError as error:
         before = SourceFile(name, data[: error.start].decode("utf-8"))
-        message = f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8"
+        message = f"invalid UTF-8: byte {error.start + 1} (0x{data[error.start]:02x})"
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-            message = "the file is UTF-16, not UTF-8"
+            message = "the file is encoded as UTF-16"
         place = before.position(len(before.text))
-        raise _unreadable("BR102", name, message, "save the file as UTF-8", place) from None
+        raise _unreadable("BR102", name, message, "save the file in UTF-8", place) from None
 
 
 def _unreadable(

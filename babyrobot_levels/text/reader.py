@@ -116,8 +116,8 @@ class _Builder:
     def _begin_document(self, event: Any) -> None:
         self.documents += 1
         if self.documents > 1:
-            message = "a level file holds one document, and here a second one begins"
-            help_text = "remove the `---`, or put the second level into a file of its own"
+            message = "a second document begins here; a file contains one"
+            help_text = "remove the `---`, or move the second document to its own file"
             raise self._error("BR106", self._span(event), message, help_text)
 
     def _open(self, event: Any) -> None:
@@ -125,7 +125,7 @@ class _Builder:
         if event.tag is not None:
             self._check_tag(event, ["map" if is_mapping else "seq"])
         if len(self.stack) >= MAX_DEPTH:
-            message = f"lists and mappings are nested more than {MAX_DEPTH} deep"
+            message = f"lists and mappings are nested more than {MAX_DEPTH} levels deep"
             raise self._error("BR109", self._span(event), message)
         first, last = event.start_mark.index, event.end_mark.index
         node = Node({} if is_mapping else [], self.source, first, last, {}, {})
@@ -147,7 +147,7 @@ class _Builder:
         """Put a finished node into the container that is open, or at the top."""
         self.nodes += 1
         if self.nodes > MAX_NODES:
-            message = f"the file holds more than {MAX_NODES:,} values"
+            message = f"the file has more than {MAX_NODES:,} values"
             raise self._error("BR108", node.span, message)
         if anchor:
             self.anchors[anchor] = node
@@ -158,7 +158,7 @@ class _Builder:
         container = parent.node
         container.size += node.size
         if container.size > MAX_NODES:
-            what = "aliases expand to" if self.has_aliases else "the file holds"
+            what = "aliases expand to" if self.has_aliases else "the file has"
             message = f"{what} more than {MAX_NODES:,} values"
             raise self._error("BR108", node.span, message)
         if not parent.is_mapping:
@@ -174,7 +174,7 @@ class _Builder:
         name = key.data
         if isinstance(name, dict | list):
             self.issues.append(
-                Issue("BR203", key.span, "a field's name is a text, not a list or a mapping")
+                Issue("BR203", key.span, "a field name must be text, not a list or a mapping")
             )
             return
         if not isinstance(name, str):
@@ -182,9 +182,9 @@ class _Builder:
             name = self.source.text[key.first : key.last] or str(name)
         if name in mapping.keys:
             first = mapping.keys[name].span.start
-            message = f"`{shortened(name)}` stands here a second time"
-            message += f"; line {first.line} has it already"
-            self.issues.append(Issue("BR105", key.span, message, "keep one of the two"))
+            message = f"duplicate field `{shortened(name)}`"
+            message += f", first given on line {first.line}"
+            self.issues.append(Issue("BR105", key.span, message, "remove one of them"))
             return
         mapping.keys[name] = key
         mapping.children[name] = value
@@ -193,12 +193,12 @@ class _Builder:
     def _take_alias(self, event: Any) -> None:
         name = event.anchor
         if name not in self.anchors:
-            message = f"the alias `*{shortened(name)}` refers to an anchor that is not above it"
+            message = f"undefined alias `*{shortened(name)}`"
             message += did_you_mean(name, self.anchors)
             raise self._error("BR108", self._span(event), message)
         target = self.anchors[name]
         if target is None:
-            message = f"the alias `*{shortened(name)}` would contain itself"
+            message = f"the alias `*{shortened(name)}` contains itself"
             raise self._error("BR108", self._span(event), message)
         self.has_aliases = True
         first, last = event.start_mark.index, event.end_mark.index
@@ -225,14 +225,14 @@ class _Builder:
             return event.value
         value = self._resolved(event)
         if not isinstance(value, types[kind]):  # type: ignore[arg-type]
-            message = f"`{shortened(event.value)}` cannot be read as a `!!{kind}`"
+            message = f"`{shortened(event.value)}` is not a valid `!!{kind}`"
             self.issues.append(Issue("BR107", self._span(event), message))
         return value
 
     def _resolved(self, event: Any) -> Any:
         text = event.value
         if len(text) > MAX_DIGITS and is_integer(text):
-            message = f"a number of {len(text)} characters is too long"
+            message = f"the number has too many digits ({len(text)} characters)"
             self.issues.append(Issue("BR111", self._span(event), message))
             return 0
         return resolve(text)
@@ -242,7 +242,7 @@ class _Builder:
         text = self.source.text
         if text.count("%TAG") > MAX_TAG_DIRECTIVES:
             last = self.source.position(text.rindex("%TAG"))
-            message = f"there are more than {MAX_TAG_DIRECTIVES} `%TAG`, and a level has no tags"
+            message = f"more than {MAX_TAG_DIRECTIVES} `%TAG` directives"
             span = Span(last, Position(last.line, last.column + len("%TAG")))
             raise self._error("BR107", span, message, "remove them")
 
@@ -250,7 +250,7 @@ class _Builder:
         tag = event.tag
         if tag != "!" and tag not in [_CORE + name for name in allowed]:
             shown = tag.replace(_CORE, "!!")
-            message = f"the tag `{shortened(shown)}` is not allowed: a level is plain data"
+            message = f"the tag `{shortened(shown)}` is not allowed"
             raise self._error("BR107", self._span(event), message, "remove the tag")
 
     def _error(
@@ -274,17 +274,19 @@ class _Builder:
         words = plain_words(
             getattr(error, "problem", None) or "the parser gives up",
             getattr(error, "context", None) or "",
-            self.source.line(position.line),
-            position.column,
+            self.source.lines,
+            *position,
         )
-        if words.at_beginning and begin is not None:
+        if words.place is not None:
+            position = Position(*words.place)
+        elif words.at_beginning and begin is not None:
             position = self.source.position(begin.index)
         return self._error("BR104", self._span_at(position), words.message, words.help)
 
     def _character_error(self, index: int) -> LevelError:
         span = self._span_at(self.source.position(index))
         code = ord(self.source.text[index])
-        return self._error("BR104", span, f"the character U+{code:04X} cannot stand in a YAML file")
+        return self._error("BR104", span, f"the character U+{code:04X} is not allowed in YAML")
 
     def _span_at(self, position: Position) -> Span:
         """Return the span of one character, or of none at the end of a line."""

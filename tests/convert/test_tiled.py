@@ -398,9 +398,9 @@ def test_tilesets_elsewhere_are_not_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("none.tsx", "there is no such file"),
+        ("none.tsx", "no such file"),
         (".", "is no tileset by its name"),
-        ("folder.tsj", "this is a folder"),
+        ("folder.tsj", "this is a directory"),
         ("map.tmj", "is no tileset by its name"),
         ("a\0.tsj", "is no name of a file"),
         ("\ud800.tsj", "is no name of a file"),

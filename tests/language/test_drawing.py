@@ -206,22 +206,22 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
         ("+---+", 0, 0, 5, "ends in the middle"),
         ("+---+\n| S |", 1, 0, 5, "ends in the middle"),
         ("+---+\n| S |\n+---+\n| S |", 3, 0, 5, "ends in the middle"),
-        ("+---+\n| S  |\n+---+", 1, 5, 1, "has 6 characters, the first has 5"),
-        ("+---+\n| S\n+---+", 1, 3, 1, "has 3 characters, the first has 5"),
+        ("+---+\n| S  |\n+---+", 1, 5, 1, "has 6 characters, the first one has 5"),
+        ("+---+\n| S\n+---+", 1, 3, 1, "has 3 characters, the first one has 5"),
         ("+---+\n\n+---+", 1, 0, 1, "has 0 characters"),
-        ("*---+\n| S |\n+---+", 0, 0, 1, "a corner is `+`, not `*`"),
-        ("+---+\n| S |\n+---*", 2, 4, 1, "a corner is `+`, not `*`"),
-        ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is no wall"),
-        ("+---+\n| S |\n+-- +\n|   |\n+---+", 2, 1, 3, "`-- ` is no wall"),
-        ("+   +\n| S |\n+---+", 0, 1, 3, "the wall around the level"),
-        ("+---+\n| S |\n+- -+", 2, 1, 3, "the wall around the level"),
-        ("+---+\n: S |\n+---+", 1, 0, 1, "the wall around the level"),
-        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` stands between two cells"),
-        ("+---+\n|SS |\n+---+", 1, 1, 3, "`SS ` is no cell"),
-        ("+---+\n|## |\n+---+", 1, 1, 3, "`## ` is no cell"),
-        ("+---+\n| ? |\n+---+", 1, 2, 1, "the legend does not say what `?` is"),
-        ("+---+\n| s |\n+---+", 1, 2, 1, "the legend does not say what `s` is"),
-        ("\n  +---+\n  | ? |\n  +---+", 2, 4, 1, "the legend does not say"),
+        ("*---+\n| S |\n+---+", 0, 0, 1, "expected the corner `+`, found `*`"),
+        ("+---+\n| S |\n+---*", 2, 4, 1, "expected the corner `+`, found `*`"),
+        ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is not a wall"),
+        ("+---+\n| S |\n+-- +\n|   |\n+---+", 2, 1, 3, "`-- ` is not a wall"),
+        ("+   +\n| S |\n+---+", 0, 1, 3, "the outer wall must be solid"),
+        ("+---+\n| S |\n+- -+", 2, 1, 3, "the outer wall must be solid"),
+        ("+---+\n: S |\n+---+", 1, 0, 1, "the outer wall must be solid"),
+        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` cannot be between two cells"),
+        ("+---+\n|SS |\n+---+", 1, 1, 3, "`SS ` is not a cell"),
+        ("+---+\n|## |\n+---+", 1, 1, 3, "`## ` is not a cell"),
+        ("+---+\n| ? |\n+---+", 1, 2, 1, "`?` is not in the legend"),
+        ("+---+\n| s |\n+---+", 1, 2, 1, "`s` is not in the legend"),
+        ("\n  +---+\n  | ? |\n  +---+", 2, 4, 1, "is not in the legend"),
     ],
 )
 def test_faults(text: str, row: int, column: int, length: int, message: str) -> None:
@@ -250,7 +250,7 @@ def test_a_drawing_can_be_too_large() -> None:
     assert d.parse(cells, lambda _: False, 5)[0] is not None
     drawing, problems = d.parse(cells, lambda _: False, 4)
     assert drawing is None
-    assert "at most 4 cells" in problems[0].message
+    assert "more than 4 columns or rows" in problems[0].message
 
 
 # -- faults in a file --------------------------------------------------------------------------

@@ -105,7 +105,7 @@ def test_a_mapping_and_a_level() -> None:
 def test_a_mapping_that_is_no_level_is_told_by_its_fields() -> None:
     with pytest.raises(brl.LevelError, match=r"`size` must be `\[width, height\]`, not `\[4\]`"):
         brl.load({"version": 1, "size": [4]})
-    with pytest.raises(brl.LevelError, match="the field `version` is missing"):
+    with pytest.raises(brl.LevelError, match="missing field `version`"):
         brl.load({})
 
 
@@ -190,7 +190,7 @@ def test_paths_that_cannot_be_are_not_found(asked: str) -> None:
 
 
 def test_a_folder_is_no_level(here: Path) -> None:
-    with pytest.raises(brl.LevelError, match="this is a folder"):
+    with pytest.raises(brl.LevelError, match="this is a directory"):
         brl.load(here)
 
 
@@ -475,7 +475,7 @@ def test_an_unknown_theme_is_told_with_those_that_are_known() -> None:
 
 
 def test_a_mappings_unknown_theme_is_told_too() -> None:
-    with pytest.raises(brl.LevelError, match="there is no theme `gren`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `gren`"):
         brl.load({"version": 1, "theme": "gren"})
 
 
@@ -522,9 +522,9 @@ def test_check_finds_a_file_in_the_home_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("told", "message"),
     [
-        ("nowhere.yaml", "there is no such file"),
-        (Path("nowhere/mine.yaml"), "there is no such file"),
-        (".", "this is a folder"),
+        ("nowhere.yaml", "no such file"),
+        (Path("nowhere/mine.yaml"), "no such file"),
+        (".", "this is a directory"),
         ("a\0b.yaml", "cannot be read"),
         ("x" * 300, "cannot be read"),
     ],

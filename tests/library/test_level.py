@@ -227,7 +227,7 @@ def test_mappings_tell_what_is_wrong_with_them() -> None:
     with pytest.raises(LevelError) as caught:
         Level.from_fields({"version": 1, "walls": [{"at": [0, 0]}, {"at": [9, 9], "side": "E"}]})
     first, second = caught.value.diagnostics
-    assert (first.code, first.message) == ("BR202", "the field `side` is missing")
+    assert (first.code, first.message) == ("BR202", "missing field `side`")
     assert second.message.startswith("the cell [9, 9] is off the grid")
     # They point into the mapping as a file would hold it.
     assert "- {at: [0, 0]}" in str(caught.value)

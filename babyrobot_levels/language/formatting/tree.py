@@ -12,7 +12,8 @@ from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.layout import Container, Entry, Value
 
 _PROPERTIES = re.compile(r"(?:[&!][^\s,\[\]{}]*\s*)*")
-_BLANK = r"(?:\s|#[^\r\n]*)*"
+# Possessive, so that no bracket and no dash inside a comment is found.
+_BLANK = r"(?:\s|#[^\r\n]*+)*+"
 _OPENS_FLOW = re.compile(_BLANK + r"[\[{]")
 _DASH = re.compile(_BLANK + "-")
 _PUNCTUATION = re.compile(r"(?:[\s,\[\]{}:?\-]|(?<![^\r\n])\.\.\.)*")

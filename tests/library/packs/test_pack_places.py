@@ -159,7 +159,7 @@ def test_themes_outside_the_pack_are_not_looked_at(users_pack: Path) -> None:
     write(users_pack.parent / "themes" / "sea.yaml", SEA)
     write(users_pack.parent / "pack.yaml", PACK)
     path = write(users_pack / "apes" / "lion.yaml", THEMED)
-    with pytest.raises(brl.LevelError, match="there is no theme `sea`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `sea`"):
         brl.load("zoo/lion")
     # Nor those of a pack in which a link leads to the level.
     other = user_folder() / "packs" / "ark"
@@ -174,7 +174,7 @@ def test_themes_outside_the_pack_are_not_looked_at(users_pack: Path) -> None:
 def test_themes_of_folders_around_are_for_packs_only(here: Path) -> None:
     write(here / "themes" / "sea.yaml", SEA)
     path = write(here / "apes" / "lion.yaml", THEMED)
-    with pytest.raises(brl.LevelError, match="there is no theme `sea`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `sea`"):
         brl.load(path)
     write(here / "pack.yaml", PACK)
     assert base(brl.load(path)) == "#123456"
