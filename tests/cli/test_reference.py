@@ -95,7 +95,7 @@ def slow_or_not(line: str) -> Any:
     return pytest.param(line, marks=marks)
 
 
-@pytest.mark.parametrize("line", map(slow_or_not, examples()))
+@pytest.mark.parametrize("line", [slow_or_not(line) for line in examples()])
 def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     variables = environment(tmp_path)
