@@ -251,8 +251,8 @@ def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
 
 def _theme_beside(suite: Suite) -> Theme | None:
     """Return the theme that stands beside a suite's file: its levels carry it with them."""
+    from babyrobot_levels.language.documents import read_theme, theme_folders
     from babyrobot_levels.language.looks import BUILTIN_THEMES
-    from babyrobot_levels.language.themes import read_theme, theme_folders
 
     name, folder = suite.fields.theme, suite.folder
     if not isinstance(name, str) or name in BUILTIN_THEMES or folder is None:

@@ -7,7 +7,7 @@ import re
 from typing import Any
 
 from babyrobot_levels.convert.conversion import ConversionError, shown
-from babyrobot_levels.language.color import PATTERN
+from babyrobot_levels.language.looks import PATTERN
 
 
 def integer(value: Any, where: str) -> int:

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.convert.blocks import Rows, as_blocks, has_walls
 from babyrobot_levels.convert.conversion import Lost, fields_lost
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.checks import painted
 from babyrobot_levels.language.fields import Role, fields_with
-from babyrobot_levels.language.geometry import painted
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.moves import Rewards

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np

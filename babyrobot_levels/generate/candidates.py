@@ -19,7 +19,7 @@ from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Successors, distances
-from babyrobot_levels.mdp.mazes.draws import below
+from babyrobot_levels.mdp.mazes.lattice import below
 
 SEED_BITS = 48
 """Mazes have seeds of so many bits: too many for two levels to draw the same one."""

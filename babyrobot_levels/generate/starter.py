@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from babyrobot_levels.mdp.mazes import carve
-from babyrobot_levels.mdp.mazes.draws import below
+from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text.emitter import scalar
 
 TEMPLATES = ("grid", "maze", "drawing")

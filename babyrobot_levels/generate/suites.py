@@ -16,7 +16,7 @@ from babyrobot_levels.library.catalogue import find_suite
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.reader import open_document
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 
 class Suite(Sequence[Level]):

@@ -15,9 +15,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from babyrobot_levels.language.color import FORM_PATTERN, NAMES, PATTERN
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
-from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
 

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pydantic import PrivateAttr, model_validator
 
+from babyrobot_levels.language.checks import issues_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.map import expand_map
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.rules import issues_of
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import InvalidDocument, LevelError

@@ -6,12 +6,10 @@ import re
 from typing import Any
 
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
-from babyrobot_levels.language.color import NAMES, PATTERN
-from babyrobot_levels.language.looks import THEME_NAME, Colors
+from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME, Colors
 from babyrobot_levels.language.pack import VERSION
 from babyrobot_levels.text.scalars import is_plain_string
-from babyrobot_levels.text.suggest import did_you_mean
-from babyrobot_levels.text.words import shortened
+from babyrobot_levels.text.words import did_you_mean, shortened
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""

@@ -10,8 +10,8 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from babyrobot_levels.language.base import FORM_PREFIX
+from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.messages import complaint
-from babyrobot_levels.language.rules import MAX_PROBLEMS
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import InvalidDocument, LevelError

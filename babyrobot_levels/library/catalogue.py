@@ -18,7 +18,7 @@ from babyrobot_levels.library.search_path import Place, places, yaml_files
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.text.files import SUFFIXES, is_file, read_source
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.suggest import nearest
+from babyrobot_levels.text.words import nearest
 
 MAX_NEAREST = 3
 _LINES = {

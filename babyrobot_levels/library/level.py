@@ -85,9 +85,11 @@ class Level(GridWorld):
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
         """
-        from babyrobot_levels.mdp.resolve import resolved_fields
+        from babyrobot_levels.mdp.drawn import resolved_fields
 
-        return self if self.maze is None else self.replace(**resolved_fields(self))
+        if self.maze is None:
+            return self
+        return self.replace(**resolved_fields(self, self.grid()))
 
     # -- as text ---------------------------------------------------------------------------
 

@@ -1,4 +1,4 @@
-"""The five actions, numbered once for everybody."""
+"""The actions, by their numbers. Apart from the tables, because it needs no NumPy."""
 
 from __future__ import annotations
 

@@ -93,6 +93,13 @@ def is_folder(path: Path) -> bool:
     return os.path.isdir(path)  # noqa: PTH112
 
 
+def user_folder() -> Path:
+    """Return the user's own folder for levels and packs, which need not be there."""
+    from platformdirs import user_data_path
+
+    return user_data_path("babyrobot-levels", appauthor=False)
+
+
 def source_of(data: bytes, name: str) -> SourceFile:
     """Return bytes as a text.
 

@@ -20,8 +20,7 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.scalars import is_integer, resolve
 from babyrobot_levels.text.source import START, Position, SourceFile, Span
-from babyrobot_levels.text.suggest import did_you_mean
-from babyrobot_levels.text.words import plain_words, shortened
+from babyrobot_levels.text.words import did_you_mean, plain_words, shortened
 
 MAX_DEPTH = 64
 MAX_NODES = 100_000

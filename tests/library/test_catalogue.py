@@ -21,8 +21,8 @@ from support.subprocesses import run
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.catalogue import catalogue, find, level_files
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.search_path import places, yaml_files
+from babyrobot_levels.text.files import user_folder
 
 LEVEL = "version: 1\nsize: [4, 3]\n"
 

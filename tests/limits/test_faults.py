@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from babyrobot_levels.language.rules import MAX_PROBLEMS
+from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.lint.check import check
 from babyrobot_levels.text.diagnostics import Diagnostic

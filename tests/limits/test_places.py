@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.themes import read_theme, theme_names
+from babyrobot_levels.language.documents import read_theme, theme_names
 from babyrobot_levels.lint.check import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError

@@ -22,7 +22,7 @@ from babyrobot_levels.lint.fixer import apply, fix
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.runner import lint_source
 from babyrobot_levels.lint.variants import gives
-from babyrobot_levels.mdp import reachability as counting
+from babyrobot_levels.mdp import graph as counting
 from babyrobot_levels.mdp.reachability import Reach, reach_of
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.emitter import emit

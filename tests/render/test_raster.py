@@ -10,8 +10,7 @@ import pytest
 from PIL import Image
 from support.work import counted_calls
 
-from babyrobot_levels.language.color import NAMES
-from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.language.looks import BUILTIN_THEMES, NAMES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba

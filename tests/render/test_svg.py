@@ -126,7 +126,7 @@ def test_the_base_lacks_the_robot_and_nothing_else() -> None:
 def test_painting_svg_loads_neither_numpy_nor_pillow() -> None:
     code = (
         "import sys\n"
-        "from babyrobot_levels.library.reading import Level.from_fields\n"
+        "from babyrobot_levels.library.level import Level\n"
         "from babyrobot_levels.render.svg import to_svg\n"
         "from babyrobot_levels.render.scene.build import build_scene\n"
         "to_svg(build_scene(Level.from_fields({'version': 1, 'maze': {'seed': 1}})))\n"

@@ -13,7 +13,7 @@ from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
 from babyrobot_levels.analysis.solver.results import num_actions
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 
 class HasPolicy(Protocol):

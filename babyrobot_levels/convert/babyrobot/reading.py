@@ -27,7 +27,7 @@ from babyrobot_levels.convert.conversion import (
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 Cell = tuple[int, int]
 

@@ -8,17 +8,16 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from babyrobot_levels.language.documents import check_document, is_suite
-from babyrobot_levels.language.formatting.fields import fields_of
-from babyrobot_levels.language.formatting.kept import KeptAsIs
-from babyrobot_levels.language.formatting.tree import tidy, tree_of
+from babyrobot_levels.language.formatting.scalars import KeptAsIs
+from babyrobot_levels.language.formatting.tree import fields_of, tidy, tree_of
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.emitter import lines_of
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.layout import lines_of
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 

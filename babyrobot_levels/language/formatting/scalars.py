@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 
-from babyrobot_levels.language.formatting.kept import KeptAsIs
 from babyrobot_levels.text.document import Node
-from babyrobot_levels.text.emitter import scalar
-from babyrobot_levels.text.layout import Scalar
+from babyrobot_levels.text.emitter import Scalar, scalar
 
 BRACKETS = ",[]{}"
 """What a text without quotes cannot hold inside brackets."""
@@ -16,6 +14,10 @@ _NUMBER = re.compile(r"([-+]?)0*([0-9]*)(?:\.([0-9]*))?(?:[eE]([-+]?[0-9]+))?")
 _LINE_END = re.compile(r"\r\n|\r|\n")
 # Other readers take these for booleans, dates, times or numbers of their own.
 _BETTER_QUOTED = re.compile(r"[0-9].*|yes|no|on|off", re.IGNORECASE | re.DOTALL)
+
+
+class KeptAsIs(Exception):
+    """A text is written in a way that the formatter leaves alone; the message says which."""
 
 
 def canonical(node: Node) -> Scalar:

@@ -15,9 +15,8 @@ from pathlib import Path
 
 from babyrobot_levels.language.pack import VERSION, PackFields
 from babyrobot_levels.language.validation import check
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import PACK_FILE, is_folder
+from babyrobot_levels.text.files import PACK_FILE, is_folder, user_folder
 from babyrobot_levels.text.reader import open_document
 
 CURRENT = "current"

@@ -28,7 +28,7 @@ from babyrobot_levels.library.packs.installed import (
 )
 from babyrobot_levels.library.packs.lock import locked
 from babyrobot_levels.text.files import is_folder, write_text
-from babyrobot_levels.text.suggest import nearest
+from babyrobot_levels.text.words import nearest
 
 _PART = ".part-"
 """What is being put there or taken away lies in folders whose names begin so."""

@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
-from babyrobot_levels.mdp.compiler.arrivals import Arrivals
-from babyrobot_levels.mdp.compiler.branches import (
+from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
+from babyrobot_levels.mdp.compiler.outcomes import (
+    Arrivals,
     Branches,
     Floats,
     Ints,
@@ -24,9 +25,7 @@ from babyrobot_levels.mdp.compiler.branches import (
     chancy_rows,
     plain_branches,
 )
-from babyrobot_levels.mdp.compiler.moves import Moves, build_moves
 from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
-from babyrobot_levels.mdp.compiler.warps import Warps, build_warps
 from babyrobot_levels.mdp.grid import Grid, build_grid
 from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
 

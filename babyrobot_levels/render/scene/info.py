@@ -7,13 +7,13 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.language.color import PATTERN
+from babyrobot_levels.language.looks import PATTERN
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.render.scene.overlays import Note, Overlay
 from babyrobot_levels.render.scene.overlays.numbers import short
 from babyrobot_levels.render.scene.told_policy import read_policy
 from babyrobot_levels.render.scene.told_rows import cells_of, number_of
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
