@@ -38,6 +38,9 @@ from queue import SimpleQueue
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "babyrobot_levels"
 FAST = ["-m", "not slow and not sb3"]
+LIMITED = ["sh", "-c", 'ulimit -d "$0"; exec "$@"', f"{8 << 20}"]
+"""Before a command: it gets at most 8 GiB of memory. A mutant may ask for more and more."""
+
 NO_TESTS = 5
 """The status of pytest where it collects nothing."""
 
@@ -244,8 +247,9 @@ class Copy:
         os.utime(path, (self._written, self._written))
 
     def _run(self, tests: list[str], environment: dict[str, str]) -> int:
+        call = [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider"]
         process = subprocess.Popen(
-            [sys.executable, "-m", "pytest", "-x", "-p", "no:cacheprovider", *self._pytest, *tests],
+            [*LIMITED, *call, *self._pytest, *tests],
             cwd=self._folder,
             env=os.environ | {"PYTHONPATH": str(self._folder)} | environment,
             stdin=subprocess.DEVNULL,

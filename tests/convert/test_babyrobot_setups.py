@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from support.conversions import level_of_world, world_of
+from support.each import for_each
 from support.places import TESTS
 from support.worlds import level_of
 
@@ -25,7 +26,7 @@ RECORD = json.loads((TESTS / "oracles" / "babyrobot.json").read_text(encoding="u
 
 Setup = dict[str, Any]
 
-each_record = pytest.mark.parametrize("number", range(200))
+each_record = for_each("number", range(200))
 
 
 def lost(setup: Setup) -> dict[str, str]:

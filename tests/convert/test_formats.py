@@ -11,6 +11,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.conversions import level_of_world, sample, world_of
+from support.each import for_each
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
@@ -57,7 +58,7 @@ def test_whatever_is_exported_is_known_by_its_look_and_is_a_level(name: str, wor
 
 
 @each_format
-@pytest.mark.parametrize("level", GALLERY)
+@for_each("level", GALLERY)
 def test_the_gallery_gets_there_and_back_as_a_file(name: str, level: str) -> None:
     text = export(brl.load(level), name).text
     world = world_of(text, name)

@@ -60,6 +60,13 @@ def test_the_reader_of_imports_sees_them_all(tmp_path: Path) -> None:
     assert made.order == [["walls"], ["doors", "roof"]]
 
 
+def test_loading_a_level_never_calls_into_a_room_above() -> None:
+    # Imports do not show what is handed down to be called.
+    stops = STRUCTURE.stops()
+    assert ("library.catalogue", "library.reading") in stops
+    assert STRUCTURE.climbs(stops) == []
+
+
 def test_at_the_top_stand_only_the_rooms() -> None:
     rooms = {room for layer in STRUCTURE.order for room in layer}
     files = {"__init__.py", "__main__.py", "py.typed"}
