@@ -5,8 +5,9 @@ Usage: python scripts/mutants.py --table TABLE [--count 200] [--seed 1] [--jobs 
 Each mutant is one change of one file of the package: another comparison, a number that is one
 more, a statement that is gone. It is tested in a temporary copy of the checkout, by the tests
 named like its module, then those of its room, then all, until one fails. What follows `--` are
-the arguments of pytest, by default those of the fast tests: `-m "not slow and not sb3"`. They may
-hold `-n 2`; `--jobs` tests several mutants at the same time instead.
+the arguments of pytest but for paths, by default those of the fast tests: `-m "not slow and not
+sb3"`. They may hold `-n 2`; `--jobs` tests several mutants at the same time instead. First of all
+the tests are run without a mutant, and have to pass.
 
 TABLE gets one JSON object a line and is read first: an interrupted run continues where it was.
 Run it with the Python that has the libraries of the tests.
