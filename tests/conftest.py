@@ -10,6 +10,7 @@ from hypothesis import settings
 TESTS = Path(__file__).parent
 
 SLOW = {
+    "cli/test_terminals.py",
     "docs/test_notebooks.py",
     "e2e/browser",
     "e2e/test_benchmarks.py",
