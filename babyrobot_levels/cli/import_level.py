@@ -77,7 +77,7 @@ def import_level(
       babyrobot export four-rooms --to minigrid | babyrobot import -
     """
     from babyrobot_levels.convert.conversion import ConversionError
-    from babyrobot_levels.convert.file_text import file_text
+    from babyrobot_levels.convert.formats import file_text
     from babyrobot_levels.language.documents import slug
 
     if name is not None and slug(name) != name:

@@ -177,7 +177,7 @@ def schema_for(path: Path) -> str:
 
 def _check(text: str, path: Path) -> None:
     """Make sure that the file is valid before it is written: a theme may not be known."""
-    from babyrobot_levels.library.reading import errors_of
+    from babyrobot_levels.language.documents import errors_of
     from babyrobot_levels.text.files import source_of
 
     try:

@@ -19,7 +19,7 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.preview import LevelArgument, load_level
-from babyrobot_levels.render.numbers import WIDEST
+from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution

@@ -175,10 +175,10 @@ def issues_of(level: LevelFields) -> list[Issue]:
 
 
 def _collect(issues: list[Issue], found: Iterator[Issue]) -> None:
-    for problem in found:
+    for issue in found:
         if len(issues) >= MAX_PROBLEMS:
             return
-        issues.append(problem)
+        issues.append(issue)
 
 
 def _check_covered(level: LevelFields) -> list[Issue]:

@@ -6,10 +6,11 @@ wide, and its middle one says what it is. Composing and parsing are each other's
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from operator import add
 
+from babyrobot_levels.language.runs import runs
 from babyrobot_levels.text.diagnostics import Issue, Mark
 
 BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
@@ -63,17 +64,23 @@ class Drawing:
     def row_runs(self, character: str) -> Iterator[tuple[tuple[int, int], int]]:
         """Yield the cells that show the character, those side by side as one with a length."""
         for y, row in enumerate(self.cells):
-            for x, length in _runs(row, character):
+            for x, length in runs(row, character):
                 yield (x, y), length
 
     def runs(self, mark: str) -> Iterator[tuple[tuple[int, int], str, int]]:
         """Yield the walls of one mark as `(cell, side, length)`: S walls by row, E by column."""
         for y, row in enumerate(self.south):
-            for x, length in _runs(row, mark):
+            for x, length in runs(row, mark):
                 yield (x, y), "S", length
         for x in range(self.width - 1):
-            for y, length in _runs("".join(row[x] for row in self.east), mark):
+            for y, length in runs((row[x] for row in self.east), mark):
                 yield (x, y), "E", length
+
+
+def is_block_map(lines: Iterable[str]) -> bool:
+    """Tell whether lines are a map of another program, in which a wall takes a whole cell."""
+    text = "".join(lines)
+    return "##" in text and _BLOCK_CHARACTERS.issuperset(text)
 
 
 def compose(drawing: Drawing) -> str:
@@ -99,17 +106,6 @@ def parse(
     blanks at the ends of its lines and a common indentation do not count.
     """
     return _Parser(text, is_known, max_size).parse()
-
-
-def _runs(marks: str, mark: str) -> Iterator[tuple[int, int]]:
-    """Yield start and length of each run of the mark."""
-    start = None
-    for index, found in enumerate(marks + "\0"):
-        if found == mark and start is None:
-            start = index
-        elif found != mark and start is not None:
-            yield start, index - start
-            start = None
 
 
 class _Parser:
@@ -169,7 +165,7 @@ class _Parser:
             self._report(0, 0, 1, "the drawing is empty", "draw at least one cell")
             return False
         length = len(self.rows[0])
-        if "#" in self.rows[0] and set("".join(self.rows)) <= _BLOCK_CHARACTERS:
+        if is_block_map(self.rows):
             message = "this is a map of blocks, in which a wall takes a whole cell"
             self._report(0, 0, length, message, "convert it with `babyrobot import`")
             return False

@@ -140,9 +140,9 @@ class LevelFields(Model):
     skid: Annotated[SkidLike | None, Role.DYNAMICS] = None
     """How slippery every cell is."""
     rewards: Annotated[Rewards, Role.REWARD] = Field(default_factory=Rewards)
-    """What a step is worth."""
+    """The rewards of a step."""
     discount: Annotated[Number, Field(gt=0, le=1), Role.LIMIT] = 1.0
-    """What solving assumes when it is not told otherwise."""
+    """The discount factor that solvers use by default."""
     max_steps: Annotated[Annotated[Integer, Field(ge=1, le=2**53)] | None, Role.LIMIT] = None
     """The episode is truncated after this many steps."""
     theme: Annotated[ThemeLike, Role.LOOK] = "default"
@@ -155,7 +155,7 @@ class LevelFields(Model):
     def written(self, field: str) -> Iterator[tuple[int, Any]]:
         """Yield the entries of a list that the file gives, with their numbers there.
 
-        What a drawing says comes before them in the field, and is left out.
+        Those that a drawing gives come before them in the field, and are left out.
         """
         return enumerate(getattr(self, field)[self._drawn.get(field, 0) :])
 

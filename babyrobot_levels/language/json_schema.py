@@ -87,7 +87,7 @@ def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
 
 
 def _tidy(value: Any) -> Any:
-    """Say bounds in JSON Schema's words, colours once, and leave out what helps nobody."""
+    """Translate bounds into JSON Schema, define colours once, and drop what editors do not use."""
     if isinstance(value, list):
         return [_tidy(item) for item in value]
     if not isinstance(value, dict):

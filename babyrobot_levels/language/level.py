@@ -1,4 +1,4 @@
-"""The level as a document says it: its fields, what its drawing adds, its theme, and its text."""
+"""The level of a document: its fields, what its drawing adds, its theme, and its text."""
 
 from __future__ import annotations
 
@@ -79,11 +79,11 @@ class LevelSpec(LevelFields):
         return BUILTIN_THEMES[self.theme]
 
     def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
-        """Return the level as plain data, as a file would say it: what was given, in order.
+        """Return the level as plain data, as in a file: the fields that were given, in order.
 
         Args:
-            whole: whether to add what the file did not say itself but stood beside it, the name
-                and a theme of its own, so that the data alone makes the same level.
+            whole: whether to add what stood beside the file, its name and a theme of its own, so
+                that the data alone make the same level.
         """
         data = plain(self.model_dump(by_alias=True, exclude_unset=True))
         if whole and self.name is not None:
@@ -99,7 +99,7 @@ class LevelSpec(LevelFields):
         return {name: data[name] for name in type(self).model_fields if name in data}
 
     def to_yaml(self, *, comments: bool = False) -> str:
-        """Return the level as canonical YAML: fields in order, one way of writing each.
+        """Return the level as canonical YAML: fields in order, each in one form.
 
         Args:
             comments: whether a level that was loaded from a text keeps its comments and its

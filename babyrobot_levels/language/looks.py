@@ -142,7 +142,7 @@ class Robot(Model):
     """How the robot is shown."""
 
     show: Flag = True
-    """Whether it is shown where nobody plays."""
+    """Whether it is shown in pictures of the level alone."""
     speed: Annotated[Number, Field(gt=0, le=100)] = 1.0
     """How fast it glides: 1 is its usual speed."""
 
@@ -153,9 +153,9 @@ class Display(Model):
     compass: Flag = False
     """Whether a compass is drawn."""
     start_text: Flag = True
-    """Whether a start says so."""
+    """Whether a start is labelled."""
     exit_text: Flag = True
-    """Whether an exit says so."""
+    """Whether an exit is labelled."""
     coordinates: Flag = False
     """Whether each cell shows its coordinates."""
     side_panel: PanelLike = "none"
@@ -266,5 +266,5 @@ BUILTIN_THEMES: dict[str, Theme] = {
         robot="#4d4d4d",
     ),
 }
-"""The themes that come with the package: four in the ancestor's colours; one for projectors and for
-weak eyes; and one for paper, in greys alone."""
+"""The built-in themes: four in the colours of PyPI `babyrobot`, one of high contrast, for
+projectors, and one for paper, in greys."""

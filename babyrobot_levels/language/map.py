@@ -1,4 +1,4 @@
-"""What a drawing says, as fields: size, start, exit, walls, puddles, blocked, areas."""
+"""What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas."""
 
 from __future__ import annotations
 

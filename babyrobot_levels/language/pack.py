@@ -22,7 +22,7 @@ RESERVED = {
 
 
 class PackFields(Model):
-    """A pack: a folder of levels, suites and themes that is passed on as a whole."""
+    """A pack: a folder of levels, suites and themes that is shared as a unit."""
 
     BEGINNING: ClassVar[str] = (
         "a pack.yaml has a `name`, a `version` such as `1.0.0`, and a `description`"

@@ -86,7 +86,7 @@ def decode(text: str) -> bytes:
 
 
 def _json(data: Mapping[str, Any]) -> str:
-    """Return data as JSON that is YAML as well, each value written in one way."""
+    """Return data as JSON that is YAML as well, each value in one form."""
     text = json.dumps(_short(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return _NOT_IN_YAML.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 

@@ -83,26 +83,26 @@ class SuiteFields(Model):
     puddles: PuddleCounts = 0
     """How many puddles there are, or a range. Cells and kinds are drawn."""
     path_length: Counts | None = None
-    """How many steps a shortest walk from start to exit takes."""
+    """The length of the shortest path from start to exit, in steps."""
     dead_ends: Counts | None = None
     """How many cells have exactly one open side."""
     difficulty: Numbers | None = None
     """How hard the levels are, by the metric of that name."""
     rewards: Rewards = Field(default_factory=Rewards)
-    """What a step is worth, in all levels."""
+    """The rewards of a step, in all levels."""
     discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
-    """What solving assumes when it is not told otherwise."""
+    """The discount factor that solvers use by default."""
     max_steps: Annotated[Integer, Field(ge=1, le=2**53)] | None = None
-    """Episodes are truncated after this many steps. No shortest walk is longer."""
+    """Episodes are truncated after this many steps. No shortest path is longer."""
     theme: ThemeLike = "default"
     """Colours and widths of all levels: a theme's name or a mapping."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Check what only the whole suite shows."""
-        problems = list(_problems(self))
-        if problems:
-            raise InvalidDocument(problems)
+        issues = list(_issues(self))
+        if issues:
+            raise InvalidDocument(issues)
         return self
 
     @property
@@ -118,10 +118,10 @@ class SuiteFields(Model):
         return most
 
 
-def _problems(suite: SuiteFields) -> Iterator[Issue]:
+def _issues(suite: SuiteFields) -> Iterator[Issue]:
     ranges = ("size", "puddles", "path_length", "dead_ends", "difficulty")
-    faults = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
-    yield from faults or _misfits(suite)
+    errors = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
+    yield from errors or _misfits(suite)
     yield from _faulty_splits(suite)
 
 

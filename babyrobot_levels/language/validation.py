@@ -1,4 +1,4 @@
-"""Data and documents checked against a model, with an issue for each fault."""
+"""Data and documents checked against a model, with an issue for each error."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from babyrobot_levels.language.base import FORM_PREFIX
 from babyrobot_levels.language.checks import MAX_PROBLEMS
+from babyrobot_levels.language.drawing import is_block_map
 from babyrobot_levels.language.messages import complaint
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
@@ -24,7 +25,7 @@ Check = Callable[[ModelT], Iterable[Issue]]
 """Looks at a model that is valid by itself and may find more."""
 
 _GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit"}
-"""Where one of these is faulty, a check of the geometry would only report what follows from it."""
+"""Where one of these is invalid, checks of the geometry would only report its consequences."""
 
 
 class Checked(NamedTuple, Generic[ModelT]):
@@ -63,6 +64,9 @@ def check(
     if not isinstance(document.data, dict):
         what = "is empty" if document.data is None else "does not contain a mapping of fields"
         help_text = _beginning(model)
+        if document.data is None and is_block_map(document.source.lines):
+            # To YAML, lines that begin with `#` are comments.
+            help_text = "convert a map of blocks with `babyrobot import`"
         if isinstance(document.data, str) and re.match(r"[a-z_]+:\S", document.data):
             help_text = "add a space after `:`"
         issues.append(Issue("BR110", (), f"the file {what}", help_text))
@@ -82,7 +86,7 @@ def check(
 
 
 def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, list[Issue]]:
-    """Validate plain data: the model, or None and every fault, those of single fields first."""
+    """Validate plain data: the model, or None and every issue, those of single fields first."""
     try:
         return model.model_validate(data), []
     except ValidationError as error:
@@ -91,7 +95,7 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
     if len(details) > MAX_PROBLEMS:
         return None, issues
     if not any(_issues_of(detail) for detail in details):
-        # Single fields are faulty, so the whole was not checked yet: check what is left of it.
+        # Single fields are invalid, so the whole was not checked yet: check the rest of it.
         rest = _Rest(data, [route_of(issue) for issue in issues])
         if rest.is_enough:
             try:
@@ -131,7 +135,7 @@ def _beginning(model: type[BaseModel]) -> str | None:
 
 
 def _is_fault(detail: Any) -> bool:
-    # Pydantic counts the entries that are left: a list of faulty ones is too short for it.
+    # Pydantic counts valid entries only, so a list of invalid ones is too short for it.
     return not (detail["type"] == "too_short" and detail["input"])
 
 
@@ -195,7 +199,7 @@ def route_of(issue: Issue) -> Route:
 
 
 class _Rest:
-    """Data without its faulty parts: faulty fields, and faulty entries of lists."""
+    """Data without its invalid parts: invalid fields, and invalid entries of lists."""
 
     def __init__(self, data: dict[str, Any], routes: list[Route]):
         faulty = {route[:2] if _is_entry(route, data) else route[:1] for route in routes if route}

@@ -25,7 +25,7 @@ _LINES = {
     key: re.compile(rf"^{key}:[ \t]*([\"']?)([a-z0-9-]+)\1(?:[ \t]+#.*)?[ \t]*$", re.MULTILINE)
     for key in ("name", "kind")
 }
-"""How a file says what it is called, or that it is a suite, as a rule."""
+"""How a file usually states its name, or that it is a suite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +39,7 @@ class LevelFile:
 
 @dataclass(frozen=True, slots=True)
 class LevelInfo:
-    """What the catalogue says of a level. `size` is width and height in cells."""
+    """The catalogue entry of a level. `size` is width and height in cells."""
 
     name: str
     title: str | None
@@ -61,7 +61,7 @@ class LevelInfo:
 
 
 def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
-    """Return a level, however it is told.
+    """Return a level.
 
     Args:
         level: a name from the catalogue (`"final-maze"`), `"pack/name"`, the path of a file, a
@@ -213,7 +213,7 @@ def _looks_like_path(text: str) -> bool:
 
 
 def _load_path(path: Path) -> Level:
-    # Where nobody has a home, `~` is a name like others.
+    # Without a home directory, `~` is an ordinary name.
     with suppress(RuntimeError):
         path = path.expanduser()
     if not _is_there(path):
@@ -250,13 +250,13 @@ def _nearest_files(path: Path) -> list[str]:
 
 
 def _stated(path: Path, key: str) -> str | None:
-    """Return what a file says of itself under a key, which need not be right."""
+    """Return what a file states under a key, without checking it."""
     try:
         source = read_source(path)
         match = _LINES[key].search(source.text)
         if match is not None:
             return match[2]
-        # YAML has other ways to write it, and these are rare.
+        # YAML has other forms, which are rare.
         data = read(source).data if key in source.text else None
     except LevelError:
         return None

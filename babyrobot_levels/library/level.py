@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class Level(GridWorld):
-    """A level: what a file says, validated and frozen.
+    """A level: the contents of a level file, validated and frozen.
 
     Its attributes are the fields of the language, with what a drawing gives filled in. Levels are
     made by `brl.load`, `brl.loads`, or from the fields themselves: `Level(version=1, size=(4, 4))`.
@@ -96,8 +96,8 @@ class Level(GridWorld):
     def share_code(self) -> str:
         """Return the level as a share code: one line, `brl1.…`, that `brl.load` takes.
 
-        It holds all that the level says, its name and a theme of its own included, but no
-        comments. It has a checksum, and only characters that may stand in an address.
+        It holds all fields, the name and a theme of the level's own included, but no comments.
+        It has a checksum, and only characters that may stand in an address.
 
         Raises:
             LevelError: the level is larger than a level file may be.

@@ -10,9 +10,7 @@ from babyrobot_levels.language.share_code import NAME, decode
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -77,11 +75,3 @@ def load_code(text: str) -> Level:
     # The JSON is no text that saving should keep.
     level.remember_origin(None, None, None)
     return level
-
-
-def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
-    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
-    try:
-        return check_document(read(source), path).diagnostics
-    except LevelError as error:
-        return [*error.diagnostics]

@@ -29,7 +29,7 @@ def places() -> Iterator[Place]:
 
     In this order: the gallery, the user's own folder, `levels/` of the current folder, the
     folders of `BABYROBOT_LEVELS`, the user's packs, the packs of installed packages. What comes
-    later is not looked for before somebody wants it. Of packs with the same name, only the first
+    later is looked up only when it is needed. Of packs with the same name, only the first
     is a place.
     """
     seen: set[tuple[Path, str | None]] = set()

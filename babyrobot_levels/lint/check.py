@@ -5,7 +5,7 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from babyrobot_levels.library.reading import errors_of
+from babyrobot_levels.language.documents import errors_of
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import lint_file, lint_source
 from babyrobot_levels.lint.settings import settings_for

@@ -31,7 +31,7 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """Edits that mend a finding. `safe` says that they leave the game as it is."""
+    """Edits that fix an issue. `safe` says that they leave the MDP unchanged."""
 
     message: str
     edits: tuple[Edit, ...]
@@ -120,7 +120,7 @@ class Diagnostic:
 
     @property
     def span(self) -> Span:
-        """Where the fault stands."""
+        """Where the faulty text is."""
         return Span(Position(self.line, self.column), self.end)
 
     @property

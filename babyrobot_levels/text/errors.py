@@ -15,7 +15,7 @@ class LevelError(BabyRobotError, ValueError):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
 
     Raised by everything that reads a level. `diagnostics` is empty where the level came from
-    Python and has no text to point at; the message then says it all.
+    Python and has no text to point at; the message is then complete by itself.
     """
 
     def __init__(self, diagnostics: Iterable[Diagnostic] = (), message: str | None = None):

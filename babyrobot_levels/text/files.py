@@ -66,7 +66,7 @@ def read_bytes(path: Path, limit: int) -> bytes:
     try:
         descriptor = os.open(path, flags)
     except PermissionError:
-        # What Windows says of folders.
+        # Windows raises this for folders.
         if is_folder(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path)) from None
         raise
@@ -132,13 +132,13 @@ def _unreadable(
 
 
 def write_text(path: Path, text: str, *, sync: bool = True) -> None:
-    """Write a file under a temporary name beside it, and rename it when it is whole.
+    """Write a file atomically: under a temporary name beside it, which is then renamed.
 
-    The folder is made if it is not there. An existing file's permissions are kept.
+    The folder is created if it is missing. An existing file's permissions are kept.
 
     Args:
         path: the file.
-        text: what shall stand in it.
+        text: its new contents.
         sync: whether to wait until the disk has it. Without that, a crash of the machine may leave
             the file empty; the end of this process, in whatever way, may not.
     """
@@ -177,7 +177,7 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Put Ctrl-C off until what is inside is done: no temporary file is left behind."""
+    """Delay Ctrl-C until the block is done, so that no temporary file is left behind."""
     if threading.current_thread() is not threading.main_thread():
         # Others are not interrupted.
         yield

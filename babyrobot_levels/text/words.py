@@ -136,7 +136,7 @@ def shortened(value: Any) -> str:
 
 
 MAX_LENGTH = 64
-"""Longer texts are not compared: nobody mistypes that much, and comparing takes long."""
+"""Longer texts are not compared, which would take long."""
 
 
 def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
@@ -147,7 +147,7 @@ def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     folded = name.casefold()
     matches = difflib.get_close_matches(folded, list(by_folded), n=count, cutoff=0.6)
     if not matches and len(folded) > 2:
-        # An abbreviation looks unlike the whole word, and is meant all the same.
+        # Abbreviations are unlike the whole word.
         matches = [candidate for candidate in by_folded if candidate.startswith(folded)][:count]
     return [by_folded[match] for match in matches]
 

@@ -44,7 +44,6 @@ ARTICLE_WORLDS = {
     "areas",
     "blocked-shapes",
     "glass-wall",
-    "image-maze",
 }
 
 each_level = for_each("name", FILES)
@@ -402,6 +401,10 @@ def test_image_maze() -> None:
     assert level.max_steps == 200
     assert level.description is not None
     assert 'observation="image"' in level.description
+    # It is not one of the Baby Robot articles' worlds.
+    assert level.source is not None
+    assert "Thanakorn Panyapiang" in level.source
+    assert "baby-robot" not in level.tags
 
 
 # -- the other worlds ------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Texts to their canonical form: the same data and the same comments, written in one way."""
+"""Texts to their canonical form: the same data and the same comments, in one form."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Formatted:
 def format_text(text: str, *, name: str = "<text>") -> str:
     """Return a level's text in its canonical form, comments kept.
 
-    What the level says stays the same, and so does its digest. Formatting twice changes nothing.
+    The data of the level stay the same, and so does its digest. Formatting twice changes nothing.
 
     Args:
         text: the text of a level file.
@@ -79,7 +79,7 @@ def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     is_dos = source.text.find("\r\n") == source.text.find("\n") - 1 >= 0
     text = text.replace("\n", "\r\n") if is_dos else text
     if text != source.text and not _says_the_same(text, document):
-        return Formatted(source.text, "another way of writing it would not say the same")
+        return Formatted(source.text, "any other form would change its meaning")
     return Formatted(text)
 
 

@@ -101,12 +101,12 @@ def _block(raw: str, data: str) -> Scalar:
     if raw[0] == "|":
         lines = body.split("\n")
         begin = next(line for line in lines if line)
-        # Where the first line is indented itself, YAML wants to be told what is not part of it.
+        # Where the first line is indented itself, YAML needs the indentation stated.
         step = "2" if begin[0] in " \t" else ""
         return Scalar(f"|{step}{chomp}", None, tuple(lines))
     header, *lines = _LINE_END.split(raw)
     if re.match(r">[-+]?[0-9]", header):
-        raise KeptAsIs("a folded text says by how much it is indented")
+        raise KeptAsIs("a folded text states its indentation")
     if chomp == "+":
         # The last line end is that of the last line.
         lines = lines[:-1] if not lines[-1] else lines

@@ -16,7 +16,7 @@ from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_
 
 @dataclass(frozen=True, eq=False)
 class Arrivals:
-    """Answers where branches end and what they are worth."""
+    """Computes where branches end, and their rewards."""
 
     rewards: Rewards
     terrain: Terrain
@@ -106,20 +106,20 @@ def plain_branches(moves: Moves, terrain: Terrain, warps: Warps) -> Branches:
     )
 
 
-def chancy_rows(moves: Moves, terrain: Terrain, warps: Warps) -> Flags:
+def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps) -> Flags:
     """Return, `[states, actions]`, the rows in which chance decides where the robot goes."""
     can_move = ~terrain.over & ~warps.leaves
     slips = (terrain.skid > 0) & can_move
     glass = moves.glass > 0
     sheltered = moves.refused & ~glass & (terrain.rule == OPEN_RULE)
-    chancy = np.zeros((terrain.over.size, NUM_ACTIONS), bool)
-    chancy[:, 1:] = ((slips & ~sheltered) | (can_move & glass)).T
-    return chancy
+    stochastic = np.zeros((terrain.over.size, NUM_ACTIONS), bool)
+    stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & glass)).T
+    return stochastic
 
 
-def chancy_branches(moves: Moves, terrain: Terrain, chancy: Flags) -> list[Branches]:
-    """Return all branches of the chancy rows, in parts. Those with probability 0 are among them."""
-    states, ways = np.nonzero(chancy[:, 1:])
+def stochastic_branches(moves: Moves, terrain: Terrain, stochastic: Flags) -> list[Branches]:
+    """Return all branches of the stochastic rows, in parts, also those with probability 0."""
+    states, ways = np.nonzero(stochastic[:, 1:])
     behind_glass = moves.glass[ways, states] > 0
     parts: list[Branches] = []
     if behind_glass.any():

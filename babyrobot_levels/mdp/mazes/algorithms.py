@@ -170,7 +170,7 @@ _KINDS = bytes([OUTSIDE, NO_CELL]) + bytes(254)
 
 
 def wilson(lattice: Lattice, start: int, rng: random.Random) -> None:
-    """From each cell in turn, walk at random into the maze; what is left of the walk is added.
+    """From each cell in turn, walk at random into the maze; the loop-erased walk is added.
 
     The walk's loops are left out as they close. The maze begins as the start alone; the cells are
     taken row by row. A step that would lead nowhere is drawn again.
@@ -178,7 +178,7 @@ def wilson(lattice: Lattice, start: int, rng: random.Random) -> None:
     kinds = bytearray(lattice.blocked.translate(_KINDS))
     opened, steps, ways = lattice.open, lattice.steps, quarters(rng)
     left = bytearray(len(kinds))
-    """The way by which the walk last left each cell: its loops are forgotten."""
+    """The way by which the walk last left each cell: its loops are erased."""
     kinds[start] = INSIDE
     for first in lattice.component(start):
         if kinds[first]:
@@ -311,11 +311,11 @@ def sidewinder(lattice: Lattice, start: int, rng: random.Random) -> None:
 
 
 def eller(lattice: Lattice, start: int, rng: random.Random) -> None:
-    """Carve rows knowing nothing but which cells of the last one hang together.
+    """Carve rows knowing only which cells of the last row are connected.
 
-    In a row, neighbours that do not hang together yet are joined, every other time. Of the cells
-    that hang together then one is opened to the south, and of the others each, every other time.
-    In the last row, all neighbours are joined that do not hang together yet. The start does not
+    In a row, neighbours that are not connected yet are joined, every other time. Of the cells
+    that are connected then one is opened to the south, and of the others each, every other time.
+    In the last row, all neighbours are joined that are not connected yet. The start does not
     matter.
     """
     rows = lattice.rows()

@@ -15,7 +15,7 @@ _QUARTERS = bytes(byte & 3 for byte in range(256))
 def below(rng: random.Random, count: int) -> int:
     """Draw a number from 0 to count - 1, as `Random.choice` does it, on every Python version.
 
-    It draws also when there is one choice: the ancestor's mazes depend on it.
+    It draws also when there is one choice: the mazes of PyPI `babyrobot` depend on it.
     """
     bits = count.bit_length()
     number = rng.getrandbits(bits)
@@ -44,7 +44,7 @@ def _blocks(rng: random.Random) -> Iterator[bytes]:
 NORTH, EAST, SOUTH, WEST = 1, 2, 4, 8
 
 THERE = (WEST, EAST, SOUTH, NORTH)
-"""The side that is opened for each way. Their order is the ancestor's: its mazes depend on it."""
+"""The side that is opened for each way, in the order on which PyPI `babyrobot`'s mazes depend."""
 
 BACK = (EAST, WEST, NORTH, SOUTH)
 """The side of the neighbour that is opened with it."""
@@ -100,7 +100,7 @@ class Lattice:
         return [cell for row in rows for cell in row if not blocked[cell]]
 
     def component(self, start: int) -> list[int]:
-        """Return the cells that hang together with a cell, row by row."""
+        """Return the cells that are connected with a cell, row by row."""
         found = bytearray(self.blocked)
         found[start] = 1
         waiting, members = [start], [start]
