@@ -18,12 +18,12 @@ if TYPE_CHECKING:
 
 def solution_of(level: Level, discount: float | None = None) -> Solution:
     """Return the solution of a level; where there is none, end the command and say why."""
-    from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
         return solve(level, discount)
-    except NoTotalError as error:
+    except UndefinedReturnError as error:
         note(f"error: the level has no solution: {error}")
         raise typer.Exit(FINDINGS) from None
 
@@ -72,8 +72,8 @@ def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
 
 def guide_of(level: Level, *, needed: bool) -> Guide | None:
     """Return the solution as a page tells it; None if there is none and it is not needed."""
-    from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page_data import Guide
 
     if needed:
@@ -81,7 +81,7 @@ def guide_of(level: Level, *, needed: bool) -> Guide | None:
     else:
         try:
             solution = solve(level)
-        except NoTotalError as error:
+        except UndefinedReturnError as error:
             note(f"the page shows no best moves: {error}")
             return None
     overlay = overlay_of(solution, values=True, policy=True)

@@ -13,6 +13,7 @@ from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
     fail,
+    note,
     speaks_unicode,
     wants_color,
     write,
@@ -57,6 +58,8 @@ def solve(
     if report_format is ReportFormat.JSON:
         write_json(_data(loaded, solution))
         return
+    if solution.explanation:
+        note(solution.explanation)
     plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
     write(_summary(loaded, solution) + "\n" + policy_text(loaded, solution, plain=plain))
     # Wider ones are left to `--format json`.
