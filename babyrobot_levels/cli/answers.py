@@ -7,23 +7,23 @@ from typing import TYPE_CHECKING
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, note
-from babyrobot_levels.render.numbers import number_lines
+from babyrobot_levels.render.text import number_lines
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.render.pagedata import Guide
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.scene.overlay import Overlay
 
 
 def solution_of(level: Level, discount: float | None = None) -> Solution:
     """Return the solution of a level; where there is none, end the command and say why."""
-    from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
         return solve(level, discount)
-    except NoTotalError as error:
+    except UndefinedReturnError as error:
         note(f"error: the level has no solution: {error}")
         raise typer.Exit(FINDINGS) from None
 
@@ -53,7 +53,7 @@ def values_text(solution: Solution) -> str:
 
 def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
     """Return the solution as it is shown on a picture: nothing where the episode is over."""
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
 
     over = (solution.policy < 0).tolist()
     shown = [
@@ -72,16 +72,16 @@ def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
 
 def guide_of(level: Level, *, needed: bool) -> Guide | None:
     """Return the solution as a page tells it; None if there is none and it is not needed."""
-    from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.render.pagedata import Guide
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+    from babyrobot_levels.render.page_data import Guide
 
     if needed:
         solution = solution_of(level)
     else:
         try:
             solution = solve(level)
-        except NoTotalError as error:
+        except UndefinedReturnError as error:
             note(f"the page shows no best moves: {error}")
             return None
     overlay = overlay_of(solution, values=True, policy=True)

@@ -71,7 +71,7 @@ def diff(
     names = [shown_name(text) for text in levels]
     if maze_seed is None and (before.has_random_maze or after.has_random_maze):
         note("each reset grows another maze; those of seed 0 are compared (see --maze-seed)")
-    from babyrobot_levels.analysis.diff.levels import diff as difference_of
+    from babyrobot_levels.analysis.diff import diff as difference_of
     from babyrobot_levels.cli.differences import difference_data, difference_text
 
     difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)

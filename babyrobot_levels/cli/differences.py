@@ -12,8 +12,7 @@ from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import flow
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.diff.changes import Change, Changes
-    from babyrobot_levels.analysis.diff.levels import Difference
+    from babyrobot_levels.analysis.diff import Change, Changes, Difference
 
 WIDEST = 60
 """The most characters that are told of a value."""

@@ -75,7 +75,7 @@ def _read(file: str, path: str) -> Version | None:
 
 
 def _told(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
-    from babyrobot_levels.analysis.diff.levels import diff
+    from babyrobot_levels.analysis.diff import diff
 
     if before is None or after is None:
         return _told_alone(title, before, after)

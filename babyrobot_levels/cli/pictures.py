@@ -11,8 +11,8 @@ from babyrobot_levels.cli.console import fail, note
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.render.animation import Step
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.gif import Step
+    from babyrobot_levels.render.scene.overlay import Overlay
 
 MAX_STEPS = 500
 """Films of episodes that do not end are cut after so many steps."""
@@ -74,7 +74,7 @@ def picture(level: Level, wishes: Wishes, *, svg: bool) -> str | bytes:
 
 def film(level: Level, wishes: Wishes) -> bytes:
     """Return an episode as a GIF file."""
-    from babyrobot_levels.render.animation import to_gif
+    from babyrobot_levels.render.gif import to_gif
 
     steps = _episode(level, wishes.policy or Walker.BEST, wishes.seed)
     overlay = None
@@ -96,7 +96,7 @@ def page(level: Level, wishes: Wishes) -> str:
         return to_html(
             level,
             guide=guide,
-            walker="random" if wishes.policy is Walker.RANDOM else "best",
+            policy="random" if wishes.policy is Walker.RANDOM else "best",
             seed=wishes.seed,
             values=wishes.values,
             arrows=wishes.policy is Walker.BEST,
@@ -111,7 +111,7 @@ def _overlay(level: Level, wishes: Wishes) -> Overlay:
 
 def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
     """Play the environment's episode of a seed."""
-    from babyrobot_levels.render.animation import Step
+    from babyrobot_levels.render.gif import Step
 
     policy = policy_of(solution_of(level)) if walker is Walker.BEST else None
     env = level.make(observation="index")

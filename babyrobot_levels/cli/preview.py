@@ -23,7 +23,7 @@ from babyrobot_levels.cli.console import (
 )
 from babyrobot_levels.cli.pictures import MAX_SCALE, Walker, Wishes, film, page, picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
-from babyrobot_levels.render.numbers import WIDEST
+from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level

@@ -74,8 +74,8 @@ def share(
 def _fragment(level: Level) -> str:
     """Return what a link to a level has behind its `#`."""
     from babyrobot_levels.cli.answers import guide_of
-    from babyrobot_levels.render.link import link_fragment
-    from babyrobot_levels.render.pagedata import MAX_CELLS, TooLargeError
+    from babyrobot_levels.render.page import link_fragment
+    from babyrobot_levels.render.page_data import MAX_CELLS, TooLargeError
 
     game = level
     if level.has_random_maze:

@@ -105,7 +105,7 @@ def _facts(level: Level) -> dict[str, Any]:
 def _metrics(level: Level) -> dict[str, Any]:
     """Return the metrics as JSON can hold them: texts for inf, null for what cannot be told."""
     from babyrobot_levels.analysis.metrics import metrics
-    from babyrobot_levels.lint.best import MAX_SOLVED
+    from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
 
     found = metrics(level)
     numbers = found.to_dict(solve=found.cells <= MAX_SOLVED)

@@ -13,13 +13,14 @@ from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
     fail,
+    note,
     speaks_unicode,
     wants_color,
     write,
     write_json,
 )
 from babyrobot_levels.cli.preview import LevelArgument, load_level
-from babyrobot_levels.render.numbers import WIDEST
+from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -57,6 +58,8 @@ def solve(
     if report_format is ReportFormat.JSON:
         write_json(_data(loaded, solution))
         return
+    if solution.explanation:
+        note(solution.explanation)
     plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
     write(_summary(loaded, solution) + "\n" + policy_text(loaded, solution, plain=plain))
     # Wider ones are left to `--format json`.

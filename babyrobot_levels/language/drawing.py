@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from operator import add
 
+from babyrobot_levels.language.runs import runs
 from babyrobot_levels.text.diagnostics import Issue, Mark
 
 BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
@@ -63,16 +64,16 @@ class Drawing:
     def row_runs(self, character: str) -> Iterator[tuple[tuple[int, int], int]]:
         """Yield the cells that show the character, those side by side as one with a length."""
         for y, row in enumerate(self.cells):
-            for x, length in _runs(row, character):
+            for x, length in runs(row, character):
                 yield (x, y), length
 
     def runs(self, mark: str) -> Iterator[tuple[tuple[int, int], str, int]]:
         """Yield the walls of one mark as `(cell, side, length)`: S walls by row, E by column."""
         for y, row in enumerate(self.south):
-            for x, length in _runs(row, mark):
+            for x, length in runs(row, mark):
                 yield (x, y), "S", length
         for x in range(self.width - 1):
-            for y, length in _runs("".join(row[x] for row in self.east), mark):
+            for y, length in runs((row[x] for row in self.east), mark):
                 yield (x, y), "E", length
 
 
@@ -105,17 +106,6 @@ def parse(
     blanks at the ends of its lines and a common indentation do not count.
     """
     return _Parser(text, is_known, max_size).parse()
-
-
-def _runs(marks: str, mark: str) -> Iterator[tuple[int, int]]:
-    """Yield start and length of each run of the mark."""
-    start = None
-    for index, found in enumerate(marks + "\0"):
-        if found == mark and start is None:
-            start = index
-        elif found != mark and start is not None:
-            yield start, index - start
-            start = None
 
 
 class _Parser:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.map import GLASS_PASS
+from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 
@@ -114,22 +116,15 @@ def _edge(side: str, x: int, y: int, grid: Grid) -> tuple[Edge, bool]:
 
 def _entries(walls: dict[Edge, Traits]) -> Iterator[dict[str, Any]]:
     """Yield entries of `walls`, those in a line as one: by rows, then by columns."""
-    runs: list[tuple[Edge, Traits, int]] = []
-    end = None
-    for edge in sorted(walls, key=_place):
-        *line, place = _place(edge)
-        if (line, place, walls[edge]) == end:
-            first, traits, length = runs.pop()
-            runs.append((first, traits, length + 1))
-        else:
-            runs.append((edge, walls[edge], 1))
-        end = (line, place + 1, walls[edge])
-    for (side, x, y), traits, length in runs:
-        lengths = {"length": length} if length > 1 else {}
-        yield {"at": [x, y], "side": side, **lengths, **traits}
+    edges = sorted(walls, key=_position)
+    for line in consecutive(edges, _position):
+        for traits, alike in groupby(line, walls.__getitem__):
+            (side, x, y), *more = alike
+            lengths = {"length": 1 + len(more)} if more else {}
+            yield {"at": [x, y], "side": side, **lengths, **traits}
 
 
-def _place(edge: Edge) -> tuple[bool, int, str, int]:
-    """Return on which line a side lies, and where on it: rows come before columns."""
+def _position(edge: Edge) -> tuple[tuple[bool, int, str], int]:
+    """Return the line on which a side lies, and its place on it: rows come before columns."""
     side, x, y = edge
-    return (True, x, side, y) if side in ("E", "W") else (False, y, side, x)
+    return ((True, x, side), y) if side in ("E", "W") else ((False, y, side), x)

@@ -11,13 +11,12 @@ import pytest
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, layout_of
-from babyrobot_levels.render.scene.overlays import Note, Overlay
-from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
-from babyrobot_levels.render.scene.overlays.numbers import short
+from babyrobot_levels.render.scene.number_labels import short
+from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 

@@ -16,9 +16,8 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import embedded_json, to_html
-from babyrobot_levels.render.pagedata import Guide, facts
-from babyrobot_levels.render.playable import CHEER, EVENTS, POSES, playable
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.page_data import CHEER, EVENTS, POSES, Guide, facts, playable
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 
@@ -219,7 +218,7 @@ def test_its_tables_are_the_compiled_ones(name: str) -> None:
 
 def test_the_data_says_who_walks_and_how() -> None:
     world = level(size=[3, 1], max_steps=7, display={"robot": {"speed": 2}})
-    data = data_of(to_html(world, guide=GUIDE, walker="random", seed=2**70))
+    data = data_of(to_html(world, guide=GUIDE, policy="random", seed=2**70))
     assert (data["walker"], data["policy"], data["seed"]) == ("random", [2, 2, -1], str(2**70))
     assert (data["max_steps"], data["speed"], data["exits"]) == (7, 2, [2])
 
@@ -300,7 +299,7 @@ def test_a_level_without_an_answer_has_nothing_of_it() -> None:
     data = data_of(to_html(ROW))
     assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
     assert data["picture"]["layers"]["policy"] == data["picture"]["layers"]["values"] == []
-    assert data_of(to_html(ROW, walker="random"))["walker"] == "random"
+    assert data_of(to_html(ROW, policy="random"))["walker"] == "random"
 
 
 def test_an_infinite_return_is_not_told_as_a_number() -> None:

@@ -16,8 +16,16 @@ from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.paths import curve, polyline
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Ellipse,
+    Path,
+    Rect,
+    Scene,
+    Shape,
+    Text,
+    curve,
+    polyline,
+)
 
 WHITE = (255, 255, 255)
 
@@ -62,7 +70,7 @@ def test_every_name_of_the_language_is_a_colour() -> None:
 
 
 def test_a_word_that_is_no_colour_is_refused() -> None:
-    with pytest.raises(ValueError, match="not a colour"):
+    with pytest.raises(ValueError, match="invalid CSS colour"):
         rgba("reddish")
 
 

@@ -11,8 +11,7 @@ import pytest
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of

@@ -10,12 +10,11 @@ import pytest
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
+from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_base, build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS
-from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.pose import Pose
-from babyrobot_levels.render.scene.runs import rectangles, runs
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.text.errors import LevelError
 
@@ -347,17 +346,3 @@ def test_a_compass_has_room_with_and_without_a_panel() -> None:
     both = level(display={"compass": True, "side_panel": 200})
     assert build_scene(both).width == 198 + 200
     assert {"N", "E", "S", "W"} <= set(texts(both))
-
-
-# -- runs ----------------------------------------------------------------------------------
-
-
-def test_runs_are_found_to_the_end() -> None:
-    assert list(runs([0, 1, 1, 0, 1])) == [(1, 2), (4, 1)]
-    assert list(runs([])) == []
-
-
-def test_rectangles_cover_each_mark_once() -> None:
-    marks = bytes([1, 1, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1])
-    found = sorted(rectangles(marks, 4))
-    assert found == [(0, 0, 2, 2), (1, 2, 3, 1), (3, 0, 1, 1)]

@@ -28,8 +28,8 @@ from babyrobot_levels.convert.edges import (
 )
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Panel
+from babyrobot_levels.language.runs import rectangles
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.scene.runs import rectangles
 
 DEFAULT = BUILTIN_THEMES["default"]
 PLACE = "a setup"

@@ -1,4 +1,4 @@
-"""The scene of a level: everything that its picture shows, in painting order."""
+"""The scene of a level: all shapes of its picture, in painting order."""
 
 from __future__ import annotations
 
@@ -7,13 +7,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.ground import ground_shapes
+from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
-from babyrobot_levels.render.scene.overlays import Overlay
-from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
-from babyrobot_levels.render.scene.puddles import puddle_shapes
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
@@ -21,7 +20,6 @@ from babyrobot_levels.render.scene.walls import wall_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
-
 
 LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
 """The layers of a picture, from the bottom up."""
@@ -40,16 +38,16 @@ def build_scene(
 
     Args:
         level: the level; a maze needs a seed.
-        state: the cell of the robot, `y * width + x`. None shows him on the first start, if the
-            level's `display` shows him at all.
-        pose: how he holds himself.
+        state: the cell of the robot, `y * width + x`. None shows it on the first start, if the
+            level's `display` shows it at all.
+        pose: the robot's pose.
         robot: whether the robot is in the picture.
-        cells_only: whether to leave out the free space around the grid, panels and compass.
-        overlay: values, arrows and texts that are written over the cells and into the panels.
+        cells_only: whether to leave out the margin around the grid, panels and compass.
+        overlay: values, arrows and texts shown over the cells and in the panels.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: the level has no such state, or the overlay is not as large as the level.
+        ValueError: the level has no such state, or the overlay has another size than the level.
     """
     layers = build_layers(
         level, state=state, pose=pose, robot=robot, cells_only=cells_only, overlay=overlay
@@ -67,13 +65,13 @@ def build_layers(
     cells_only: bool = False,
     overlay: Overlay | None = None,
 ) -> dict[str, Scene]:
-    """Return the same picture in layers; painted one over the other they are `build_scene`'s.
+    """Return the same picture as layers: painted in this order, they give that of `build_scene`.
 
     All are as large as the picture. What changes from step to step has layers of its own:
 
     - `base`: the ground, puddles, panels and the compass;
-    - `grid`: walls, arrows and texts that are the level's own;
-    - `underlay`: what of an overlay lies below the robot;
+    - `grid`: walls, and the arrows and texts of the level itself;
+    - `underlay`: the part of an overlay that is below the robot;
     - `robot`: the robot;
     - `overlay`: arrows over the cells;
     - `text`: numbers and texts over the cells and in the panels.
