@@ -119,3 +119,12 @@ def test_links_lead_somewhere() -> None:
     for page in pages:
         for target in re.findall(r"\]\(([^)#:]+)[^):]*\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"
+
+
+def test_nothing_is_installed_from_where_it_is_not() -> None:
+    """Before a release, no index has the package and no tag names a version."""
+    pages = [*ROOT.glob("*.md"), *DOCS.glob("*.md"), *EXAMPLES.glob("*.py")]
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r"pip install ['\"]?babyrobot-levels", text), page.name
+        assert "rev: v" not in text, page.name
