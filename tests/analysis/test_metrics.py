@@ -33,7 +33,7 @@ def ahead_of(level: Level) -> list[set[int]]:
     mdp = level.compile()
     return [
         set()
-        if mdp.over[state]
+        if mdp.is_terminal[state]
         else {there for action in range(5) for _, there, _, _ in mdp.outcomes(state, action)}
         - {state}
         for state in range(mdp.num_states)

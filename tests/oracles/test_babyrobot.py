@@ -49,7 +49,7 @@ def test_levels_are_equal(number: int) -> None:
     # The package has nothing to say of cells where the episode is over.
     shown = [
         "0" if over else digit
-        for digit, over in zip(open_sides(grid, with_glass=True), mdp.over, strict=True)
+        for digit, over in zip(open_sides(grid, with_glass=True), mdp.is_terminal, strict=True)
     ]
     assert "".join(shown) == record["open"]
     for key, transitions in record["transitions"].items():

@@ -36,7 +36,7 @@ def test_values_are_those_of_repeated_steps(world: World, seed: int, actions: st
     for _ in range(250):
         ahead = rewards + 0.8 * steps @ expected
         expected = np.einsum("sa,as->s", chances, ahead)
-    over = mdp.over
+    over = mdp.is_terminal
     np.testing.assert_allclose(found.values.ravel()[~over], expected[:-1][~over], atol=1e-9)
     by_action = found.action_values.reshape(-1, len(steps))[~over]
     np.testing.assert_allclose(by_action, ahead.T[:-1][~over], atol=1e-9)
@@ -48,7 +48,7 @@ def test_random_takes_what_is_possible_and_uniform_takes_all() -> None:
     level = world(rows=["  S  E"])
     mdp = level_of(level).compile()
     for actions in ("all", "moves"):
-        possible = mdp.possible[:, 0 if actions == "all" else 1 :].astype(float)
+        possible = mdp.action_mask[:, 0 if actions == "all" else 1 :].astype(float)
         possible[-1] = 1
         even = possible / possible.sum(axis=1, keepdims=True)
         found, expected = (evaluate(level, p, 1.0, actions) for p in ("random", even))

@@ -32,7 +32,7 @@ FIRST = {"all": 0, "moves": 1}
 def assert_sound(level: Any, solution: Solution) -> None:
     """Check what each solution promises of itself."""
     mdp, blocked = level.compile(), level.grid().blocked
-    over = mdp.over.reshape(blocked.shape)
+    over = mdp.is_terminal.reshape(blocked.shape)
     assert (np.isnan(solution.values) == blocked).all()
     assert (solution.values[over & ~blocked] == 0).all()
     assert (solution.policy[over] == -1).all()
@@ -70,7 +70,7 @@ def test_discounted_values_are_those_of_value_iteration(
     with as_if_large(large):
         solution = solve(level, discount, actions=actions)
     expected = value_iteration(*dense(level.compile(), FIRST[actions]), discount)[:-1]
-    found = np.where(level.compile().over, 0.0, solution.values.ravel())
+    found = np.where(level.compile().is_terminal, 0.0, solution.values.ravel())
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
     assert_sound(level, solution)
 
@@ -159,9 +159,9 @@ def test_without_chance_the_best_way_is_the_shortest(
     level = level_of(
         {"version": 1, "size": [width, height], "maze": {"seed": seed, "loops": loops}}
     )
-    steps = np.where(level.compile().over, 0, -1)
+    steps = np.where(level.compile().is_terminal, 0, -1)
     is_open = level.grid().open.reshape(-1, 4)
-    ring = np.flatnonzero(level.compile().over).tolist()
+    ring = np.flatnonzero(level.compile().is_terminal).tolist()
     for state in ring:
         for side, there in enumerate((state - width, state + 1, state + width, state - 1)):
             if is_open[state, side] and steps[there] < 0:
