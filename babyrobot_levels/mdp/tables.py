@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,12 +109,16 @@ class Mdp:
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))
 
-    def __getattr__(self, name: str) -> Any:
-        if name not in FORMER_NAMES:
-            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-        now = FORMER_NAMES[name]
-        warnings.warn(f"Mdp.{name} is deprecated; use Mdp.{now}", DeprecationWarning, stacklevel=2)
-        return getattr(self, now)
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name not in FORMER_NAMES:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            now = FORMER_NAMES[name]
+            warnings.warn(
+                f"Mdp.{name} is deprecated; use Mdp.{now}", DeprecationWarning, stacklevel=2
+            )
+            return getattr(self, now)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         # Pickles of version 0.1 have the former names.

@@ -121,6 +121,7 @@ def test_the_seed_is_0_if_none_is_given() -> None:
     assert first == again != made("frozen-lake", "--seed", "1", "c.gif")
 
 
+@pytest.mark.slow
 def test_a_film_shows_values_and_coordinates() -> None:
     plain, values, coordinates = (
         film(made("maze", "--cell", "64", *options, f"{number}.gif"))[0].astype(int)
@@ -228,6 +229,7 @@ def test_the_examples_of_the_docs_run(line: str) -> None:
     assert (result.status, result.err) == (0, "")
 
 
+@pytest.mark.slow
 def test_the_film_of_the_docs_is_what_is_made_now() -> None:
     """Renew it with `babyrobot preview final-maze --seed 3 -o docs/images/final-maze.gif --force`.
 

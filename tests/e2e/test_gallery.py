@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from pydantic import BaseModel
+from support.each import for_each
 from support.places import GALLERY_FOLDER, ROOT
 
 from babyrobot_levels.language.fields import LevelFields
@@ -45,7 +46,7 @@ ARTICLE_WORLDS = {
     "glass-wall",
 }
 
-each_level = pytest.mark.parametrize("name", FILES)
+each_level = for_each("name", FILES)
 
 
 @cache

@@ -6,7 +6,7 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from support.reference import ACTIONS, Cell, Outcomes, Reference, World
 from support.worlds import level_of, worlds
 
@@ -15,8 +15,6 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.mdp.tables import FORMER_NAMES, FREE, GLASS, REFUSED, Mdp
 
 STAY, NORTH, EAST, SOUTH, WEST = Action
-
-laws = settings(deadline=None, max_examples=80)
 
 
 def outcomes(world: World, cell: Cell, action: int) -> Outcomes:
@@ -57,7 +55,6 @@ def field(size: int = 3, **fields: object) -> World:
 # -- laws ------------------------------------------------------------------------------------
 
 
-@laws
 @given(worlds())
 def test_probabilities_are_distributions(world: World) -> None:
     mdp = level_of(world).compile()
@@ -68,7 +65,6 @@ def test_probabilities_are_distributions(world: World) -> None:
     assert sorted(np.flatnonzero(mdp.start)) == sorted(y * mdp.width + x for x, y in starts)
 
 
-@laws
 @given(worlds())
 def test_outcomes_are_distinct_and_sorted(world: World) -> None:
     mdp = level_of(world).compile()
@@ -80,7 +76,6 @@ def test_outcomes_are_distinct_and_sorted(world: World) -> None:
             assert not padding.any()
 
 
-@laws
 @given(worlds())
 def test_next_states_are_cells_that_exist(world: World) -> None:
     level = level_of(world)
@@ -89,7 +84,6 @@ def test_next_states_are_cells_that_exist(world: World) -> None:
     assert not blocked[reached].any()
 
 
-@laws
 @given(worlds())
 def test_terminal_is_exactly_where_the_episode_is_over(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)
@@ -98,7 +92,6 @@ def test_terminal_is_exactly_where_the_episode_is_over(world: World) -> None:
     assert mdp.is_terminal.tolist() == [reference.is_over(cell) for cell in reference.cells]
 
 
-@laws
 @given(worlds())
 def test_where_the_episode_is_over_nothing_happens_any_more(world: World) -> None:
     mdp = level_of(world).compile()
@@ -108,14 +101,12 @@ def test_where_the_episode_is_over_nothing_happens_any_more(world: World) -> Non
         assert mdp.action_mask[state].tolist() == [1, 0, 0, 0, 0]
 
 
-@laws
 @given(worlds())
 def test_possible_actions_are_those_that_nothing_refuses(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)
     assert mdp.action_mask.tolist() == [reference.possible(cell) for cell in reference.cells]
 
 
-@laws
 @given(worlds())
 def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
     calm = {**world, "skid": None, "puddles": [], "areas": []}
@@ -134,7 +125,6 @@ def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
                 assert {after for _, after, _, _ in found} == {target}
 
 
-@laws
 @given(worlds())
 def test_arrays_are_as_documented_and_read_only(world: World) -> None:
     mdp = level_of(world).compile()
@@ -175,7 +165,6 @@ def test_tables_are_made_once_and_shared() -> None:
 # -- the rules, once more ----------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=400)
 @given(worlds())
 def test_tables_are_those_of_the_reference(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)

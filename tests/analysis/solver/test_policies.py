@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.chains import dense, world
 from support.worlds import World, level_of, worlds
@@ -23,7 +23,6 @@ from babyrobot_levels.analysis.solver.results import PolicyArray
 CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "others"})
 
 
-@settings(max_examples=50, deadline=None)
 @given(worlds(5), st.integers(0, 99), st.sampled_from(["all", "moves"]))
 def test_values_are_those_of_repeated_steps(world: World, seed: int, actions: str) -> None:
     level = level_of(world)

@@ -9,10 +9,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from hypothesis import assume, event, given, settings
+from hypothesis import assume, event, given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from support.chains import all_totals, dense, states_of, value_iteration
+from support.each import for_each
 from support.playing import GALLERY
 from support.worlds import World, level_of, worlds
 
@@ -59,7 +60,6 @@ def as_if_large(large: bool) -> Iterator[None]:
         yield
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     worlds(6), st.sampled_from([0.3, 0.9, 0.97]), st.sampled_from(["all", "moves"]), st.booleans()
 )
@@ -110,7 +110,6 @@ def rooms(draw: DrawFn) -> World:
     return world
 
 
-@settings(max_examples=250, deadline=None)
 @given(rooms() | worlds(3), st.sampled_from(["all", "moves"]), st.booleans())
 def test_totals_are_the_best_of_all_policies(world: World, actions: str, large: bool) -> None:
     with as_if_large(large):
@@ -139,7 +138,7 @@ def check_totals(world: World, actions: str) -> None:
 
 @pytest.mark.parametrize("discount", [1.0, 0.95])
 @pytest.mark.parametrize("actions", ["all", "moves"])
-@pytest.mark.parametrize("name", sorted(GALLERY))
+@for_each("name", sorted(GALLERY))
 def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> None:
     level = load(GALLERY[name])
     if level.has_random_maze:
@@ -150,7 +149,6 @@ def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> 
     assert_sound(level, solve(level, discount, actions=actions))
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 999), st.sampled_from([0, 0.5, 1]))
 def test_without_chance_the_best_way_is_the_shortest(
     width: int, height: int, seed: int, loops: float
