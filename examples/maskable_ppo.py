@@ -1,7 +1,7 @@
 """sb3-contrib's MaskablePPO learns a level: python examples/maskable_ppo.py --level final-maze
 
 Action masks exclude moves against walls. It needs the extra `sb3`:
-pip install "babyrobot-levels[sb3]"
+pip install ".[sb3]"
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """PPO with masks in one file of PyTorch: python examples/ppo_cleanrl.py --level final-maze
 
 After Schulman and others, Proximal Policy Optimization Algorithms (2017). It needs PyTorch, which
-comes with the extra `sb3`: pip install "babyrobot-levels[sb3]"
+comes with the extra `sb3`: pip install ".[sb3]"
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """Stable-Baselines3's PPO learns a level: python examples/ppo_sb3.py --level final-maze
 
-It needs the extra `sb3`: pip install "babyrobot-levels[sb3]"
+It needs the extra `sb3`: pip install ".[sb3]"
 """
 
 from __future__ import annotations

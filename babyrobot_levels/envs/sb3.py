@@ -14,7 +14,8 @@ try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError as fault:
     raise ImportError(
-        "babyrobot_levels.envs.sb3 needs Stable-Baselines3: pip install 'babyrobot-levels[sb3]'"
+        "babyrobot_levels.envs.sb3 needs Stable-Baselines3: "
+        "install babyrobot-levels with the extra `sb3`"
     ) from fault
 
 if TYPE_CHECKING:

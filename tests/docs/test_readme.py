@@ -114,8 +114,28 @@ def test_the_readme_counts_the_gallery() -> None:
     assert f"the gallery: {len(files)} levels" in README
 
 
+def anchors_of(page: Path) -> set[str]:
+    """Return the anchors that GitHub gives the headings of a page."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+    headings = re.findall(r"^#+ (.*)$", text, re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
 def test_links_lead_somewhere() -> None:
     pages = [*ROOT.glob("*.md"), *DOCS.glob("*.md"), ROOT / "benchmarks" / "README.md"]
     for page in pages:
-        for target in re.findall(r"\]\(([^)#:]+)[^):]*\)", page.read_text(encoding="utf-8")):
-            assert (page.parent / target).exists(), f"{page.name}: {target}"
+        text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.M | re.S)
+        for target, anchor in re.findall(r"\]\(([^)#:\s]*)(?:#([^)\s]*))?\)", text):
+            path = page.parent / target if target else page
+            assert path.exists(), f"{page.name}: {target}"
+            if anchor:
+                assert anchor in anchors_of(path), f"{page.name}: {target}#{anchor}"
+
+
+def test_nothing_is_installed_from_where_it_is_not() -> None:
+    """Before a release, no index has the package and no tag names a version."""
+    pages = [*ROOT.glob("*.md"), *DOCS.glob("*.md"), *EXAMPLES.glob("*.py")]
+    for page in pages:
+        text = page.read_text(encoding="utf-8")
+        assert not re.search(r"pip install ['\"]?babyrobot-levels", text), page.name
+        assert "rev: v" not in text, page.name

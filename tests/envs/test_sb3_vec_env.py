@@ -81,7 +81,7 @@ try:
 except ImportError as error:
     print(error)
 """
-    assert "pip install 'babyrobot-levels[sb3]'" in run(code, tmp_path)
+    assert "install babyrobot-levels with the extra `sb3`" in run(code, tmp_path)
 
 
 # -- the contract ----------------------------------------------------------------------------

@@ -45,7 +45,7 @@ def make_engine(
             if name == "compiled":
                 raise ImportError(
                     "engine='compiled' needs Numba, with compiling enabled and a cache folder: "
-                    "pip install 'babyrobot-levels[fast]'"
+                    "install babyrobot-levels with the extra `fast`"
                 ) from reason
         else:
             return CompiledEngine(tables, observations, num_envs)
