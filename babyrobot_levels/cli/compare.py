@@ -17,7 +17,7 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.preview import LevelArgument, load_level, load_two
+from babyrobot_levels.cli.inputs import LevelArgument, load_level, load_two
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.text.source import printable
 

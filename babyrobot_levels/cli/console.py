@@ -1,9 +1,11 @@
-"""What all commands share: output, colour, and how they end."""
+"""What all commands share: output, styles, tables, differences of texts, and exit statuses."""
 
 from __future__ import annotations
 
+import difflib
 import json
 import sys
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, NoReturn
@@ -13,7 +15,7 @@ import typer
 from babyrobot_levels.render.terminal import speaks_unicode as speaks_unicode
 from babyrobot_levels.render.terminal import wants_color as wants_color
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.source import printable
+from babyrobot_levels.text.source import columns, printable
 
 FINDINGS = 1
 """Exit status: the level or levels have findings."""
@@ -98,3 +100,49 @@ def save(path: Path, data: str | bytes, *, force: bool) -> None:
         raise
     except (OSError, RuntimeError) as error:
         fail(f"{path} cannot be written ({getattr(error, 'strerror', None) or error})")
+
+
+def table(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows of cells as a text with aligned columns; the first row is the heading."""
+    widths = [max(columns(row[number]) for row in rows) for number in range(len(rows[0]))]
+    lines = [
+        "  ".join(
+            text + " " * (width - columns(text)) for text, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    ]
+    if wants_color(sys.stdout):
+        lines[0] = f"\x1b[1m{lines[0]}\x1b[0m"
+    return "\n".join(lines) + "\n"
+
+
+_RESET = "\x1b[0m"
+_STYLES = {"---": "\x1b[1m", "+++": "\x1b[1m", "@@": "\x1b[36m", "-": "\x1b[31m", "+": "\x1b[32m"}
+
+
+def unified(before: str, after: str, name: str, *, color: bool = False) -> str:
+    """Return the changes from one text to another as a unified diff.
+
+    Control characters are shown as escapes, so that no file can move the reader's cursor.
+    """
+    shown = one_line(name)
+    lines = difflib.unified_diff(_lines(before), _lines(after), shown, shown)
+    return "".join(f"{_painted(text, color)}\n" for line in lines for text in _texts(line))
+
+
+def _lines(text: str) -> list[str]:
+    """Return the lines of a text with their ends, which can be all that changes."""
+    lines = [f"{line}\n" for line in text.split("\n")]
+    last = lines.pop().removesuffix("\n")
+    return [*lines, last] if last else lines
+
+
+def _texts(line: str) -> Iterator[str]:
+    yield printable(line.removesuffix("\n"))
+    if not line.endswith("\n"):
+        yield "\\ No newline at end of file"
+
+
+def _painted(line: str, color: bool) -> str:
+    style = next((style for sign, style in _STYLES.items() if line.startswith(sign)), None)
+    return f"{style}{line}{_RESET}" if color and style else line

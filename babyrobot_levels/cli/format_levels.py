@@ -142,7 +142,7 @@ def _write(path: Path, outcome: Outcome) -> bool:
 
 
 def _show_changes(outcomes: dict[Path, Outcome]) -> None:
-    from babyrobot_levels.cli.diffs import unified
+    from babyrobot_levels.cli.console import unified
 
     for path, outcome in outcomes.items():
         color = wants_color(sys.stdout)

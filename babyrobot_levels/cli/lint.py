@@ -214,7 +214,7 @@ def _write_fixed(path: Path, outcome: Outcome) -> None:
 
 def _show_changes(outcomes: dict[Path, Outcome]) -> bool:
     """Write what fixes would change, as unified diffs. Return whether they would."""
-    from babyrobot_levels.cli.diffs import unified
+    from babyrobot_levels.cli.console import unified
 
     changed = False
     for path, outcome in outcomes.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 from enum import StrEnum
@@ -12,10 +11,10 @@ from typing import Annotated
 import typer
 
 from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
+from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
 
 MAX_PUDDLES = 10_000
-SCHEMA_PATH = Path("schemas", "level.schema.json")
 
 
 class Template(StrEnum):
@@ -159,19 +158,6 @@ def _size(text: str) -> tuple[int, int]:
     if width * height == 1:
         fail("a level of one cell has no room for a start and an exit")
     return width, height
-
-
-def schema_for(path: Path) -> str:
-    """Return where editors find the schema: in the project around the file, or as installed."""
-    from babyrobot_levels.text.files import is_file
-
-    folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
-    for parent in (folder, *folder.parents):
-        if is_file(parent / SCHEMA_PATH):
-            return Path(os.path.relpath(parent / SCHEMA_PATH, folder)).as_posix()
-    package = Path(__file__).parents[1]
-    inside = package / "data" / SCHEMA_PATH
-    return (inside if inside.is_file() else package.parent / SCHEMA_PATH).as_uri()
 
 
 def _check(text: str, path: Path) -> None:

@@ -1,15 +1,18 @@
-"""The same work for many files, over several processes where that pays."""
+"""The same work for many files, over several processes where that pays, with a progress bar."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+import sys
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import chain
-from typing import Annotated, TypeVar
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
-from babyrobot_levels.cli.progress import track
+if TYPE_CHECKING:
+    from rich.progress import Progress, TaskID
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -70,3 +73,45 @@ def _spread(
 
 def _each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
     return [function(item) for item in items]
+
+
+Item = TypeVar("Item")
+
+PATIENCE = 1.0
+"""So many seconds pass before a bar is shown."""
+
+
+def track(items: Iterable[Item], total: int, label: str) -> Iterator[Item]:
+    """Yield the items, and show a bar of how many there have been.
+
+    Args:
+        items: what is worked on, or the results as they come.
+        total: how many there will be.
+        label: what is being done, such as `linting`.
+    """
+    if not sys.stderr.isatty():
+        yield from items
+        return
+    bar: Progress | None = None
+    task: TaskID | None = None
+    begin = time.monotonic()
+    try:
+        for count, item in enumerate(items):
+            yield item
+            if bar is None and time.monotonic() - begin > PATIENCE:
+                bar = _bar()
+                bar.start()
+                task = bar.add_task(label, total=total)
+            if bar is not None and task is not None:
+                bar.update(task, completed=count + 1)
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+def _bar() -> Progress:
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    return Progress(*columns, console=Console(stderr=True), transient=True)

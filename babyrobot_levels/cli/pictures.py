@@ -1,17 +1,22 @@
-"""What `babyrobot preview` makes for files: pictures, films and pages."""
+"""Pictures, GIFs and pages of levels, and what they show of a solution."""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.cli.answers import guide_of, overlay_of, policy_of, solution_of
-from babyrobot_levels.cli.console import fail, note
+import typer
+
+from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode, wants_color
+from babyrobot_levels.render.numbers import number_lines
 
 if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.animation import Step
+    from babyrobot_levels.render.pagedata import Guide
     from babyrobot_levels.render.scene.overlays import Overlay
 
 MAX_STEPS = 500
@@ -128,3 +133,89 @@ def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
     if not is_over:
         note(f"the episode does not end within {MAX_STEPS} steps; the film is cut there")
     return steps
+
+
+def solution_of(level: Level, discount: float | None = None) -> Solution:
+    """Return the solution of a level; where there is none, end the command and say why."""
+    from babyrobot_levels.analysis.solver.errors import NoTotalError
+    from babyrobot_levels.analysis.solver.optimum import solve
+
+    try:
+        return solve(level, discount)
+    except NoTotalError as error:
+        note(f"error: the level has no solution: {error}")
+        raise typer.Exit(FINDINGS) from None
+
+
+def policy_text(level: Level, solution: Solution, *, plain: bool) -> str:
+    """Return the drawing of an optimal policy, in ASCII if `plain`."""
+    from babyrobot_levels.render.text import policy_drawing
+
+    width = level.size[0]
+    policy = policy_of(solution)
+    actions = [policy[start : start + width] for start in range(0, len(policy), width)]
+    return policy_drawing(level, level.grid(), actions, plain=plain)
+
+
+def policy_of(solution: Solution) -> list[int]:
+    """Return the best action of each state, as an `Action`; -1 where there is none."""
+    actions: list[int] = (
+        (solution.policy + solution.first_action * (solution.policy >= 0)).ravel().tolist()
+    )
+    return actions
+
+
+def values_text(solution: Solution) -> str:
+    """Return the values in rows and columns, with two decimals."""
+    return "".join(f"{line}\n" for line in number_lines(solution.values.tolist(), 2))
+
+
+def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
+    """Return the solution as it is shown on a picture: nothing where the episode is over."""
+    from babyrobot_levels.render.scene.overlays import Overlay
+
+    over = (solution.policy < 0).tolist()
+    shown = [
+        [None if end else value for end, value in zip(ends, row, strict=True)]
+        for ends, row in zip(over, solution.values.tolist(), strict=True)
+    ]
+    actions = [
+        [
+            tuple(number for number, best in enumerate(cell, solution.first_action) if best)
+            for cell in row
+        ]
+        for row in solution.greedy.tolist()
+    ]
+    return Overlay(shown if values else None, actions if policy else None)
+
+
+def guide_of(level: Level, *, needed: bool) -> Guide | None:
+    """Return the solution as a page tells it; None if there is none and it is not needed."""
+    from babyrobot_levels.analysis.solver.errors import NoTotalError
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.render.pagedata import Guide
+
+    if needed:
+        solution = solution_of(level)
+    else:
+        try:
+            solution = solve(level)
+        except NoTotalError as error:
+            note(f"the page shows no best moves: {error}")
+            return None
+    overlay = overlay_of(solution, values=True, policy=True)
+    return Guide(policy_of(solution), overlay, solution.expected_return)
+
+
+def text_picture(level: Level, *, plain: bool = False) -> str:
+    """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
+    if plain or not takes_pictures():
+        return level.draw()
+    from babyrobot_levels.render.text import unicode_drawing
+
+    return unicode_drawing(level, level.grid(), color=True)
+
+
+def takes_pictures() -> bool:
+    """Return whether standard output shows Unicode and colour."""
+    return wants_color(sys.stdout) and speaks_unicode(sys.stdout)

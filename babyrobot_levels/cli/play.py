@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.text.source import printable

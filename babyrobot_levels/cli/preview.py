@@ -10,19 +10,28 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
     fail,
     note,
     save,
-    speaks_unicode,
-    wants_color,
     write,
 )
-from babyrobot_levels.cli.pictures import MAX_SCALE, Walker, Wishes, film, page, picture
-from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.pictures import (
+    MAX_SCALE,
+    Walker,
+    Wishes,
+    film,
+    page,
+    picture,
+    policy_text,
+    solution_of,
+    takes_pictures,
+    text_picture,
+    values_text,
+)
 from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:
@@ -39,14 +48,6 @@ class PictureFormat(StrEnum):
     GIF = "gif"
     HTML = "html"
 
-
-LevelArgument = Annotated[
-    str,
-    typer.Argument(
-        metavar="LEVEL",
-        help="A name, pack/name, the path of a file, or a share code; `-` is standard input.",
-    ),
-]
 
 _SUFFIXES = {
     ".txt": "ascii",
@@ -180,41 +181,6 @@ def preview(
         sys.stdout.buffer.write(made)
 
 
-def load_level(text: str) -> Level:
-    """Return the level that an argument names."""
-    from babyrobot_levels.language.share_code import is_code
-    from babyrobot_levels.library.catalogue import load
-    from babyrobot_levels.text.errors import LevelNotFoundError
-
-    if text == str(STANDARD_INPUT):
-        return _read_level()
-    if "\n" in text and not is_code(text):
-        raise LevelNotFoundError(text)
-    return load(text)
-
-
-def load_two(one: str, other: str) -> tuple[Level, Level]:
-    """Return the two levels that arguments name, of which one may be standard input."""
-    if one == other == str(STANDARD_INPUT):
-        fail("standard input can be one of the two levels only")
-    return load_level(one), load_level(other)
-
-
-def _read_level() -> Level:
-    """Return the level that standard input holds."""
-    from babyrobot_levels.library.reading import read_level
-    from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.files import ReadFault
-
-    try:
-        level, diagnostics = read_level(read_path(STANDARD_INPUT))
-    except ReadFault as fault:
-        raise LevelError([fault.diagnostic]) from None
-    if level is None:
-        raise LevelError(diagnostics)
-    return level
-
-
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:
     if picture_format is not None:
         return picture_format
@@ -277,7 +243,7 @@ def _text(level: Level, wishes: Wishes, *, plain: bool) -> str:
     if not (wishes.values or wishes.policy):
         return text_picture(level, plain=plain)
     solution = solution_of(level)
-    plain = plain or not _takes_pictures()
+    plain = plain or not takes_pictures()
     if wishes.policy:
         text = policy_text(level, solution, plain=plain)
     else:
@@ -289,14 +255,4 @@ def _text(level: Level, wishes: Wishes, *, plain: bool) -> str:
     return text
 
 
-def text_picture(level: Level, *, plain: bool = False) -> str:
-    """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
-    if plain or not _takes_pictures():
-        return level.draw()
-    from babyrobot_levels.render.text import unicode_drawing
-
-    return unicode_drawing(level, level.grid(), color=True)
-
-
-def _takes_pictures() -> bool:
-    return wants_color(sys.stdout) and speaks_unicode(sys.stdout)
+preview.command_class = PreviewCommand  # type: ignore[attr-defined]

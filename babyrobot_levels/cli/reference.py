@@ -14,7 +14,7 @@ from typing import Any, get_args, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
-from babyrobot_levels.cli.app import app
+from babyrobot_levels.cli.commands import COMMANDS
 
 _HEAD = """\
 # The command line
@@ -74,10 +74,17 @@ class _Parameter:
 
 def reference() -> str:
     """Return the reference of all commands, as Markdown."""
-    commands = {str(info.name): info.callback for info in app.registered_commands if info.callback}
-    rows = ["| command | what it does |", "|---|---|"]
-    rows += [f"| [`{name}`](#{name}) | {_summary(call)} |" for name, call in commands.items()]
-    parts = [_HEAD, "\n".join(rows) + "\n"]
+    commands = {name: line.function() for name, line in COMMANDS.items()}
+    tables = []
+    for group in dict.fromkeys(line.group for line in COMMANDS.values()):
+        rows = [f"| {group} | |", "|---|---|"]
+        rows += [
+            f"| [`{name}`](#{name}) | {_summary(commands[name])} |"
+            for name, line in COMMANDS.items()
+            if line.group == group
+        ]
+        tables.append("\n".join(rows) + "\n")
+    parts = [_HEAD, *tables]
     return "\n".join(parts + [_command(name, call) for name, call in commands.items()])
 
 

@@ -1,4 +1,4 @@
-"""`babyrobot share`: a level as a code for chats, links and papers; and a code as a file."""
+"""`babyrobot share` and `babyrobot resolve`: levels in a form that travels alone."""
 
 from __future__ import annotations
 
@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
+from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
+from babyrobot_levels.cli.schema import schema_for
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
@@ -73,7 +74,7 @@ def share(
 
 def _fragment(level: Level) -> str:
     """Return what a link to a level has behind its `#`."""
-    from babyrobot_levels.cli.answers import guide_of
+    from babyrobot_levels.cli.pictures import guide_of
     from babyrobot_levels.render.link import link_fragment
     from babyrobot_levels.render.pagedata import MAX_CELLS, TooLargeError
 
@@ -96,3 +97,62 @@ def _fragment(level: Level) -> str:
             f"send the file; up to {MAX_CELLS:,} cells, "
             "there is `babyrobot preview LEVEL -o p.html`",
         )
+
+
+_RELATIVE_SCHEMA = re.compile(
+    r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*(?:\n|\Z)", re.M
+)
+
+
+def resolve(
+    level: LevelArgument,
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Of a level with random mazes, the seed to take.", show_default=False
+        ),
+    ] = None,
+    output: OutputOption = None,
+    force: ForceOption = False,
+) -> None:
+    """Write out a level's maze as walls; game and picture stay the same.
+
+    `maze` and `openings` are gone from the file then, and each wall can be moved by hand.
+    The other fields keep their comments.
+
+    Examples:
+
+      babyrobot resolve final-maze
+
+      babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
+    """
+    from babyrobot_levels.text.reader import MAX_BYTES
+
+    loaded = with_seed(load_level(level), maze_seed)
+    if loaded.maze is None:
+        note(f"{loaded.name or 'the level'} has no maze; nothing is to be written out")
+    resolved = loaded.resolve()
+    text = resolved.to_yaml(comments=True)
+    if output is not None:
+        text = _text_for(resolved, text, output)
+    if len(text.encode("utf-8")) > MAX_BYTES:
+        fail("the walls of this maze are too many for a level file, which has room for 1 MiB")
+    if output is not None:
+        save(output, text, force=force)
+    else:
+        write(text)
+
+
+def _text_for(level: Level, text: str, path: Path) -> str:
+    """Return the text for a file: away from its folder, a level carries its theme with it."""
+    from babyrobot_levels.language.looks import BUILTIN_THEMES
+    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.text.source import SourceFile
+
+    if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
+        found, _ = read_level(SourceFile(str(path), text), path)
+        if found is None or found.colors_and_widths != level.colors_and_widths:
+            text = level.replace(theme=level.colors_and_widths).to_yaml(comments=True)
+    # The path of the schema is relative to the level's own folder.
+    schema = schema_for(path)
+    return _RELATIVE_SCHEMA.sub(f"\\g<1>{schema}\n" if schema else "", text, count=1)

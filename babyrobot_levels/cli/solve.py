@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
@@ -18,7 +17,8 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.pictures import policy_text, solution_of, values_text
 from babyrobot_levels.render.numbers import WIDEST
 
 if TYPE_CHECKING:

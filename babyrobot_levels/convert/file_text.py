@@ -12,12 +12,13 @@ from babyrobot_levels.text.files import ReadFault, decode
 from babyrobot_levels.text.source import SourceFile
 
 
-def file_text(world: World, *, schema: str, name: str | None, title: str) -> str:
+def file_text(world: World, *, schema: str | None, name: str | None, title: str) -> str:
     """Return the text of a level file.
 
     Args:
         world: what it says.
-        schema: where editors find the JSON schema, as the file's first line names it.
+        schema: where editors find the JSON schema, as the file's first line names it;
+            None for no such line.
         name: the level's name, None to leave it to the file's.
         title: the level's title, if the world has none.
 
@@ -28,7 +29,8 @@ def file_text(world: World, *, schema: str, name: str | None, title: str) -> str
     fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
     if name:
         fields["name"] = name
-    lines = [f"# yaml-language-server: $schema={schema}\n", f"# {world.origin}\n"]
+    lines = [f"# yaml-language-server: $schema={schema}\n"] if schema else []
+    lines.append(f"# {world.origin}\n")
     for field, value in fields.items():
         if field in world.comments:
             lines.append(f"# {world.comments[field]}\n")

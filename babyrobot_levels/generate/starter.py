@@ -27,19 +27,20 @@ class Order:
     theme: str = "default"
 
 
-def starter(order: Order, schema: str) -> str:
+def starter(order: Order, schema: str | None) -> str:
     """Return the text of a new level file.
 
     Args:
         order: what it shall be.
-        schema: where editors find the JSON schema, as the file's first line names it.
+        schema: where editors find the JSON schema, as the file's first line names it; None for
+            no such line.
 
     Raises:
         ValueError: there is no room for that many puddles.
     """
     title = order.name.replace("-", " ").capitalize()
-    head = f"""\
-# yaml-language-server: $schema={schema}
+    head = f"# yaml-language-server: $schema={schema}\n" if schema else ""
+    head += f"""\
 # A grid world. Coordinates are [x, y] from the top-left cell, [0, 0]; sides are N, E, S and W.
 version: 1
 name: {scalar(order.name)}

@@ -19,7 +19,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from babyrobot_levels.cli import app  # noqa: F401
+from babyrobot_levels.cli import commands  # noqa: F401
 from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.packs import build as packing  # noqa: F401  (so that the calls need not import it)
 from babyrobot_levels.library.packs import store

@@ -1,8 +1,11 @@
-"""`babyrobot import`: level files from the worlds of other programs."""
+"""`babyrobot import` and `babyrobot export`: worlds of other programs."""
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -17,14 +20,45 @@ from babyrobot_levels.cli.console import (
     save,
     write,
 )
-from babyrobot_levels.cli.conversions import StrictOption, WorldFormat, tell_losses
-from babyrobot_levels.cli.new_level import schema_for
+from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
+from babyrobot_levels.cli.pictures import Wishes, picture
 from babyrobot_levels.cli.reporting import read_path
+from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
-    from babyrobot_levels.convert.conversion import World
+    from babyrobot_levels.convert.conversion import Lost, World
+
+MAX_TOLD = 40
+"""Of more losses than this, only so many are told."""
+
+
+class WorldFormat(StrEnum):
+    """The formats that worlds are read from and written to."""
+
+    BABYROBOT = "babyrobot"
+    FROZEN_LAKE = "frozen-lake"
+    MAZE_MAP = "maze-map"
+    MAZE_DATASET = "maze-dataset"
+    MINIGRID = "minigrid"
+    SOKOBAN = "sokoban"
+    TILED = "tiled"
+
+
+StrictOption = Annotated[
+    bool, typer.Option("--strict", help="Write nothing if there is anything that would be lost.")
+]
+
+
+def tell_losses(lost: Sequence[Lost], *, strict: bool) -> None:
+    """Tell on standard error what could not come along; end the command if it is `strict`."""
+    for each in lost[:MAX_TOLD]:
+        note(f"{'error' if strict else 'warning'}: {one_line(str(each))}")
+    if len(lost) > MAX_TOLD:
+        note(f"… and {len(lost) - MAX_TOLD} more")
+    if lost and strict:
+        raise typer.Exit(FINDINGS)
 
 
 def import_level(
@@ -162,3 +196,90 @@ def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None, folde
     if chosen is WorldFormat.TILED:
         return read_tiled(source, folder)
     return FORMATS[chosen].read(source)
+
+
+class ExportFormat(StrEnum):
+    """What levels are written as."""
+
+    BABYROBOT = WorldFormat.BABYROBOT
+    FROZEN_LAKE = WorldFormat.FROZEN_LAKE
+    MAZE_MAP = WorldFormat.MAZE_MAP
+    MAZE_DATASET = WorldFormat.MAZE_DATASET
+    MINIGRID = WorldFormat.MINIGRID
+    SOKOBAN = WorldFormat.SOKOBAN
+    TILED = WorldFormat.TILED
+    PNG = "png"
+    SVG = "svg"
+
+
+_SUFFIXES = {".tmj": ExportFormat.TILED, ".png": ExportFormat.PNG, ".svg": ExportFormat.SVG}
+
+
+def export_level(
+    level: LevelArgument,
+    to: Annotated[
+        ExportFormat | None,
+        typer.Option(
+            "--to",
+            metavar="FORMAT",
+            help=f"What to make: {', '.join(ExportFormat)}.  "
+            "[default: by the file's suffix, .tmj, .png or .svg]",
+            show_default=False,
+        ),
+    ] = None,
+    output: OutputOption = None,
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", help="Of a level with random mazes, the seed to take.", show_default=False
+        ),
+    ] = None,
+    strict: StrictOption = False,
+    force: ForceOption = False,
+) -> None:
+    """Write a level in the format of another program.
+
+    What the format has no place for is told on standard error, by the names of the fields.
+
+    Examples:
+
+      babyrobot export final-maze --to babyrobot
+
+      babyrobot export frozen-lake --to frozen-lake -o lake.json
+
+      babyrobot export glass-wall -o glass-wall.tmj
+
+      babyrobot export random-maze --maze-seed 7 --to sokoban
+    """
+    chosen = to or _by_suffix(output)
+    loaded = with_seed(load_level(level), maze_seed)
+    made: str | bytes
+    beside: Mapping[str, bytes] = {}
+    if chosen in (ExportFormat.PNG, ExportFormat.SVG):
+        made = picture(loaded, Wishes(), svg=chosen is ExportFormat.SVG)
+    else:
+        from babyrobot_levels.convert.formats import export
+
+        conversion = export(loaded, chosen.value)
+        tell_losses(conversion.warnings, strict=strict)
+        made, beside = conversion.text, conversion.beside
+    if output is not None:
+        for name, data in beside.items():
+            save(output.parent / name, data, force=force)
+        save(output, made, force=force)
+        return
+    for name in beside:
+        note(f"note: {name}, the picture of the tiles, is written with -o FILE only")
+    if isinstance(made, str):
+        write(made)
+    elif sys.stdout.isatty():
+        fail("a PNG cannot be shown in a terminal", "name a file with -o FILE")
+    else:
+        sys.stdout.buffer.write(made)
+
+
+def _by_suffix(output: Path | None) -> ExportFormat:
+    suffix = output.suffix.lower() if output is not None else ""
+    if suffix not in _SUFFIXES:
+        fail("it is not said what to make", f"say --to one of {', '.join(ExportFormat)}")
+    return _SUFFIXES[suffix]
