@@ -1,4 +1,9 @@
-"""`babyrobot diff`: what changed from one level to another, also as git's diff driver."""
+"""`babyrobot diff`: what differs between two levels, also as a diff driver of git.
+
+Git calls a driver with seven arguments: a path, then of each version a file, a hash and a mode. For
+a renamed file there are two more, the new path and git's description; for an unmerged one there is
+only the path. `/dev/null` stands for no file.
+"""
 
 from __future__ import annotations
 
@@ -17,6 +22,7 @@ from babyrobot_levels.cli.console import (
     WRONG_CALL,
     FormatOption,
     ReportFormat,
+    bold,
     fail,
     note,
     unified,
@@ -41,32 +47,33 @@ def diff(
         list[str],
         typer.Argument(
             metavar="A B",
-            help="Two levels: names, pack/name, paths of files, or share codes; one of them may be "
-            "`-`, standard input.",
+            help="Two levels: names, PACK/NAME, paths of files or share codes; one may be `-` for "
+            "standard input.",
         ),
     ],
     limit: Annotated[
         int,
         typer.Option(
-            min=0, metavar="N", help="How many cells, walls and transitions to tell, 0 for all."
+            min=0, metavar="N", help="How many cells, walls and transitions to show; 0 shows all."
         ),
     ] = 10,
     maze_seed: Annotated[
         int | None,
         typer.Option(
             metavar="N",
-            help="Of levels with random mazes, compare the mazes of this seed.  [default: 0]",
+            help="Seed for the maze of levels with a random maze.  [default: 0]",
             show_default=False,
         ),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Tell what changed in the game from one level to another.
+    """Show what differs between two levels: fields, cells, walls, transitions, optimal return.
 
-    Ends with status 0 if the two are the same game, with 1 if they differ, and with 2 if that
-    cannot be told. It also takes the seven arguments that git gives to a diff driver: to see games
-    in `git diff`, set `diff.babyrobot.command` to `babyrobot diff` in git's configuration, and
-    give level files the attribute `diff=babyrobot`.
+    Exits with status 0 if the two are the same MDP, with 1 if they differ, and with 2 if one of
+    them is not valid.
+
+    It is also a diff driver for git: set `diff.babyrobot.command` to `babyrobot diff` in git's
+    configuration, and give level files the attribute `diff=babyrobot`.
 
     Examples:
 
@@ -78,25 +85,25 @@ def diff(
         write(text_for_git(levels, limit or None))
         return
     if len(levels) != 2:
-        fail(f"diff takes two levels, not {len(levels)}")
+        fail(f"expected two levels, not {len(levels)}")
     before, after = _loaded(*levels)
     names = [shown_name(text) for text in levels]
     if maze_seed is None and (before.has_random_maze or after.has_random_maze):
-        note("each reset grows another maze; those of seed 0 are compared (see --maze-seed)")
+        note("the maze is random: the mazes of seed 0 are compared (see --maze-seed)")
     from babyrobot_levels.analysis.diff.levels import diff as difference_of
 
     difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
     if report_format is ReportFormat.JSON:
         write_json({"before": names[0], "after": names[1], **difference_data(difference)})
     else:
-        told = "the same game" if difference.same_game else "different games"
-        write(difference_text(difference, f"{names[0]} and {names[1]} are {told}"))
+        result = "the same MDP" if difference.same_game else "different MDPs"
+        write(difference_text(difference, f"{names[0]} and {names[1]} are {result}"))
     if not difference.same_game:
         raise typer.Exit(FINDINGS)
 
 
 def _loaded(before: str, after: str) -> tuple[Level, Level]:
-    """Return two levels; one that is not valid is no difference, but cannot be compared."""
+    """Return two levels. An invalid one ends the command with status 2, unlike a difference."""
     from babyrobot_levels.text.errors import LevelError
 
     try:
@@ -110,98 +117,98 @@ _NO_FILES = ("/dev/null", "nul")
 
 
 def is_from_git(arguments: list[str]) -> bool:
-    """Tell whether it is git that called."""
+    """Return whether git called."""
     is_unmerged = len(arguments) == 1 and "GIT_DIFF_PATH_COUNTER" in os.environ
     return len(arguments) in (7, 9) or is_unmerged
 
 
 def text_for_git(arguments: list[str], limit: int | None) -> str:
-    """Return the difference that git asks for, a blank line below it.
+    """Return the difference that git asks for, with a blank line below it.
 
-    What cannot be compared is told as well: git takes a driver that fails for a crash.
+    Errors are part of the text: a driver that exits with another status than 0 ends `git diff`.
     """
     from babyrobot_levels.text.files import ReadFault
 
     path = arguments[0]
     if len(arguments) == 1:
-        return f"{one_line(path)}: not merged yet\n\n"
+        return f"{one_line(path)}: unmerged\n\n"
     new_path = arguments[7] if len(arguments) > 7 else path
     title = path if path == new_path else f"{path} -> {new_path}"
     try:
         before, after = _read(arguments[1], path), _read(arguments[4], new_path)
     except ReadFault as fault:
         return f"{one_line(title)}: {one_line(str(fault))}\n\n"
-    return _told(title, before, after, limit) + "\n"
+    return _compared(title, before, after, limit) + "\n"
 
 
 @dataclass(frozen=True, slots=True)
 class Version:
-    """A version of a file: its text, and the level that it is, or else what is wrong with it."""
+    """A version of a file: its text, and its level or its errors."""
 
     source: SourceFile
     level: Level | None
-    faults: tuple[str, ...]
+    errors: tuple[str, ...]
 
 
 def _read(file: str, path: str) -> Version | None:
-    """Return a version, None for no file."""
+    """Return a version of a file, None for no file."""
     from babyrobot_levels.library.reading import read_level
     from babyrobot_levels.text.files import read_source
 
     if file in _NO_FILES:
         return None
     source = read_source(Path(file), path)
-    # The other version may lie in a folder of git's, but its themes lie where the path says.
+    # The file may be a temporary one of git, but its themes are beside the original.
     level, diagnostics = read_level(source, Path(path))
-    faults = tuple(f"line {each.line}: {one_line(each.message)}" for each in diagnostics)
-    return Version(source, level, () if level is not None else faults[:1])
+    errors = tuple(f"line {each.line}: {one_line(each.message)}" for each in diagnostics)
+    return Version(source, level, () if level is not None else errors[:1])
 
 
-def _told(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
+def _compared(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
     from babyrobot_levels.analysis.diff.levels import diff
 
     if before is None or after is None:
-        return _told_alone(title, before, after)
+        return _alone(title, before, after)
     if before.level is None or after.level is None:
         versions = {"before": before, "after": after}
         which = " and ".join(name for name, version in versions.items() if version.level is None)
-        return f"{one_line(title)}: no valid level {which} the change\n" + _lines(
+        return f"{one_line(title)}: not a valid level {which} the change\n" + _lines(
             title, before, after
         )
     difference = diff(before.level, after.level, limit=limit)
-    told = "the same game" if difference.same_game else "another game"
-    return difference_text(difference, f"{title}: {told}")
+    result = "the same MDP" if difference.same_game else "another MDP"
+    return difference_text(difference, f"{title}: {result}")
 
 
-def _told_alone(title: str, before: Version | None, after: Version | None) -> str:
-    told, version = ("is gone", before) if after is None else ("is new", after)
+def _alone(title: str, before: Version | None, after: Version | None) -> str:
+    what, version = ("deleted", before) if after is None else ("new", after)
     if version is not None and version.level is None:
-        text = f"{one_line(title)}: the file {told}, and no valid level\n"
+        text = f"{one_line(title)}: {what} file, not a valid level\n"
         return text + _lines(title, before, after)
-    text = f"{one_line(title)}: the level {told}\n"
+    text = f"{one_line(title)}: {what} level\n"
     new = after.level if after is not None else None
     return text + f"\n{new.draw()}" if new is not None and not new.has_random_maze else text
 
 
 def _lines(title: str, before: Version | None, after: Version | None) -> str:
-    """Return what is wrong with the versions that are no levels, and which lines differ."""
-    faults = [
-        f"  {name}, {fault}\n"
+    """Return the errors of the versions that are not valid levels, and the lines that differ."""
+    errors = [
+        f"  {name}, {error}\n"
         for name, version in (("before", before), ("after", after))
-        for fault in (version.faults if version is not None else ())
+        for error in (version.errors if version is not None else ())
     ]
     one, two = (version.source.text if version else "" for version in (before, after))
-    return "".join(faults) + "\n" + unified(one, two, title, color=wants_color(sys.stdout))
+    return "".join(errors) + "\n" + unified(one, two, title, color=wants_color(sys.stdout))
 
 
 WIDEST = 60
-"""The most characters that are told of a value."""
+"""The largest number of characters shown of a value."""
 
 _NEIGHBOURS = {"E": (1, 0), "S": (0, 1)}
 
 
 def difference_data(difference: Difference) -> dict[str, Any]:
-    """Return the difference as JSON can hold it: texts for infinite returns."""
+    """Return the difference for JSON: strings for infinite returns."""
     data = difference.to_dict()
     for name in ("best_return", "random_return"):
         data[name] = [
@@ -212,24 +219,24 @@ def difference_data(difference: Difference) -> dict[str, Any]:
 
 
 def difference_text(difference: Difference, title: str) -> str:
-    """Return the difference for people to read, below a title."""
+    """Return the difference as a text with a title."""
     same = difference.same_game
     parts = [f"{one_line(title)}\n"]
     lines = [*_game_lines(difference)]
     if lines and same:
-        parts.append(_section("changed, but without effect on the game:", lines))
+        parts.append(_section("changed, without effect on the MDP:", lines))
     elif lines:
         parts.append("".join(f"{line}\n" for line in lines))
     if not same:
         parts.append("".join(f"{line}\n" for line in _return_lines(difference)))
     beside = [_field_line(change) for change in difference.beside]
     if beside:
-        parts.append(_section("beside the game:", beside))
+        parts.append(_section("not part of the MDP:", beside))
     return "\n".join(parts)
 
 
 def _section(title: str, lines: list[str]) -> str:
-    return f"{_bold(title)}\n" + "".join(f"  {line}\n" for line in lines)
+    return f"{bold(title)}\n" + "".join(f"  {line}\n" for line in lines)
 
 
 def _game_lines(difference: Difference) -> Iterator[str]:
@@ -241,10 +248,10 @@ def _game_lines(difference: Difference) -> Iterator[str]:
 
 def _return_lines(difference: Difference) -> Iterator[str]:
     for name, (before, after) in (
-        ("best return", difference.best_return),
+        ("optimal return", difference.best_return),
         ("random return", difference.random_return),
     ):
-        yield f"{_bold(name + ':')} {_return(before)} -> {_return(after)}"
+        yield f"{bold(name + ':')} {_return(before)} -> {_return(after)}"
 
 
 def _return(value: float | None) -> str:
@@ -252,19 +259,19 @@ def _return(value: float | None) -> str:
 
 
 def _rounded(value: float) -> float:
-    """Return a return without what computing leaves in its last digits, and without -0."""
+    """Return a return without rounding errors in its last digits, and without -0."""
     return round(value, 9) + 0.0
 
 
-def _listed(name: str, changes: Changes, told: Callable[[Change], list[str]]) -> Iterator[str]:
+def _listed(name: str, changes: Changes, described: Callable[[Change], list[str]]) -> Iterator[str]:
     if not changes.count:
         return
-    yield f"{_bold(name + ':')} {changes.count:,} of {changes.total:,} changed"
+    yield f"{bold(name + ':')} {changes.count:,} of {changes.total:,} changed"
     for change in changes.first:
-        yield from (f"  {line}" for line in told(change))
+        yield from (f"  {line}" for line in described(change))
     rest = changes.count - len(changes.first)
     if rest:
-        yield f"  and {rest:,} more (--limit 0 tells all)"
+        yield f"  and {rest:,} more (--limit 0 shows all)"
 
 
 # -- kinds of changes ----------------------------------------------------------------------
@@ -273,10 +280,10 @@ def _listed(name: str, changes: Changes, told: Callable[[Change], list[str]]) ->
 def _field_line(change: Change) -> str:
     name = f"{change.name}:"
     if change.name and change.name.endswith(".looks"):
-        # Which of many entries looks how is better seen than read.
-        return f"{_bold(name)} changed"
+        # The looks of many entries are easier to see in a picture.
+        return f"{bold(name)} changed"
     before, after = (_value(value, change.name) for value in (change.before, change.after))
-    return f"{_bold(name)} {before} -> {after}"
+    return f"{bold(name)} {before} -> {after}"
 
 
 def _value(value: Any, name: str | None) -> str:
@@ -285,8 +292,8 @@ def _value(value: Any, name: str | None) -> str:
     if name == "size":
         return f"{value[0]} x {value[1]}"
     is_cells = name in ("start", "exit")
-    told = ", ".join(map(_cell, value)) if is_cells else one_line(flow(value))
-    return told if len(told) <= WIDEST else told[: WIDEST - 3] + "..."
+    text = ", ".join(map(_cell, value)) if is_cells else one_line(flow(value))
+    return text if len(text) <= WIDEST else text[: WIDEST - 3] + "..."
 
 
 def _cell_lines(change: Change) -> list[str]:
@@ -328,7 +335,7 @@ def _wall_words(state: Any) -> str:
 
 def _transition_lines(change: Change) -> list[str]:
     for digits in (6, 17):
-        before, after = (_outcomes(told, digits) for told in (change.before, change.after))
+        before, after = (_outcomes(each, digits) for each in (change.before, change.after))
         if before != after:
             break
     return [f"{_cell(change.cell)} {change.name}", f"  before: {before}", f"  after:  {after}"]
@@ -339,14 +346,10 @@ def _outcomes(outcomes: list[dict[str, Any]], digits: int) -> str:
         _cell(outcome["cell"])
         + (f" with probability {outcome['probability']:.{digits}g}" if len(outcomes) > 1 else "")
         + f", reward {outcome['reward']:.{digits}g}"
-        + (", the end" if outcome["ends"] else "")
+        + (", terminal" if outcome["ends"] else "")
         for outcome in outcomes
     )
 
 
 def _cell(cell: Any) -> str:
     return f"[{cell[0]}, {cell[1]}]"
-
-
-def _bold(text: str) -> str:
-    return f"\x1b[1m{text}\x1b[0m" if wants_color(sys.stdout) else text

@@ -16,7 +16,7 @@ LevelArgument = Annotated[
     str,
     typer.Argument(
         metavar="LEVEL",
-        help="A name, pack/name, the path of a file, or a share code; `-` is standard input.",
+        help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input.",
     ),
 ]
 
@@ -35,14 +35,14 @@ def load_level(text: str) -> Level:
 
 
 def load_two(one: str, other: str) -> tuple[Level, Level]:
-    """Return the two levels that arguments name, of which one may be standard input."""
+    """Return the levels that two arguments name; one of them may be standard input."""
     if one == other == str(STANDARD_INPUT):
-        fail("standard input can be one of the two levels only")
+        fail("only one of the two levels can be standard input")
     return load_level(one), load_level(other)
 
 
 def _read_level() -> Level:
-    """Return the level that standard input holds."""
+    """Return the level on standard input."""
     from babyrobot_levels.library.reading import read_level
     from babyrobot_levels.text.errors import LevelError
     from babyrobot_levels.text.files import ReadFault
@@ -57,11 +57,11 @@ def _read_level() -> Level:
 
 
 def with_seed(level: Level, maze_seed: int | None) -> Level:
-    """Return a level with the maze of a seed, which is needed if its mazes are random."""
+    """Return a level with the maze of a seed, which is required if its maze is random."""
     if level.has_random_maze:
         if maze_seed is None:
-            fail("each reset grows another maze of this level", "choose one with --maze-seed N")
+            fail("the maze of this level is random", "choose one with --maze-seed N")
         return level.with_maze_seed(maze_seed)
     if maze_seed is not None:
-        fail("the level's maze is not random", "--maze-seed is for `maze: {seed: random}`")
+        fail("the level's maze is not random", "leave out --maze-seed")
     return level

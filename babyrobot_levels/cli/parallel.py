@@ -18,10 +18,10 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 WORTH_IT = 200
-"""For fewer items, starting processes takes longer than it saves."""
+"""With fewer items, starting processes takes longer than it saves."""
 
 MAX_JOBS = 61
-"""Windows can wait for so many processes."""
+"""The largest number of processes that Windows can wait for."""
 
 JobsOption = Annotated[
     int | None,
@@ -30,7 +30,7 @@ JobsOption = Annotated[
         "-j",
         min=1,
         metavar="N",
-        help="Work in so many processes.  [default: one for each processor, for many files]",
+        help="Number of worker processes.  [default: one per processor if there are many files]",
         show_default=False,
     ),
 ]
@@ -39,13 +39,13 @@ JobsOption = Annotated[
 def map_all(
     function: Callable[[Item], Result], items: Sequence[Item], jobs: int | None, label: str
 ) -> list[Result]:
-    """Return what `function` gives for each item, in their order, whatever `jobs` is.
+    """Return the results of `function` for all items, in their order.
 
     Args:
-        function: a function of a module's own level, so that other processes find it.
+        function: a function at module level, so that other processes can import it.
         items: its arguments.
-        jobs: the number of processes; None chooses.
-        label: what is being done, for the progress bar.
+        jobs: the number of processes; None chooses one.
+        label: the label of the progress bar.
     """
     if jobs is None:
         jobs = (os.cpu_count() or 1) if len(items) >= WORTH_IT else 1
@@ -78,16 +78,16 @@ def _each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Res
 Item = TypeVar("Item")
 
 PATIENCE = 1.0
-"""So many seconds pass before a bar is shown."""
+"""Seconds before a progress bar appears."""
 
 
 def track(items: Iterable[Item], total: int, label: str) -> Iterator[Item]:
-    """Yield the items, and show a bar of how many there have been.
+    """Yield the items, with a progress bar on standard error if it is a terminal.
 
     Args:
-        items: what is worked on, or the results as they come.
-        total: how many there will be.
-        label: what is being done, such as `linting`.
+        items: the items or results.
+        total: their number.
+        label: the label of the bar, such as `linting`.
     """
     if not sys.stderr.isatty():
         yield from items

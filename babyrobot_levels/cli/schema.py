@@ -1,4 +1,4 @@
-"""`babyrobot schema`: the JSON schemas, for editors and other tools."""
+"""`babyrobot schema`: the JSON schemas, and how level files refer to theirs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ SCHEMA_PATH = Path("schemas", "level.schema.json")
 
 
 class SchemaName(StrEnum):
-    """What there is a schema of."""
+    """Kinds of files that have a schema."""
 
     LEVEL = "level"
     PACK = "pack"
@@ -33,6 +33,9 @@ def print_schema(
 ) -> None:
     """Print the JSON schema of level, suite or theme files, or of the `pack.yaml` of packs.
 
+    In a folder with `schemas/level.schema.json`, `new-level`, `generate` and `import` let their
+    files refer to it, so that editors complete and check them.
+
     Examples:
 
       babyrobot schema level -o schemas/level.schema.json
@@ -45,7 +48,7 @@ def print_schema(
 
 
 def schema_text(name: str) -> str:
-    """Return a schema as it stands in a file."""
+    """Return a schema as the text of a file."""
     from babyrobot_levels.language.json_schema import SCHEMAS
 
     return json.dumps(SCHEMAS[name](), indent=2, ensure_ascii=False) + "\n"

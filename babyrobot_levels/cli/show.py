@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,9 +13,9 @@ from babyrobot_levels import __version__
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
+    fact_lines,
     fail,
     note,
-    wants_color,
     write,
     write_json,
 )
@@ -33,14 +32,14 @@ def show(
     level: LevelArgument,
     citation: Annotated[
         bool,
-        typer.Option("--cite", help="Print one line for a paper: name, versions and digest."),
+        typer.Option("--cite", help="Print one line to cite: name, versions and digest."),
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Tell all about one level: its texts, numbers, digest, metrics and drawing.
+    """Show the facts about a level: texts, numbers, digest, metrics and drawing.
 
-    The metrics are what `brl.metrics` tells in Python. Levels of more than 5,000 cells are not
-    solved for them.
+    The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
+    left out above 5,000 cells.
 
     Examples:
 
@@ -59,22 +58,15 @@ def show(
         write_json({**facts, "drawing": None if loaded.has_random_maze else loaded.draw()})
         return
     facts |= facts.pop("metrics") or {}
-    width = max(map(len, facts))
-    bold = wants_color(sys.stdout)
-    for name, value in facts.items():
-        label = f"{name}:".ljust(width + 1)
-        text = printable(_told(value))
-        if text:
-            shown = f"\x1b[1m{label}\x1b[0m" if bold else label
-            write(f"{shown} " + text.replace("\n", "\n" + " " * (width + 2)) + "\n")
+    write(fact_lines({name: printable(_text(value)) for name, value in facts.items()}))
     if loaded.has_random_maze:
-        note("each reset grows another maze; `babyrobot preview` shows one of them")
+        note("the maze is random: see one with `babyrobot preview LEVEL --maze-seed N`")
     else:
         write("\n" + text_picture(loaded))
 
 
 def _facts(level: Level) -> dict[str, Any]:
-    """Return what there is to tell, in the order in which it is told."""
+    """Return the facts, in the order in which they are shown."""
     facts: dict[str, Any] = {
         "name": level.name,
         "title": level.title,
@@ -108,7 +100,7 @@ def _facts(level: Level) -> dict[str, Any]:
 
 
 def _metrics(level: Level) -> dict[str, Any]:
-    """Return the metrics as JSON can hold them: texts for inf, null for what cannot be told."""
+    """Return the metrics for JSON: strings for infinities, null for what is unknown."""
     from babyrobot_levels.analysis.metrics import metrics
     from babyrobot_levels.lint.best import MAX_SOLVED
 
@@ -120,11 +112,11 @@ def _metrics(level: Level) -> dict[str, Any]:
 def _number(value: float | None) -> float | str | None:
     if not isinstance(value, float):
         return value
-    # Nine digits are the same on every platform, all of them are not.
+    # Nine digits are the same on every platform; the last ones are not.
     return float(f"{value:.9g}") if math.isfinite(value) else str(value)
 
 
-def _told(value: Any) -> str:
+def _text(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list) and value and isinstance(value[0], list):
@@ -142,17 +134,17 @@ _NAME = re.compile(r"[a-z0-9-]+/[a-z0-9-]+")
 
 
 def cite(level: Level, argument: str, *, as_json: bool) -> None:
-    """Print what a paper needs to say which game was played.
+    """Print what a paper needs to identify a level.
 
     Args:
         level: the level.
-        argument: what it was called by: `pack/name` for a level of a pack.
+        argument: the argument that names it, which is `pack/name` for a level of a pack.
         as_json: whether to print it as JSON.
     """
     if level.has_random_maze:
         fail(
-            "each reset grows another maze of this level, so there is no one game to cite",
-            "cite one that says its seed; `babyrobot resolve --maze-seed N` writes it out",
+            "the maze of this level is random, so it has no digest to cite",
+            "cite a level with a fixed maze; `babyrobot resolve --maze-seed N` writes one",
         )
     pack = _pack_in(argument)
     name = level.name if pack is None or level.name is None else f"{pack[0]}/{level.name}"
@@ -175,11 +167,11 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
 
 
 def _pack_in(argument: str) -> tuple[str, str | None] | None:
-    """Return name and version of the pack that an argument names; a folder may have no version."""
+    """Return name and version of the pack in an argument; a pack may have no version."""
     from babyrobot_levels.library.packs.installed import fields
     from babyrobot_levels.library.search_path import pack_places
 
-    # A file of that very name is meant where there is one.
+    # A file of that name takes precedence.
     if not _NAME.fullmatch(argument) or Path(argument).is_file():
         return None
     pack = argument.partition("/")[0]

@@ -1,21 +1,27 @@
-"""A first level file: commented, valid at once, and easy to change."""
+"""Templates of `babyrobot new-level`: level files that are commented, valid and easy to change."""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import indent
 
+from babyrobot_levels.library.reading import loads
 from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.mdp.mazes.draws import below
 from babyrobot_levels.text.emitter import scalar
 
 TEMPLATES = ("grid", "maze", "drawing")
 
+_LEGEND = """\
+# S start, E exit, o small puddle, O large puddle, ### blocked; --- and | are walls.
+"""
+
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """What a new level shall be. `maze_seed` None means that it has no maze."""
+    """What a new level is like. With `maze_seed` None it has no maze, unless by its template."""
 
     name: str
     template: str = "grid"
@@ -31,12 +37,12 @@ def starter(order: Order, schema: str | None) -> str:
     """Return the text of a new level file.
 
     Args:
-        order: what it shall be.
+        order: what the level is like.
         schema: where editors find the JSON schema, as the file's first line names it; None for
             no such line.
 
     Raises:
-        ValueError: there is no room for that many puddles.
+        ValueError: there are fewer free cells than puddles.
     """
     title = order.name.replace("-", " ").capitalize()
     head = f"# yaml-language-server: $schema={schema}\n" if schema else ""
@@ -55,10 +61,8 @@ description: A new level.  # say what it is about
 def _fields(order: Order) -> str:
     width, height = order.size
     roomy = width > 2 and height > 2
-    maze, exit_ = "", (width - 1, height - 1)
-    if order.maze_seed is not None or order.template == "maze":
-        seed = order.maze_seed if order.maze_seed is not None else 42
-        exit_ = _exit_of_maze(order, seed)
+    maze, exit_, seed = "", exit_of(order), _seed_of_maze(order)
+    if seed is not None:
         parts = [f"seed: {seed}"]
         if order.algorithm != "depth-first":
             parts.append(f"algorithm: {order.algorithm}")
@@ -81,12 +85,19 @@ exit: [{exit_[0]}, {exit_[1]}]  # entering it ends the episode
 """
 
 
-def _exit_of_maze(order: Order, seed: int) -> tuple[int, int]:
-    """Return the dead end that is nearest to the lower right corner; without one, that corner.
+def _seed_of_maze(order: Order) -> int | None:
+    return 42 if order.maze_seed is None and order.template == "maze" else order.maze_seed
 
-    An exit in a corridor would keep the robot from what lies behind it.
+
+def exit_of(order: Order) -> tuple[int, int]:
+    """Return where the exit of a new level is: in the lower right corner.
+
+    In a maze, it is in the dead end that is nearest to that corner, if there is one: in a corridor
+    it would cut off the cells behind it.
     """
-    width, height = order.size
+    (width, height), seed = order.size, _seed_of_maze(order)
+    if seed is None:
+        return width - 1, height - 1
     is_open = carve(width, height, bytes(width * height), 0, seed, order.algorithm, order.loops)
     x, y = width - 1, height - 1
     dead_ends = (
@@ -99,6 +110,9 @@ def _exit_of_maze(order: Order, seed: int) -> tuple[int, int]:
 
 
 def _drawing(order: Order) -> str:
+    if order.maze_seed is not None:
+        text = loads(f"version: 1\n{_fields(order)}").draw()
+        return _LEGEND + "map: |\n" + indent(text, "  ")
     width, height = order.size
     cells = [[" "] * width for _ in range(height)]
     cells[0][0], cells[-1][-1] = "S", "E"
@@ -109,7 +123,7 @@ def _drawing(order: Order) -> str:
     between = "  +" + "   +" * width + "\n"
     rows = ["  |" + " ".join(f" {cell} " for cell in row) + "|\n" for row in cells]
     return f"""\
-# S start, E exit, o small puddle, O large puddle, ### blocked; --- and | are walls.
+{_LEGEND}\
 map: |
 {border}{between.join(rows)}{border}\
 """
@@ -131,8 +145,8 @@ def _rest(order: Order) -> str:
     theme = "# theme: black_orange" if order.theme == "default" else f"theme: {scalar(order.theme)}"
     return f"""\
 
-# rewards: {{step: -1, exit: 0}}  # as they are if nothing is said
-# max_steps: 100  # the episode is cut off after so many steps
+# rewards: {{step: -1, exit: 0}}  # the defaults
+# max_steps: 100  # episodes are truncated after so many steps
 {theme}  # default, black_orange, blue_green, green, high_contrast, print
 """
 
@@ -142,11 +156,11 @@ def _free_cells(width: int, height: int, taken: Sequence[tuple[int, int]]) -> li
 
 
 def _puddle_cells(order: Order, free: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return as many cells as there shall be puddles, drawn from the maze's seed."""
+    """Return the cells of the puddles, drawn from the maze's seed."""
     if order.puddles > len(free):
         raise ValueError(
-            f"there is no room for {order.puddles} puddle{'s' * (order.puddles > 1)}: "
-            f"{len(free)} cells are free beside start and exit"
+            f"no room for {order.puddles} puddle{'s' * (order.puddles > 1)}: "
+            f"only {len(free)} cells are neither start nor exit"
         )
     rng = random.Random(order.maze_seed or 0)
     return [free.pop(below(rng, len(free))) for _ in range(order.puddles)]
