@@ -19,6 +19,7 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.inputs import LevelArgument, load_level, load_two
+from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.text.source import printable
 
@@ -78,7 +79,8 @@ def compare(
     else:
         loaded, peer = load_two(level, other)
     level, other = shown_name(level), shown_name(other)
-    certificate = compared(loaded, peer, actions=given, kwargs=keywords)
+    with working("comparing"):
+        certificate = compared(loaded, peer, actions=given, kwargs=keywords)
     if report_format is ReportFormat.JSON:
         write_json({"level": level, "other": other, "kwargs": keywords, **asdict(certificate)})
     else:
@@ -112,9 +114,9 @@ def _text(loaded: Level, certificate: Certificate, level: str, other: str) -> st
     width, height = loaded.size
     names = [Action(action).name.lower() for action in certificate.actions or ()]
     facts = {
-        "states": f"{certificate.states} of {width * height} reachable and the same",
-        "transitions": f"{certificate.outcomes} the same",
-        "others": "the same" if certificate.everywhere else "different, but unreachable",
+        "states": f"{certificate.states} of {width * height} are reachable, all equal",
+        "transitions": f"{certificate.outcomes}, all equal",
+        "unreachable": "equal" if certificate.everywhere else "different, which has no effect",
         "actions": ", ".join(f"{number} = {name}" for number, name in enumerate(names)),
         "digest": certificate.digest,
     }

@@ -21,7 +21,7 @@ from babyrobot_levels.cli.console import (
     write,
 )
 from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
-from babyrobot_levels.cli.pictures import Wishes, picture
+from babyrobot_levels.cli.pictures import PictureOptions, picture
 from babyrobot_levels.cli.reporting import read_path
 from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
@@ -30,12 +30,12 @@ from babyrobot_levels.text.source import SourceFile
 if TYPE_CHECKING:
     from babyrobot_levels.convert.conversion import Lost, World
 
-MAX_TOLD = 40
-"""Of more losses than this, only so many are told."""
+MAX_REPORTED = 40
+"""The largest number of losses that are reported."""
 
 
 class WorldFormat(StrEnum):
-    """The formats that worlds are read from and written to."""
+    """Formats of other programs."""
 
     BABYROBOT = "babyrobot"
     FROZEN_LAKE = "frozen-lake"
@@ -47,30 +47,30 @@ class WorldFormat(StrEnum):
 
 
 StrictOption = Annotated[
-    bool, typer.Option("--strict", help="Write nothing if there is anything that would be lost.")
+    bool, typer.Option("--strict", help="Write nothing if anything would be lost.")
 ]
 
 
-def tell_losses(lost: Sequence[Lost], *, strict: bool) -> None:
-    """Tell on standard error what could not come along; end the command if it is `strict`."""
-    for each in lost[:MAX_TOLD]:
+def report_losses(lost: Sequence[Lost], *, strict: bool) -> None:
+    """Report on standard error what is lost; end the command if it is `strict`."""
+    for each in lost[:MAX_REPORTED]:
         note(f"{'error' if strict else 'warning'}: {one_line(str(each))}")
-    if len(lost) > MAX_TOLD:
-        note(f"… and {len(lost) - MAX_TOLD} more")
+    if len(lost) > MAX_REPORTED:
+        note(f"… and {len(lost) - MAX_REPORTED} more")
     if lost and strict:
         raise typer.Exit(FINDINGS)
 
 
 def import_level(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="The file to read; `-` is standard input.")
+        Path, typer.Argument(metavar="FILE", help="File to convert, or `-` for standard input.")
     ],
     world_format: Annotated[
         WorldFormat | None,
         typer.Option(
             "--from",
             metavar="FORMAT",
-            help=f"What the file is: {', '.join(WorldFormat)}.  [default: by what is in it]",
+            help=f"Format of the file: {', '.join(WorldFormat)}.  [default: detected]",
             show_default=False,
         ),
     ] = None,
@@ -79,7 +79,8 @@ def import_level(
         str | None,
         typer.Option(
             metavar="N",
-            help="The level's name: small letters, digits and `-`.  [default: that of its file]",
+            help="Name of the level: lower-case letters, digits and `-`.  "
+            "[default: that of the file]",
             show_default=False,
         ),
     ] = None,
@@ -87,18 +88,19 @@ def import_level(
         bool | None,
         typer.Option(
             "--slippery/--no-slippery",
-            help="Of a FrozenLake map that does not say so: whether it slips.  [default: slippery]",
+            help="Whether a FrozenLake map is slippery, if it does not say so.  "
+            "[default: slippery]",
             show_default=False,
         ),
     ] = None,
     strict: StrictOption = False,
     force: ForceOption = False,
 ) -> None:
-    """Make a level file of a world of another program.
+    """Convert a file of another program to a level file.
 
     Reads setups of PyPI babyrobot, FrozenLake maps, Gymnasium-Robotics' maze maps, maze-dataset's
-    ASCII, MiniGrid's text, maps of # and blanks, and Tiled's JSON. What a level has no place for
-    is told on standard error.
+    ASCII, MiniGrid's text, Sokoban maps (# and blanks), and Tiled's JSON. What a level cannot
+    express is reported on standard error.
 
     Examples:
 
@@ -117,7 +119,7 @@ def import_level(
     if name is not None and slug(name) != name:
         good = slug(name)
         fail(
-            f"{name!r} cannot be a level's name: it takes small letters and digits, joined by `-`",
+            f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
             f"for example {good!r}" if good else None,
         )
     source = _source(file)
@@ -133,11 +135,11 @@ def import_level(
             title=title.replace("-", " ").capitalize(),
         )
     except ConversionError as error:
-        told, here = str(error), one_line(source.name)
+        message, here = str(error), one_line(source.name)
         # Messages about a place in the text begin with it.
-        note(told if told.startswith(f"{here}:") else f"{here}: error: {told}")
+        note(message if message.startswith(f"{here}:") else f"{here}: error: {message}")
         raise typer.Exit(FINDINGS) from None
-    tell_losses(world.lost, strict=strict)
+    report_losses(world.lost, strict=strict)
     if output is None:
         write(text)
     else:
@@ -154,8 +156,8 @@ def _source(file: Path) -> SourceFile:
     except ReadFault as fault:
         if fault.diagnostic.code == "BR101":
             fail(f"{file}: {fault.diagnostic.message}")
-        # It may be a picture, or a file that is packed.
-        help_text = "`babyrobot import -h` names the worlds that can be read; all are text in UTF-8"
+        # It may be a picture, or a compressed file.
+        help_text = "see `babyrobot import --help` for the formats; all of them are UTF-8 text"
         diagnostic = fault.diagnostic
         if diagnostic.code == "BR102":
             diagnostic = replace(diagnostic, help=help_text)
@@ -168,18 +170,18 @@ def _guessed(source: SourceFile) -> WorldFormat:
 
     if source.name.lower().endswith(SUFFIXES):
         fail(
-            f"{source.name} is a level file already",
-            "`babyrobot export` writes it for other programs",
+            f"{source.name} is already a level file",
+            "use `babyrobot export` to convert it for other programs",
         )
     found = guess(source)
     if not found:
         known = ", ".join(WorldFormat)
-        fail(f"{source.name} is in no format that is known here", f"say --from one of {known}")
+        fail(f"the format of {source.name} is unknown", f"add --from with one of {known}")
     if len(found) > 1:
         titles = " or a ".join(FORMATS[each].title for each in found)
         fail(
             f"{source.name} may be a {titles}",
-            "say " + " or ".join(f"--from {each}" for each in found),
+            "add " + " or ".join(f"--from {each}" for each in found),
         )
     return WorldFormat(found[0])
 
@@ -192,14 +194,14 @@ def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None, folde
     if chosen is WorldFormat.FROZEN_LAKE:
         return read_frozen_lake(source, is_slippery=slippery is not False)
     if slippery is not None:
-        fail(f"--slippery and --no-slippery are for FrozenLake maps, and this is {chosen}")
+        fail(f"--slippery and --no-slippery are for FrozenLake maps, not for {chosen}")
     if chosen is WorldFormat.TILED:
         return read_tiled(source, folder)
     return FORMATS[chosen].read(source)
 
 
 class ExportFormat(StrEnum):
-    """What levels are written as."""
+    """Formats that levels are exported to."""
 
     BABYROBOT = WorldFormat.BABYROBOT
     FROZEN_LAKE = WorldFormat.FROZEN_LAKE
@@ -222,8 +224,8 @@ def export_level(
         typer.Option(
             "--to",
             metavar="FORMAT",
-            help=f"What to make: {', '.join(ExportFormat)}.  "
-            "[default: by the file's suffix, .tmj, .png or .svg]",
+            help=f"Output format: {', '.join(ExportFormat)}.  "
+            "[default: by the suffix of the file, .tmj, .png or .svg]",
             show_default=False,
         ),
     ] = None,
@@ -231,15 +233,17 @@ def export_level(
     maze_seed: Annotated[
         int | None,
         typer.Option(
-            metavar="N", help="Of a level with random mazes, the seed to take.", show_default=False
+            metavar="N",
+            help="Seed for the maze of a level with a random maze.",
+            show_default=False,
         ),
     ] = None,
     strict: StrictOption = False,
     force: ForceOption = False,
 ) -> None:
-    """Write a level in the format of another program.
+    """Convert a level to the format of another program, or to a picture.
 
-    What the format has no place for is told on standard error, by the names of the fields.
+    What the format cannot express is reported on standard error, by the names of the fields.
 
     Examples:
 
@@ -256,12 +260,12 @@ def export_level(
     made: str | bytes
     beside: Mapping[str, bytes] = {}
     if chosen in (ExportFormat.PNG, ExportFormat.SVG):
-        made = picture(loaded, Wishes(), svg=chosen is ExportFormat.SVG)
+        made = picture(loaded, PictureOptions(), svg=chosen is ExportFormat.SVG)
     else:
         from babyrobot_levels.convert.formats import export
 
         conversion = export(loaded, chosen.value)
-        tell_losses(conversion.warnings, strict=strict)
+        report_losses(conversion.warnings, strict=strict)
         made, beside = conversion.text, conversion.beside
     if output is not None:
         for name, data in beside.items():
@@ -269,11 +273,11 @@ def export_level(
         save(output, made, force=force)
         return
     for name in beside:
-        note(f"note: {name}, the picture of the tiles, is written with -o FILE only")
+        note(f"note: {name}, the picture of the tiles, is only written with -o FILE")
     if isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():
-        fail("a PNG cannot be shown in a terminal", "name a file with -o FILE")
+        fail("a PNG cannot be shown in a terminal", "save it with -o FILE")
     else:
         sys.stdout.buffer.write(made)
 
@@ -281,5 +285,5 @@ def export_level(
 def _by_suffix(output: Path | None) -> ExportFormat:
     suffix = output.suffix.lower() if output is not None else ""
     if suffix not in _SUFFIXES:
-        fail("it is not said what to make", f"say --to one of {', '.join(ExportFormat)}")
+        fail("the output format is missing", f"add --to with one of {', '.join(ExportFormat)}")
     return _SUFFIXES[suffix]

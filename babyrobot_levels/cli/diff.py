@@ -31,6 +31,7 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.inputs import load_two
+from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import flow
@@ -92,7 +93,8 @@ def diff(
         note("the maze is random: the mazes of seed 0 are compared (see --maze-seed)")
     from babyrobot_levels.analysis.diff.levels import diff as difference_of
 
-    difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
+    with working("comparing"):
+        difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
     if report_format is ReportFormat.JSON:
         write_json({"before": names[0], "after": names[1], **difference_data(difference)})
     else:
@@ -222,7 +224,7 @@ def difference_text(difference: Difference, title: str) -> str:
     """Return the difference as a text with a title."""
     same = difference.same_game
     parts = [f"{one_line(title)}\n"]
-    lines = [*_game_lines(difference)]
+    lines = [*_mdp_lines(difference)]
     if lines and same:
         parts.append(_section("changed, without effect on the MDP:", lines))
     elif lines:
@@ -239,7 +241,7 @@ def _section(title: str, lines: list[str]) -> str:
     return f"{bold(title)}\n" + "".join(f"  {line}\n" for line in lines)
 
 
-def _game_lines(difference: Difference) -> Iterator[str]:
+def _mdp_lines(difference: Difference) -> Iterator[str]:
     yield from map(_field_line, difference.game)
     yield from _listed("cells", difference.cells, _cell_lines)
     yield from _listed("walls", difference.walls, _wall_lines)

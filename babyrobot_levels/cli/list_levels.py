@@ -14,9 +14,8 @@ from babyrobot_levels.cli.console import (
     ReportFormat,
     fail,
     note,
-    table,
-    write,
     write_json,
+    write_table,
 )
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
 from babyrobot_levels.library.packs.installed import fields
@@ -32,18 +31,20 @@ if TYPE_CHECKING:
 def list_levels(
     tag: Annotated[
         list[str] | None,
-        typer.Option(metavar="TAG", help="Only levels with this tag; may be repeated."),
+        typer.Option(
+            metavar="TAG",
+            help="Only levels with this tag; may be repeated, for levels with all of them.",
+        ),
     ] = None,
-    packs: Annotated[
-        bool, typer.Option("--packs", help="List packs, and where they are from.")
-    ] = False,
+    packs: Annotated[bool, typer.Option("--packs", help="List packs instead of levels.")] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """List the levels that can be loaded by name, or the packs.
+    """List the levels that have names, or the packs.
 
-    Levels are looked for in the gallery, in the user's own folder, in levels/ of the current
-    folder, in the folders of the variable BABYROBOT_LEVELS, in installed packs and in packs that
-    Python packages carry.
+    Levels are searched in levels/ of the current folder, in the folders of the environment
+    variable BABYROBOT_LEVELS, in the gallery that comes with this package, in your own folder, and
+    in packs, installed or part of Python packages. The first one of a name is used. gallery/NAME
+    is always the gallery's.
 
     Examples:
 
@@ -57,9 +58,9 @@ def list_levels(
 
     if packs:
         if tag:
-            fail("--tag is for levels; packs have no tags")
+            fail("--tag cannot be combined with --packs", "leave out --tag")
         list_packs(report_format)
-        _tell_of(unusable_packs())
+        _note_all(unusable_packs())
         return
     infos, broken = catalogue()
     wanted = set(tag or ())
@@ -67,75 +68,77 @@ def list_levels(
     if report_format is ReportFormat.JSON:
         write_json([info.to_dict() for info in infos])
     elif infos:
-        write(_table(infos))
+        _write_levels(infos)
     else:
         note("no level has " + " and ".join(f"the tag {name!r}" for name in tag or ["(any)"]))
+
     if report_format is ReportFormat.TEXT and not tag and sys.stdout.isatty():
-        # For people: in a pipe it would stand among what went wrong.
+        # Only for people: standard error of a pipeline is for errors.
         note("suites: " + ", ".join(sorted(suite_files())))
-    _tell_of(
-        f"{path} has errors and is left out (`babyrobot validate {path}` shows them)"
-        for path in broken
+    _note_all(
+        f"{path} is left out because of errors (see `babyrobot validate {path}`)" for path in broken
     )
-    _tell_of(
-        f"{PATH_VARIABLE} names {folder}, which is no folder that can be read"
+    _note_all(
+        f"{PATH_VARIABLE} contains {folder}, which is not a readable folder"
         for folder in path_folders()
         if not folder.is_dir()
     )
-    _tell_of(unusable_packs())
+    _note_all(unusable_packs())
 
 
-def _tell_of(faults: Iterable[str]) -> None:
-    for fault in faults:
-        note(one_line(fault))
+def _note_all(problems: Iterable[str]) -> None:
+    for problem in problems:
+        note(one_line(problem))
 
 
-def _table(infos: list[LevelInfo]) -> str:
-    rows = [("NAME", "SIZE", "TITLE", "TAGS")]
-    rows += [
+def _write_levels(infos: list[LevelInfo]) -> None:
+    rows = [
         (
             info.name,
             f"{info.size[0]}x{info.size[1]}",
             one_line(info.title or ""),
             ", ".join(info.tags),
+            one_line(info.origin),
         )
         for info in infos
     ]
-    return table(rows)
+    write_table(("NAME", "SIZE", "TITLE", "TAGS", "FROM"), rows)
 
 
 @dataclass(frozen=True)
 class _Row:
-    """A pack, those of its name that it hides, what its `pack.yaml` says, and what it holds."""
+    """A pack, the packs of the same name that it hides, its `pack.yaml`, and its counts."""
 
     pack: KnownPack
     hides: Sequence[KnownPack]
-    said: PackFields | None
+    fields: PackFields | None
     levels: int
     suites: int
 
     def to_dict(self) -> dict[str, Any]:
-        """Return it as plain data."""
+        """Return the row as plain data."""
         texts = ("version", "description", "author", "license", "source")
         return {
             "name": self.pack.name,
-            **{name: self.said and getattr(self.said, name) for name in texts},
+            **{name: self.fields and getattr(self.fields, name) for name in texts},
             "levels": self.levels,
             "suites": self.suites,
-            **_whence(self.pack),
-            "hides": [_whence(hidden) for hidden in self.hides],
+            **_source(self.pack),
+            "hides": [_source(hidden) for hidden in self.hides],
         }
 
     def cells(self) -> tuple[str, ...]:
-        """Return it as a row of the table."""
-        version, description = (self.said.version, self.said.description) if self.said else ("", "")
+        """Return the row as cells of the table."""
+        version, description = (
+            (self.fields.version, self.fields.description) if self.fields else ("", "")
+        )
         counts = (str(self.levels), str(self.suites))
         cells = (self.pack.name, version or "-", *counts, self.pack.origin, description)
         return tuple(map(one_line, cells))
 
 
 def list_packs(report_format: ReportFormat) -> None:
-    """Write which packs there are, and note which of them are hidden by another of their name."""
+    """Write the packs, and note which of them are hidden by another one of the same name."""
     named: dict[str, list[KnownPack]] = {}
     for pack in known_packs():
         named.setdefault(pack.name, []).append(pack)
@@ -144,9 +147,9 @@ def list_packs(report_format: ReportFormat) -> None:
         write_json([row.to_dict() for row in rows])
     elif rows:
         heading = ("NAME", "VERSION", "LEVELS", "SUITES", "FROM", "DESCRIPTION")
-        write(table([heading, *(row.cells() for row in rows)]))
+        write_table(heading, [row.cells() for row in rows])
     else:
-        note("there are no packs (`babyrobot install FILE` installs one)")
+        note("no packs are installed (see `babyrobot install`)")
     for row in rows:
         for hidden in row.hides:
             name, front, behind = row.pack.name, row.pack.origin, hidden.origin
@@ -161,5 +164,5 @@ def _row(pack: KnownPack, *hides: KnownPack) -> _Row:
     return _Row(pack, hides, fields(pack.folder), len(levels), len(suites))
 
 
-def _whence(pack: KnownPack) -> dict[str, str]:
+def _source(pack: KnownPack) -> dict[str, str]:
     return {"from": pack.origin, "folder": str(pack.folder)}

@@ -15,7 +15,7 @@ from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.starter import Order
+    from babyrobot_levels.generate.starter import StarterOptions
 
 MAX_PUDDLES = 10_000
 
@@ -100,7 +100,7 @@ def new_level(
 
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
-    from babyrobot_levels.generate.starter import Order, starter
+    from babyrobot_levels.generate.starter import StarterOptions, starter
     from babyrobot_levels.library.level import slug
     from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
@@ -122,11 +122,11 @@ def new_level(
     if not 0 <= puddles <= MAX_PUDDLES:
         fail(f"--puddles must be from 0 to {MAX_PUDDLES:,}, not {puddles:,}")
     path = output or Path("levels", f"{name}.yaml")
-    order = Order(
+    options = StarterOptions(
         name, str(template), _size(size), maze_seed, str(algorithm), loops, puddles, theme
     )
     try:
-        text = starter(order, schema_for(path))
+        text = starter(options, schema_for(path))
     except ValueError as error:
         fail(str(error), "use fewer --puddles or a larger --size")
     _check(text, path)
@@ -136,16 +136,16 @@ def new_level(
             note(f"in this folder, {name!r} is now your level; the gallery's is gallery/{name}")
         else:
             note(f"the gallery has a level {name!r} too: load yours by its path")
-    _report(order, path)
+    _report(options, path)
 
 
-def _report(order: Order, path: Path) -> None:
+def _report(options: StarterOptions, path: Path) -> None:
     """Write what was written, and what to do next."""
     from babyrobot_levels.generate.starter import exit_of
 
-    typed, exit_ = one_line(_quoted(str(path))), exit_of(order)
+    typed, exit_ = one_line(_quoted(str(path))), exit_of(options)
     text = f"wrote {one_line(str(path))}\n"
-    if exit_ != (order.size[0] - 1, order.size[1] - 1):
+    if exit_ != (options.size[0] - 1, options.size[1] - 1):
         text += (
             f"the exit is in a dead end, at [{exit_[0]}, {exit_[1]}]: "
             "in the corner it would cut off other cells\n"

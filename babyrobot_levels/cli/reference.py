@@ -21,10 +21,13 @@ _HEAD = """\
 
 <!-- Generated from the commands: python -m babyrobot_levels.cli.reference > cli.md -->
 
-`babyrobot COMMAND --help` says the same in the terminal. Every command ends with status 0 if all is
-well, 1 if a level has findings, and 2 if the call itself is wrong. Output to a pipe has no colour,
-and `NO_COLOR` is honoured. A LEVEL is a name (`babyrobot list` shows them), `pack/name`, the
-path of a file, a share code, or `-` for standard input.
+`babyrobot COMMAND --help` shows the same in the terminal.
+
+Exit status: 0 for success, 1 for findings in a level, 2 for a wrong call, 130 after Ctrl-C. Output
+to a pipe or a file has no colour, and `NO_COLOR` is respected.
+
+A LEVEL is a name (see `babyrobot list`), `PACK/NAME`, the path of a file, a share code, or `-` for
+standard input.
 """
 
 

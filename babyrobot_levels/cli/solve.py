@@ -20,6 +20,7 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import policy_text, solution_of, values_text
 from babyrobot_levels.render.numbers import WIDEST
 
@@ -59,7 +60,8 @@ def solve(
             "the maze of this level is random",
             "choose one first: babyrobot resolve LEVEL --maze-seed 0 | babyrobot solve -",
         )
-    solution = solution_of(loaded, discount)
+    with working("solving"):
+        solution = solution_of(loaded, discount)
     if report_format is ReportFormat.JSON:
         write_json(_data(loaded, solution))
         return
