@@ -51,7 +51,7 @@ def install(
       babyrobot preview zoo/lion
     """
     from babyrobot_levels.library.packs import archive, store
-    from babyrobot_levels.library.packs.errors import PackConflictError, PackError
+    from babyrobot_levels.library.packs.format import PackConflictError, PackError
 
     try:
         read = archive.read_archive(file)
@@ -86,8 +86,8 @@ def uninstall(
       babyrobot uninstall zoo
     """
     from babyrobot_levels.library.packs import store
-    from babyrobot_levels.library.packs.carried import carried_packs
-    from babyrobot_levels.library.packs.errors import PackConflictError, PackNotFoundError
+    from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError
+    from babyrobot_levels.library.packs.known import carried_packs
 
     try:
         gone = store.uninstall(name)

@@ -18,8 +18,7 @@ from babyrobot_levels.cli.console import (
     write_table,
 )
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
-from babyrobot_levels.library.packs.installed import fields
-from babyrobot_levels.library.packs.known import KnownPack, known_packs
+from babyrobot_levels.library.packs.known import KnownPack, fields, known_packs
 from babyrobot_levels.library.search_path import Place
 from babyrobot_levels.text.diagnostics import one_line
 

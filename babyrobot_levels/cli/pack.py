@@ -68,7 +68,7 @@ def pack(
     """
     from babyrobot_levels.library.packs import build as packing
     from babyrobot_levels.library.packs.archive import SUFFIX
-    from babyrobot_levels.library.packs.errors import PackError
+    from babyrobot_levels.library.packs.format import PackError
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():

@@ -168,7 +168,7 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
 
 def _pack_in(argument: str) -> tuple[str, str | None] | None:
     """Return name and version of the pack in an argument; a pack may have no version."""
-    from babyrobot_levels.library.packs.installed import fields
+    from babyrobot_levels.library.packs.known import fields
     from babyrobot_levels.library.search_path import pack_places
 
     # A file of that name takes precedence.

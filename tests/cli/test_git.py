@@ -84,7 +84,7 @@ def test_from_a_folder_of_the_repository(repository: Repository) -> None:
     repository.write("levels/maze.yaml", LEVEL + "title: Two by two\n")
     told = repository.git("-C", "levels", "diff", "maze.yaml")
     assert told == (
-        "levels/maze.yaml: the same game\n\nbeside the game:\n  title: none -> Two by two\n\n"
+        "levels/maze.yaml: the same MDP\n\nnot part of the MDP:\n  title: none -> Two by two\n\n"
     )
 
 
@@ -106,7 +106,7 @@ def test_a_file_that_was_renamed(repository: Repository) -> None:
     assert told.startswith(
         "levels/maze.yaml -> levels/other.yaml: another game\n\nstart: [0, 0] -> [1, 0]\n"
     )
-    assert told.endswith("beside the game:\n  name: maze -> other\n\n")
+    assert told.endswith("not part of the MDP:\n  name: maze -> other\n\n")
 
 
 def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -> None:

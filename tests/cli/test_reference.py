@@ -112,7 +112,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.
-        assert result.err.startswith("error: a game needs a terminal")
+        assert result.err.startswith("error: `babyrobot play` needs a terminal")
         return
     assert result.status == 0, result
     told = result.err.splitlines()

@@ -1,4 +1,4 @@
-"""The page on levels to order: what it tells people to type does what it says."""
+"""The page on generating levels: what it tells people to type does what it says."""
 
 from __future__ import annotations
 

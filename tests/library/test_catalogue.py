@@ -131,7 +131,7 @@ def test_what_cannot_be_a_level_is_a_type_error(nothing: Any) -> None:
         ("Final-Maze", "final-maze"),
         ("final_maze", "final-maze"),
         ("frozenlake", "frozen-lake"),
-        ("gallery/final-maze", "final-maze"),
+        ("elsewhere/final-maze", "final-maze"),
     ],
 )
 def test_an_unknown_name_tells_the_nearest_ones(asked: str, nearest: str) -> None:
@@ -367,7 +367,7 @@ def test_places_that_are_no_folders_are_told(here: Path, monkeypatch: pytest.Mon
     monkeypatch.setenv("BABYROBOT_LEVELS", os.pathsep.join(["file.yaml", "nowhere", str(here)]))
     told = run_here(["list", "--tag", "no-such"], dict(os.environ)).err.splitlines()
     assert told[1:] == [
-        f"BABYROBOT_LEVELS names {name}, which is no folder that can be read"
+        f"BABYROBOT_LEVELS contains {name}, which is not a readable folder"
         for name in ("file.yaml", "nowhere")
     ]
 

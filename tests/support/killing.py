@@ -24,7 +24,7 @@ from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.packs import build as packing  # noqa: F401  (so that the calls need not import it)
 from babyrobot_levels.library.packs import store
 from babyrobot_levels.library.packs.archive import read_archive
-from babyrobot_levels.library.packs.installed import packs
+from babyrobot_levels.library.packs.known import packs
 from support.packs import snapshot
 from support.sessions import run_here
 

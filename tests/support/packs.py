@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from babyrobot_levels.library.folders import user_folder
-from babyrobot_levels.library.packs.manifest import MANIFEST, LevelEntry, Manifest, file_entry
+from babyrobot_levels.library.packs.format import MANIFEST, LevelEntry, Manifest, file_entry
 from babyrobot_levels.library.reading import loads
 from support.sessions import Result, run_here
 
