@@ -198,9 +198,9 @@ def generate(
 
       babyrobot generate --count 100 --size 6x6..9x9 --path-length 20.. --seed 7 -o long-ways
 
-      babyrobot generate --count 1000 --split train=0.8,test=0.2 -o data
+      babyrobot generate --count 200 --split train=0.8,test=0.2 -o data
 
-      babyrobot generate small-mazes -o data
+      babyrobot generate small-mazes --count 100 -o data
     """
     from babyrobot_levels.generate.batch import FolderError, Target
 

@@ -76,8 +76,6 @@ def _each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Res
     return [function(item) for item in items]
 
 
-Item = TypeVar("Item")
-
 PATIENCE = 1.0
 """Seconds before a progress bar appears."""
 

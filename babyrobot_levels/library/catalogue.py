@@ -205,8 +205,8 @@ def _named(name: str) -> Iterator[Path]:
             yield file.path
         files.append(file)
     for file in files:
-        own = _stated(file.path, "name")
-        if own is not None and file.place.named(own) == name:
+        stated = _stated(file.path, "name")
+        if stated is not None and file.place.named(stated) == name:
             yield file.path
 
 

@@ -53,13 +53,13 @@ def test_a_link_is_a_code_and_what_a_page_plays(base: str) -> None:
 def test_what_cannot_begin_a_link_is_refused(base: str) -> None:
     refused = babyrobot("share", "two-doors", "--link", base, status=2)
     assert refused.out == ""
-    assert "cannot be the beginning of a link" in refused.err
+    assert "invalid --link" in refused.err
 
 
 def test_a_link_to_a_random_maze_says_which_one_the_page_plays() -> None:
     link = babyrobot("share", "random-maze", "--link", "play.html")
     assert link.err == (
-        "each reset grows another maze; the page plays the one of seed 0 (see `resolve`)\n"
+        "the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)\n"
     )
     assert babyrobot("share", link.out).out == f"{load('random-maze').share_code()}\n"
 
@@ -69,12 +69,12 @@ def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> Non
         text = f"version: 1\nsize: [{side}, {side}]\nmaze: {{seed: 1}}\n"
         (folder / f"{side}.yaml").write_text(text, "utf-8")
     link = babyrobot("share", "45.yaml", "--link", "play.html")
-    assert link.err == "the page shows no best moves: with them, the link would be too long\n"
+    assert link.err == "the page shows no optimal moves: the link would be too long with them\n"
     assert len(link.out) < 30_000
     for side, what in ((125, "too large for a link"), (200, "too large for a page")):
         refused = babyrobot("share", f"{side}.yaml", "--link", "play.html", status=2)
         assert what in refused.err
-        assert "no best moves" not in refused.err
+        assert "no optimal moves" not in refused.err
         assert "send the file; up to 16,384 cells, there is `babyrobot preview" in refused.err
         assert refused.out == ""
 
