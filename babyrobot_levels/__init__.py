@@ -11,7 +11,7 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.envs import gymnasium_hook
+from babyrobot_levels.envs import former_modules, gymnasium_hook
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.compare import Certificate as Certificate
@@ -134,3 +134,4 @@ def __dir__() -> list[str]:
 
 
 gymnasium_hook.install()
+former_modules.install()

@@ -29,7 +29,7 @@ from commands import (
 from timing import Comparison, compare_in_turns, installed
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import read_file
+from babyrobot_levels.library.reading import load_file
 
 ROOT = Path(__file__).parents[1]
 LEVEL = ROOT / "levels" / "final-maze.yaml"
@@ -72,7 +72,7 @@ def compare(count: int) -> Iterator[Comparison]:
         )
         yield compare_in_turns(
             f"{FILES}, no start",
-            {"babyrobot_levels.check": reading_each(folder, read_file)},
+            {"babyrobot_levels.check": reading_each(folder, load_file)},
             {
                 "yamllint": yamllint_each(folder),
                 "libyaml and pydantic, nothing else": reading_each(folder, parts),

@@ -1,23 +1,36 @@
-"""Plays one episode of a level with random moves: python examples/play.py [LEVEL]"""
+"""Follow an optimal policy for one episode: python examples/play.py [LEVEL]"""
 
 import argparse
 
 from arguments import level_of
 
+import babyrobot_levels as brl
+
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("level", type=level_of, nargs="?", default="final-maze")
 level = parser.parse_args().level
-env = level.make(render_mode="ansi", max_episode_steps=10_000)
-env.action_space.seed(1)
-observation, info = env.reset(seed=1)
+if level.has_random_maze:
+    level = level.with_maze_seed(0)
+
+try:
+    solution = brl.solve(level)
+except ArithmeticError:  # without a discount, the return of this level has no value
+    solution = brl.solve(level, discount=0.99)
+
+env = level.make(render_mode="ansi", max_episode_steps=level.max_steps or 1000)
+(x, y), _ = env.reset(seed=0)
+env.unwrapped.show_info({"policy": solution})
 print(env.render())
 
-total, steps, terminated, truncated = 0.0, 0, False, False
+names, total, terminated, truncated = [], 0.0, False, False
 while not (terminated or truncated):
-    action = env.action_space.sample()  # only moves that are possible here
-    observation, reward, terminated, truncated, info = env.step(action)
-    total, steps = total + float(reward), steps + 1
+    action = brl.Action(solution.policy[y, x])
+    (x, y), reward, terminated, truncated, _ = env.step(action)
+    names.append(action.name.lower())
+    total += float(reward)
 
-print(env.render())
-end = "at an exit" if terminated else "cut off"
-print(f"{level.name}: {steps} steps, return {total:g}, {end} at {observation.tolist()}")
+more = f" … {len(names) - 40} more" if len(names) > 40 else ""
+print("actions:", " ".join(names[:40]) + more)
+end = "truncated at" if truncated else "at the exit" if (x, y) in level.exits else "terminated at"
+print(f"{level.name}: {end} [{x}, {y}] after {len(names)} steps, return {total:g}")
+print(f"expected return of this policy, which is optimal: {solution.expected_return:.2f}")

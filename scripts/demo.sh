@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A level file becomes a picture and a played episode.
+# A level file becomes a picture and a film, and the robot follows an optimal policy to the exit.
 # Usage: bash scripts/demo.sh [LEVEL.yaml]   (default: levels/final-maze.yaml)
 set -euo pipefail
 level="$(realpath "${1:-"$(dirname "$0")/../levels/final-maze.yaml"}")"
@@ -9,5 +9,6 @@ make_venv .venv
 .venv/bin/pip install --quiet --disable-pip-version-check .
 .venv/bin/babyrobot validate "$level"
 .venv/bin/babyrobot preview "$level" --output demo.png --force
+.venv/bin/babyrobot preview "$level" --policy best --output demo.gif --force
 .venv/bin/python examples/play.py "$level"
-echo "The picture of the level is in demo.png."
+echo "Written: demo.png (the level) and demo.gif (the episode above as a film)"

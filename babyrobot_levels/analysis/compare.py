@@ -24,6 +24,7 @@ from babyrobot_levels.analysis.transition_tables import (
     game_of,
 )
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.reachability import transitions
 from babyrobot_levels.mdp.tables import Mdp, Outcome
 
 REWARD_TOLERANCE = 1e-12
@@ -115,15 +116,9 @@ def compare(
 
 
 def _reached(mdp: Mdp) -> Flags:
-    """Return which states an episode comes to and goes on from, `[states]`."""
-    reached = (mdp.start > 0) & ~mdp.over
-    following = np.where(mdp.probability > 0, mdp.next_state, -1).reshape(mdp.num_states, -1)
-    open_ends = np.flatnonzero(reached).tolist()
-    while open_ends:
-        for state in following[open_ends.pop()].tolist():
-            if state >= 0 and not reached[state] and not mdp.over[state]:
-                reached[state] = True
-                open_ends.append(state)
+    """Return which states an episode reaches and goes on from, `[states]`."""
+    steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0).tolist())
+    reached: Flags = (steps >= 0) & ~mdp.over
     return reached
 
 

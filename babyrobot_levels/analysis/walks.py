@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.cells import PuddleTypes
+from babyrobot_levels.mdp.graph import Successors, distances
 from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.grid import Grid
-
-Ahead = Sequence[Sequence[int]]
-"""For each cell, the cells to which one step can lead."""
 
 Pose = tuple[int, tuple[int, int] | None]
 """A cell, and the way (dx, dy) by which the robot came there."""
@@ -30,7 +28,7 @@ class Walks:
         to_exit: for each cell the fewest steps to an exit, -1 where none can be reached.
     """
 
-    ahead: Ahead
+    ahead: Successors
     reached: Sequence[int]
     to_exit: Sequence[int]
 
@@ -42,7 +40,7 @@ def walks_of(level: Level) -> Walks:
         from babyrobot_levels.mdp.reachability import reach_of
 
         reach = reach_of(level, level.compile())
-        return Walks(reach.ahead, reach.steps, reach.to_exit)
+        return Walks(reach.successors, reach.steps, reach.to_exit)
     grid, width = level.grid(), level.size[0]
     beside = neighbours(grid)
     for cell, side in sorted(grid.glass):
@@ -77,25 +75,6 @@ def neighbours(grid: Grid) -> list[list[int]]:
     return [[cell + step for step in steps[bits]] for cell, bits in enumerate(grid.open_bits)]
 
 
-def distances(sources: Iterable[int], ahead: Ahead) -> list[int]:
-    """Return for each cell the fewest steps from a source, -1 where none leads there."""
-    found = [-1] * len(ahead)
-    edge = list(sources)
-    for cell in edge:
-        found[cell] = 0
-    steps = 0
-    while edge:
-        steps += 1
-        beyond = []
-        for cell in edge:
-            for other in ahead[cell]:
-                if found[other] < 0:
-                    found[other] = steps
-                    beyond.append(other)
-        edge = beyond
-    return found
-
-
 def straightest(walks: Walks, start: int, width: int) -> tuple[list[int], int]:
     """Return the cells of a shortest walk from a cell to an exit, and how often it turns.
 
@@ -125,7 +104,7 @@ def straightest(walks: Walks, start: int, width: int) -> tuple[list[int], int]:
     return cells[::-1], turns
 
 
-def parts(ahead: Ahead, cells: Iterable[int]) -> int:
+def parts(ahead: Successors, cells: Iterable[int]) -> int:
     """Return how many parts some cells make that do not hang together, steps leading both ways."""
     count = 0
     left = dict.fromkeys(cells)

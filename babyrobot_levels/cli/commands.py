@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
@@ -62,23 +62,39 @@ COMMANDS = {
 }
 
 
+class _Registry(Mapping[str, Any]):
+    """The commands by name, each of which is imported when it is asked for."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._made:
+            line = COMMANDS[name]
+            function = line.function()
+            alone = typer.Typer(add_completion=False, **_PLAIN)
+            cls = getattr(function, "command_class", None)
+            alone.command(name, short_help=line.summary, cls=cls)(function)
+            self._made[name] = typer.main.get_command(alone)
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
 class _Commands(TyperGroup):
-    """The commands, each of which is imported when somebody asks for it."""
+    """The group of all commands."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.commands: Any = _Registry()
 
     def list_commands(self, ctx: Any) -> list[str]:
         """Return the names of the commands."""
         return list(COMMANDS)
-
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
-        """Return a command; None if there is none of that name."""
-        if cmd_name not in self.commands and cmd_name in COMMANDS:
-            line = COMMANDS[cmd_name]
-            function = line.function()
-            alone = typer.Typer(add_completion=False, **_PLAIN)
-            cls = getattr(function, "command_class", None)
-            alone.command(cmd_name, short_help=line.summary, cls=cls)(function)
-            self.commands[cmd_name] = typer.main.get_command(alone)
-        return self.commands.get(cmd_name)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Find the command that is meant, or suggest similar ones."""

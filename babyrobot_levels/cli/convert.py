@@ -113,8 +113,8 @@ def import_level(
       babyrobot export four-rooms --to minigrid | babyrobot import -
     """
     from babyrobot_levels.convert.conversion import ConversionError
-    from babyrobot_levels.convert.file_text import file_text
-    from babyrobot_levels.library.level import slug
+    from babyrobot_levels.convert.formats import file_text
+    from babyrobot_levels.language.documents import slug
 
     if name is not None and slug(name) != name:
         good = slug(name)
@@ -149,16 +149,15 @@ def import_level(
 
 def _source(file: Path) -> SourceFile:
     from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.files import ReadFault
 
     try:
         return read_path(file)
-    except ReadFault as fault:
-        if fault.diagnostic.code == "BR101":
-            fail(f"{file}: {fault.diagnostic.message}")
+    except LevelError as error:
+        diagnostic = error.diagnostics[0]
+        if diagnostic.code == "BR101":
+            fail(f"{file}: {diagnostic.message}")
         # It may be a picture, or a compressed file.
         help_text = "see `babyrobot import --help` for the formats; all of them are UTF-8 text"
-        diagnostic = fault.diagnostic
         if diagnostic.code == "BR102":
             diagnostic = replace(diagnostic, help=help_text)
         raise LevelError([diagnostic]) from None

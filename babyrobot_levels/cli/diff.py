@@ -35,6 +35,7 @@ from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import flow
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
@@ -106,8 +107,6 @@ def diff(
 
 def _loaded(before: str, after: str) -> tuple[Level, Level]:
     """Return two levels. An invalid one ends the command with status 2, unlike a difference."""
-    from babyrobot_levels.text.errors import LevelError
-
     try:
         return load_two(before, after)
     except LevelError as error:
@@ -129,8 +128,6 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
 
     Errors are part of the text: a driver that exits with another status than 0 ends `git diff`.
     """
-    from babyrobot_levels.text.files import ReadFault
-
     path = arguments[0]
     if len(arguments) == 1:
         return f"{one_line(path)}: unmerged\n\n"
@@ -138,8 +135,8 @@ def text_for_git(arguments: list[str], limit: int | None) -> str:
     title = path if path == new_path else f"{path} -> {new_path}"
     try:
         before, after = _read(arguments[1], path), _read(arguments[4], new_path)
-    except ReadFault as fault:
-        return f"{one_line(title)}: {one_line(str(fault))}\n\n"
+    except LevelError as error:
+        return f"{one_line(title)}: {one_line(error.diagnostics[0].message)}\n\n"
     return _compared(title, before, after, limit) + "\n"
 
 
@@ -154,16 +151,18 @@ class Version:
 
 def _read(file: str, path: str) -> Version | None:
     """Return a version of a file, None for no file."""
-    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.library.reading import load_source
     from babyrobot_levels.text.files import read_source
 
     if file in _NO_FILES:
         return None
     source = read_source(Path(file), path)
     # The file may be a temporary one of git, but its themes are beside the original.
-    level, diagnostics = read_level(source, Path(path))
-    errors = tuple(f"line {each.line}: {one_line(each.message)}" for each in diagnostics)
-    return Version(source, level, () if level is not None else errors[:1])
+    try:
+        return Version(source, load_source(source, Path(path)), ())
+    except LevelError as error:
+        first = error.diagnostics[0]
+        return Version(source, None, (f"line {first.line}: {one_line(first.message)}",))
 
 
 def _compared(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:

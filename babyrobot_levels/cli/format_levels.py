@@ -97,13 +97,10 @@ def work_on(path: Path) -> Outcome:
     """Format a file, or standard input for `-`. Nothing is written."""
     from babyrobot_levels.language.formatting.formatter import format_source
     from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.files import ReadFault
 
     try:
         source = read_path(path)
         result = format_source(source, None if path == STANDARD_INPUT else path)
-    except ReadFault as fault:
-        return Outcome(errors=(fault.diagnostic,))
     except LevelError as error:
         return Outcome(errors=error.diagnostics)
     differs = result.text != source.text or (result.kept is None and _has_mark(path))

@@ -265,8 +265,8 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
 def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the given count, and the pattern of its levels' names."""
     from babyrobot_levels.generate.suites import load_suite, name_pattern
+    from babyrobot_levels.language.documents import suite_from_mapping
     from babyrobot_levels.language.plain_data import plain
-    from babyrobot_levels.library.reading import suite_from_mapping
 
     given = [name for name in options.given() if name != "--count"]
     if given:
@@ -284,8 +284,8 @@ def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
 
 def _theme_beside(suite: Suite) -> Theme | None:
     """Return the theme of a file beside a suite, which its levels have to include."""
+    from babyrobot_levels.language.documents import read_theme, theme_folders
     from babyrobot_levels.language.looks import BUILTIN_THEMES
-    from babyrobot_levels.language.themes import read_theme, theme_folders
 
     name, folder = suite.fields.theme, suite.folder
     if not isinstance(name, str) or name in BUILTIN_THEMES or folder is None:
@@ -307,10 +307,14 @@ def _digests_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
 
 def digest_of(path: Path) -> str | None:
     """Return the digest of a file's level, None for suites, invalid levels and random mazes."""
-    from babyrobot_levels.library.reading import read_file
+    from babyrobot_levels.library.reading import load_file
+    from babyrobot_levels.text.errors import LevelError
 
-    level = read_file(path)[0]
-    return None if level is None or level.has_random_maze else level.digest
+    try:
+        level = load_file(path)
+    except LevelError:
+        return None
+    return None if level.has_random_maze else level.digest
 
 
 def _write(target: Target, jobs: int | None) -> None:
@@ -419,7 +423,7 @@ def option(field: str) -> str:
 def suite_of(options: Options) -> SuiteFields:
     """Return the suite that options describe; end the command if they are wrong."""
     from babyrobot_levels.language.suite import SuiteFields
-    from babyrobot_levels.language.validation import validate
+    from babyrobot_levels.language.validation import route_of, validate
 
     data: dict[str, Any] = {"version": 1, "kind": "suite", "count": options.count}
     maze: dict[str, Any] = {}
@@ -442,7 +446,7 @@ def suite_of(options: Options) -> SuiteFields:
             data[name] = getattr(options, name)
     suite, problems = validate(data, SuiteFields)
     if suite is None:
-        field, message = str(problems[0].route[0]), problems[0].message
+        field, message = str(route_of(problems[0])[0]), problems[0].message
         message = re.sub(r"^`[^`]*` (?=must )", "", message)
         fail(f"{option(field)}: {message}", problems[0].help)
     return suite

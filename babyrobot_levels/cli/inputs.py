@@ -43,17 +43,9 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
 
 def _read_level() -> Level:
     """Return the level on standard input."""
-    from babyrobot_levels.library.reading import read_level
-    from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.files import ReadFault
+    from babyrobot_levels.library.reading import load_source
 
-    try:
-        level, diagnostics = read_level(read_path(STANDARD_INPUT))
-    except ReadFault as fault:
-        raise LevelError([fault.diagnostic]) from None
-    if level is None:
-        raise LevelError(diagnostics)
-    return level
+    return load_source(read_path(STANDARD_INPUT))
 
 
 def with_seed(level: Level, maze_seed: int | None) -> Level:

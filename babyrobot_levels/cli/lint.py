@@ -23,6 +23,7 @@ from babyrobot_levels.cli.reporting import (
     shown_name,
     write_report,
 )
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.lint.rule import Rule
@@ -178,13 +179,12 @@ def work_on(order: Order, path: Path) -> Outcome:
     from babyrobot_levels.lint.fixer import fix
     from babyrobot_levels.lint.rules.same_game import CODE
     from babyrobot_levels.lint.runner import lint_source
-    from babyrobot_levels.text.files import ReadFault
 
     rules = order.rules_for(path)
     try:
         source = read_path(path)
-    except ReadFault as fault:
-        return Outcome([fault.diagnostic])
+    except LevelError as fault:
+        return Outcome([*fault.diagnostics])
     origin = None if path == STANDARD_INPUT else path
     text, count = None, 0
     if order.fix:

@@ -13,6 +13,7 @@ import typer
 from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
 from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.generate.starter import StarterOptions
@@ -101,7 +102,7 @@ def new_level(
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
     from babyrobot_levels.generate.starter import StarterOptions, starter
-    from babyrobot_levels.library.level import slug
+    from babyrobot_levels.language.documents import slug
     from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
     if slug(name) != name:
@@ -186,12 +187,14 @@ def _size(text: str) -> tuple[int, int]:
 
 def _check(text: str, path: Path) -> None:
     """Check that the file is valid before it is written: a theme may be unknown."""
-    from babyrobot_levels.library.reading import read_level
-    from babyrobot_levels.text.files import ReadFault, decode
+    from babyrobot_levels.language.documents import errors_of
+    from babyrobot_levels.text.files import source_of
 
     try:
-        _, diagnostics = read_level(decode(text.encode("utf-8"), str(path)), path)
-    except ReadFault as fault:
-        fail(f"the level is too large for one file: {fault}", "use a smaller --size")
+        source = source_of(text.encode("utf-8"), str(path))
+    except LevelError as error:
+        reason = error.diagnostics[0].message
+        fail(f"the level is too large for one file: {reason}", "use a smaller --size")
+    diagnostics = errors_of(source, path)
     if diagnostics:
         fail(diagnostics[0].message, diagnostics[0].help)

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode, wants_color
-from babyrobot_levels.render.numbers import number_lines
+from babyrobot_levels.render.text import number_lines
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.render.animation import Step
-    from babyrobot_levels.render.pagedata import Guide
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.gif import Step
+    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.scene.overlay import Overlay
 
 MAX_STEPS = 500
 """The largest number of steps in a GIF."""
@@ -79,7 +79,7 @@ def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
 
 def gif(level: Level, options: PictureOptions) -> bytes:
     """Return an episode as an animated GIF."""
-    from babyrobot_levels.render.animation import to_gif
+    from babyrobot_levels.render.gif import to_gif
 
     steps = _episode(level, options.policy or Walker.BEST, options.seed)
     overlay = None
@@ -102,7 +102,7 @@ def page(level: Level, options: PictureOptions) -> str:
         return to_html(
             level,
             guide=guide,
-            walker="random" if options.policy is Walker.RANDOM else "best",
+            policy="random" if options.policy is Walker.RANDOM else "best",
             seed=options.seed,
             values=options.values,
             arrows=options.policy is Walker.BEST,
@@ -113,7 +113,7 @@ def page(level: Level, options: PictureOptions) -> str:
 
 def check_page_size(level: Level) -> None:
     """End the command if a level is too large for a page, before it is solved for one."""
-    from babyrobot_levels.render.pagedata import TooLargeError, without_panels
+    from babyrobot_levels.render.page_data import TooLargeError, without_panels
 
     try:
         without_panels(level)
@@ -129,7 +129,7 @@ def _overlay(level: Level, options: PictureOptions) -> Overlay:
 
 def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
     """Return the steps of one episode."""
-    from babyrobot_levels.render.animation import Step
+    from babyrobot_levels.render.gif import Step
 
     policy = policy_of(solution_of(level)) if walker is Walker.BEST else None
     env = level.make(observation="index")
@@ -185,7 +185,7 @@ def values_text(solution: Solution) -> str:
 
 def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
     """Return what a picture shows of a solution: nothing in terminal states."""
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
 
     terminal = (solution.policy < 0).tolist()
     shown = [
@@ -206,7 +206,7 @@ def guide_of(level: Level, *, needed: bool) -> Guide | None:
     """Return what a page shows of the solution; None without one, unless it is `needed`."""
     from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.render.pagedata import Guide
+    from babyrobot_levels.render.page_data import Guide
 
     if needed:
         solution = solution_of(level)

@@ -141,7 +141,7 @@ class _Game:
 
     def begin(self, seed: int | None = None) -> None:
         """Begin an episode."""
-        from babyrobot_levels.render.textframes import TextPainter
+        from babyrobot_levels.render.text import TextPainter
 
         self._state, info = self._env.reset(seed=seed, options=self._options)
         self._mask = info["action_mask"]

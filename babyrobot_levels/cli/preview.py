@@ -33,7 +33,7 @@ from babyrobot_levels.cli.pictures import (
     text_picture,
     values_text,
 )
-from babyrobot_levels.render.numbers import WIDEST
+from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level

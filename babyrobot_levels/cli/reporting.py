@@ -133,13 +133,13 @@ def read_path(path: Path) -> SourceFile:
     """Return the text of a file, or of standard input for `-`.
 
     Raises:
-        ReadFault: it cannot be read.
+        LevelError: it cannot be read.
     """
-    from babyrobot_levels.text.files import decode, read_source
-    from babyrobot_levels.text.reader import MAX_BYTES
+    from babyrobot_levels.text.files import read_source, source_of
+    from babyrobot_levels.text.source import MAX_BYTES
 
     if path != STANDARD_INPUT:
         return read_source(path)
     if sys.stdin is None:
         fail("standard input is closed")
-    return decode(sys.stdin.buffer.read(MAX_BYTES + 1), shown_name(path))
+    return source_of(sys.stdin.buffer.read(MAX_BYTES + 1), shown_name(path))

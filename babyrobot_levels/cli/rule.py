@@ -39,7 +39,7 @@ def rule(
       babyrobot rule trap
     """
     from babyrobot_levels.lint.pages import all_pages, page_of
-    from babyrobot_levels.text.suggest import did_you_mean
+    from babyrobot_levels.text.words import did_you_mean
 
     if code is None:
         rules = all_pages()

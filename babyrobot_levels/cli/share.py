@@ -99,8 +99,8 @@ def share(
 def _fragment(level: Level) -> str:
     """Return the part of a link after its `#`."""
     from babyrobot_levels.cli.pictures import check_page_size, guide_of
-    from babyrobot_levels.render.link import link_fragment
-    from babyrobot_levels.render.pagedata import TooLargeError
+    from babyrobot_levels.render.page import link_fragment
+    from babyrobot_levels.render.page_data import TooLargeError
 
     game = level
     if level.has_random_maze:
@@ -155,7 +155,7 @@ def resolve(
 
       babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
     """
-    from babyrobot_levels.text.reader import MAX_BYTES
+    from babyrobot_levels.text.source import MAX_BYTES
 
     loaded = with_seed(load_level(level), maze_seed)
     if loaded.maze is None:
@@ -178,7 +178,7 @@ def resolve(
 
 def _check_walls(level: Level) -> None:
     """End the command if a maze has too many walls for a file, before they are all written."""
-    from babyrobot_levels.text.reader import MAX_BYTES
+    from babyrobot_levels.text.source import MAX_BYTES
 
     if level.maze is None or level.map is not None or level.size[0] * level.size[1] < WORTH_A_LOOK:
         return
@@ -202,13 +202,17 @@ def _check_walls(level: Level) -> None:
 def _text_for(level: Level, text: str, path: Path) -> str:
     """Return the text for a file; it includes a theme that is not found from there."""
     from babyrobot_levels.language.looks import BUILTIN_THEMES
-    from babyrobot_levels.library.reading import read_level
+    from babyrobot_levels.library.reading import load_source
+    from babyrobot_levels.text.errors import LevelError
     from babyrobot_levels.text.source import SourceFile
 
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
-        found, _ = read_level(SourceFile(str(path), text), path)
-        if found is None or found.colors_and_widths != level.colors_and_widths:
-            text = level.replace(theme=level.colors_and_widths).to_yaml(comments=True)
+        try:
+            theme = load_source(SourceFile(str(path), text), path).resolved_theme
+        except LevelError:
+            theme = None
+        if theme != level.resolved_theme:
+            text = level.replace(theme=level.resolved_theme).to_yaml(comments=True)
     # The path of the schema is relative to the level's own folder.
     schema = schema_for(path)
     return _RELATIVE_SCHEMA.sub(f"\\g<1>{schema}\n" if schema else "", text, count=1)

@@ -22,7 +22,7 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.inputs import LevelArgument, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import policy_text, solution_of, values_text
-from babyrobot_levels.render.numbers import WIDEST
+from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution

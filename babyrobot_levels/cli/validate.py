@@ -18,6 +18,7 @@ from babyrobot_levels.cli.reporting import (
     read_path,
     write_report,
 )
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.text.diagnostics import Diagnostic
@@ -47,11 +48,10 @@ def validate(
 
 def errors_of(path: Path) -> list[Diagnostic]:
     """Return the errors of a file, or of standard input for `-`."""
-    from babyrobot_levels.library import reading
-    from babyrobot_levels.text.files import ReadFault
+    from babyrobot_levels.language import documents
 
     try:
         source = read_path(path)
-    except ReadFault as fault:
-        return [fault.diagnostic]
-    return reading.errors_of(source, None if path == STANDARD_INPUT else path)
+    except LevelError as fault:
+        return [*fault.diagnostics]
+    return documents.errors_of(source, None if path == STANDARD_INPUT else path)

@@ -1,1 +1,1 @@
-"""Worlds from and to other formats: one module a format, `formats` lists and guesses them."""
+"""Worlds of other programs: reading them as levels, and writing levels in their formats."""

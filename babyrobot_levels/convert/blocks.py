@@ -1,25 +1,46 @@
-"""Worlds whose walls fill whole cells, from and to the language's walls between cells."""
+"""Worlds whose walls fill whole cells, from and to the language's walls between cells.
+
+A cell is a character, as in a drawing of the language, or `ENDS`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.convert.conversion import ConversionError, Lost, fields_lost
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.language.base import MAX_SIZE, SIDES
+from babyrobot_levels.language.checks import painted
+from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 from babyrobot_levels.text.source import Position, SourceFile
 
+if TYPE_CHECKING:
+    from babyrobot_levels.language.moves import Rewards
+    from babyrobot_levels.library.level import Level
+
 Rows = tuple[str, ...]
-"""Cells row by row, each as the character that stands for it in a drawing of the language."""
+"""Cells row by row, each as its character in a drawing of the language."""
+
+ENDS = "x"
+"""The mark of a cell whose area is terminal."""
+
+HOLE_COLOR, LAVA_COLOR = "#1b3a5c", "orangered"
+"""The colours of such cells where the other format shows them in one of its own."""
+
+SPATIAL = frozenset(fields_with(Role.GEOMETRY)) - {"map", "legend"}
+"""The fields that a map of blocks can hold."""
+
+UNLIKE = frozenset({"areas", "rewards"})
+"""Fields of which a part may be kept; they are checked one by one."""
 
 
 def text_rows(source: SourceFile) -> list[str]:
-    """Return the lines of a drawn map, all as long as the longest, without blank ones around.
+    """Return the lines of a drawn map, padded to the longest, without blank lines around them.
 
     Raises:
-        ConversionError: there are none.
+        ConversionError: the text is blank.
     """
     lines = [line.rstrip() for line in source.lines]
     while lines and not lines[-1]:
@@ -27,7 +48,7 @@ def text_rows(source: SourceFile) -> list[str]:
     first = next((number for number, line in enumerate(lines) if line), 0)
     lines = lines[first:]
     if not lines:
-        raise ConversionError("there is no map in it")
+        raise ConversionError("the text has no map")
     # Editors drop blanks at the ends of lines.
     width = max(map(len, lines))
     return [line.ljust(width) for line in lines]
@@ -39,17 +60,20 @@ def translated(
     """Return rows with each character replaced by what it means.
 
     Raises:
-        ConversionError: a character means nothing; `known` says which ones do.
+        ConversionError: a character has no meaning; `known` lists those that have one.
     """
     for y, row in enumerate(rows):
         for x, character in enumerate(row):
             if character not in meanings:
-                lines = source.lines
-                above = next(number for number, line in enumerate(lines) if line.strip())
-                place = Position(above + y + 1, x + 1)
-                message = f"`{character}` means nothing here"
-                raise ConversionError.at(source, place, message, known)
+                message = f"unknown character `{character}`"
+                raise ConversionError.at(source, place_of(source, x, y), message, known)
     return tuple("".join(map(meanings.__getitem__, row)) for row in rows)
+
+
+def place_of(source: SourceFile, x: int, y: int) -> Position:
+    """Return the position of a character of the rows that `text_rows` has returned for a text."""
+    above = next(number for number, line in enumerate(source.lines) if line.strip())
+    return Position(above + y + 1, x + 1)
 
 
 def without_ring(rows: Rows) -> Rows:
@@ -63,35 +87,42 @@ def without_ring(rows: Rows) -> Rows:
 def without_surroundings(rows: Rows) -> Rows:
     """Return rows with the free cells blocked that lie outside of the walls around the world.
 
-    Those are the ones from which one gets to the edge, but to no start and to no exit.
+    These are the ones connected to the edge, but to no start and to no exit.
     """
-    cells = [list(row) for row in rows]
     width, height = len(rows[0]), len(rows)
-    seen: set[tuple[int, int]] = set()
-    edge = [(x, y) for y in range(height) for x in range(width) if x in (0, width - 1)]
-    edge += [(x, y) for x in range(width) for y in (0, height - 1)]
-    for cell in edge:
-        if cell in seen or rows[cell[1]][cell[0]] == d.BLOCKED:
+    cells = list("".join(rows))
+    seen = bytearray(len(cells))
+    for edge in range(len(cells)):
+        is_edge = edge % width in (0, width - 1) or edge // width in (0, height - 1)
+        if not is_edge or seen[edge] or cells[edge] == d.BLOCKED:
             continue
-        room, open_ends = {cell}, [cell]
-        while open_ends:
-            x, y = open_ends.pop()
-            for near in ((x + 1, y), (x - 1, y), (x, y + 1), (x, y - 1)):
-                inside = 0 <= near[0] < width and 0 <= near[1] < height
-                if inside and near not in room and rows[near[1]][near[0]] != d.BLOCKED:
-                    room.add(near)
-                    open_ends.append(near)
-        seen |= room
-        if all(rows[y][x] == d.PLAIN for x, y in room):
-            for x, y in room:
-                cells[y][x] = d.BLOCKED
+        seen[edge] = True
+        room = [edge]
+        # The list grows while it is gone through.
+        for cell in room:
+            for side in SIDES:
+                near = neighbour(cell, side, width, height)
+                if near is not None and not seen[near] and cells[near] != d.BLOCKED:
+                    seen[near] = True
+                    room.append(near)
+        if all(cells[cell] == d.PLAIN for cell in room):
+            for cell in room:
+                cells[cell] = d.BLOCKED
+    return tuple("".join(cells[y * width : (y + 1) * width]) for y in range(height))
+
+
+def replaced(rows: Rows, places: Iterable[tuple[int, int]], mark: str) -> Rows:
+    """Return rows with a mark at some places `(x, y)`."""
+    cells = [list(row) for row in rows]
+    for x, y in places:
+        cells[y][x] = mark
     return tuple("".join(row) for row in cells)
 
 
 def is_lattice(rows: Rows) -> bool:
-    """Tell whether every second cell of every second row is one, and all posts between are walls.
+    """Return whether rows are a lattice, as mazes with walls between cells are drawn in blocks.
 
-    That is how mazes with walls between their cells are drawn in blocks.
+    Cells are at the odd columns of the odd rows, walls at the even columns of the even rows.
     """
     width, height = len(rows[0]), len(rows)
     if width % 2 == 0 or height % 2 == 0 or width < 3 or height < 3:
@@ -105,7 +136,7 @@ def drawn(rows: Rows, east: Rows | None = None, south: Rows | None = None) -> di
     """Return the field `map` with rows of cells, without walls between them if none are given.
 
     Raises:
-        ConversionError: there is no cell, there are too many, or there is no start among them.
+        ConversionError: there are too many cells, or none of them is a start.
     """
     width, height = len(rows[0]), len(rows)
     if max(width, height) > MAX_SIZE:
@@ -113,14 +144,14 @@ def drawn(rows: Rows, east: Rows | None = None, south: Rows | None = None) -> di
             f"the map is {width} by {height}; a level is at most {MAX_SIZE} cells wide and high"
         )
     if not any(d.START in row for row in rows):
-        raise ConversionError("the map has no start", "mark the cell where episodes begin")
+        raise ConversionError("the map has no start", "mark the cell where episodes start")
     east = east or (d.OPEN * (width - 1),) * height
     south = south or (d.OPEN * width,) * (height - 1)
     return {"map": d.compose(d.Drawing(rows, east, south))}
 
 
 def has_walls(grid: Grid) -> bool:
-    """Tell whether there are walls between free cells, of glass or not."""
+    """Return whether there are walls between free cells, of glass or not."""
     return any(
         bits & BIT[side] and other is not None and not grid.blocked_cells[other]
         for cell, bits in enumerate(grid.wall_bits)
@@ -164,3 +195,83 @@ def from_lattice(rows: Rows) -> tuple[Rows, Rows, Rows]:
     east = tuple("".join(mark(x + 1, y) for x in columns[:-1]) for y in lines)
     south = tuple("".join(mark(x, y + 1) for x in columns) for y in lines[:-1])
     return cells, east, south
+
+
+# -- levels as blocks ------------------------------------------------------------------------
+
+
+def marked(level: Level) -> Rows:
+    """Return the cells row by row: plain, blocked, a start, an exit, or `ENDS`."""
+    width, height = level.size
+    blocked = level.grid().blocked_cells
+    ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
+    rows = [[d.PLAIN] * width for _ in range(height)]
+    for y, row in enumerate(rows):
+        for x in range(width):
+            if blocked[y * width + x]:
+                row[x] = d.BLOCKED
+            elif ends((x, y)):
+                row[x] = ENDS
+    for character, cells in ((d.START, level.starts), (d.EXIT, level.exits)):
+        for x, y in cells:
+            rows[y][x] = character
+    return tuple("".join(row) for row in rows)
+
+
+def block_map(
+    level: Level, place: str, rewards: Rewards, *, ends: str | None, many: str
+) -> tuple[Rows, list[Lost]]:
+    """Return a level in blocks with a ring around it, and what such a map does not keep.
+
+    Args:
+        level: the level.
+        place: the format, for messages: "a Sokoban map".
+        rewards: the rewards of a level that is read from such a map.
+        ends: why areas that end the episode are not kept; None if they are.
+        many: the marks that may occur more than once: `S`, `E`, both or none.
+    """
+    lost = list(fields_lost(level, SPATIAL | UNLIKE, place))
+    lost += lost_areas(level, ends)
+    if level.rewards != rewards:
+        lost.append(Lost("rewards", f"{place} cannot hold them"))
+    grid, cells = level.grid(), marked(level)
+    for character, name, found in ((d.START, "start", level.starts), (d.EXIT, "exit", level.exits)):
+        if len(found) > 1 and character not in many:
+            lost.append(only_first(name, found, place))
+            cells = replaced(cells, found[1:], d.PLAIN)
+    lattice = has_walls(grid)
+    if lattice:
+        message = "walls between cells become blocks, and each step becomes two"
+        lost.append(Lost("walls", message))
+    if ends is not None:
+        cells = tuple(row.replace(ENDS, d.PLAIN) for row in cells)
+    return as_blocks(grid, cells, lattice=lattice), lost
+
+
+def only_first(name: str, cells: Sequence[tuple[int, int]], place: str) -> Lost:
+    """Return the loss of all starts or exits but the first."""
+    return Lost(name, f"{place} has one, so only [{cells[0][0]}, {cells[0][1]}] is kept")
+
+
+def lost_areas(level: Level, ends: str | None, *, hole: float | None = None) -> Iterator[Lost]:
+    """Yield the properties of areas that are not kept.
+
+    Args:
+        level: the level.
+        ends: why `ends` is not kept; None if it is.
+        hole: the reward that is kept where the episode ends; None for that of a step.
+    """
+    step = level.rewards.step
+    hole = step if hole is None else hole
+    kept: dict[str, set[object]] = {
+        "color": {None, HOLE_COLOR, LAVA_COLOR},
+        "skid": {None},
+        "ends": {None, False, True} if ends is None else {None, False},
+        "label": {None},
+    }
+    for name, values in kept.items():
+        if any(getattr(area, name) not in values for area in level.areas):
+            yield Lost(f"areas.{name}", ends if name == "ends" and ends else "the map has no areas")
+    rewards = ((area, step if area.reward is None else area.reward) for area in level.areas)
+    if any(reward != (hole if area.ends else step) for area, reward in rewards):
+        yield Lost("areas.reward", "the map has no areas")

@@ -1,28 +1,27 @@
-"""What a conversion gives: the result, and by name all that could not come along."""
+"""The results of conversions, with everything that could not be kept, and their errors."""
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import Position, SourceFile, Span
 
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-
 _NOT_LOST = frozenset({"version", "name", "map", "legend"})
-"""Fields that are the file's own, or whose meaning stands in others as well."""
+"""Fields of the file itself, or whose content is in other fields as well."""
 
 
 class ConversionWarning(UserWarning):
-    """Something that could not come along when a world was converted in Python."""
+    """Something of another program's world that its level does not have."""
 
 
 class ConversionError(LevelError):
-    """Something that is no world of the format that it is read as.
+    """Text or data that is not a valid world of the format that it is read as.
 
     `help` says what to do about it, or is None.
     """
@@ -51,11 +50,11 @@ class ConversionError(LevelError):
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Something that could not come along.
+    """Something that a conversion does not keep.
 
     Attributes:
-        field: what it is called where it comes from: a field of the level, or a name of the format.
-        message: what became of it.
+        field: its name where it comes from: a field of the level, or a name of the format.
+        message: what becomes of it.
     """
 
     field: str
@@ -70,10 +69,10 @@ class World:
     """A world of another format, in the fields of the language.
 
     Attributes:
-        fields: the fields, as a file would have them.
-        origin: what it is from, as a sentence.
-        comments: for some fields, a comment to stand above them.
-        lost: what could not come along.
+        fields: the fields, as in a level file.
+        origin: where it comes from, as a sentence.
+        comments: for some fields, a comment that stands above them in a file.
+        lost: what is not kept.
     """
 
     fields: dict[str, Any]
@@ -88,7 +87,7 @@ class Conversion:
 
     Attributes:
         text: the world in its new form.
-        warnings: what could not come along, in the order in which it was found.
+        warnings: what is not kept, in the order in which it was found.
         beside: files that belong to the text, by name.
     """
 
@@ -97,18 +96,34 @@ class Conversion:
     beside: Mapping[str, bytes] = field(default_factory=dict)
 
 
+def level_of(world: World, *, name: str | None = None, stacklevel: int = 1) -> Level:
+    """Return the level of a world, with a `ConversionWarning` for each thing that is not kept.
+
+    Args:
+        world: the world.
+        name: the level's name.
+        stacklevel: which caller the warnings name; 1 is the caller of this function.
+
+    Raises:
+        LevelError: the world is not a valid level.
+    """
+    for lost in world.lost:
+        warnings.warn(str(lost), ConversionWarning, stacklevel=stacklevel + 1)
+    return Level.from_fields(world.fields, name=name)
+
+
 def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[Lost]:
-    """Yield the fields of a level that say something and are not carried.
+    """Yield the fields of a level that are not at their defaults and not kept by a format.
 
     Args:
         level: the level.
-        carried: the fields that the format has a place for.
-        place: what has no place for the others: "a FrozenLake map".
+        carried: the fields that the format can hold.
+        place: what cannot hold the others: "a FrozenLake map".
     """
-    said = level.model_dump(by_alias=True, exclude_defaults=True)
+    given = level.model_dump(by_alias=True, exclude_defaults=True)
     for name in type(level).model_fields:
-        if name in said and name not in carried and name not in _NOT_LOST:
-            yield Lost(name, f"{place} has no place for it")
+        if name in given and name not in carried and name not in _NOT_LOST:
+            yield Lost(name, f"{place} cannot hold it")
 
 
 def shown(value: Any) -> str:

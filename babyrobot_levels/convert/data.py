@@ -1,20 +1,28 @@
-"""Python literals and JSON, read without running anything."""
+"""Data of other programs: JSON and Python literals, read without running code, and checked values.
+
+The functions that check a value raise a `ConversionError` that names the value as its format does.
+"""
 
 from __future__ import annotations
 
 import ast
 import json
+import math
+import re
 import warnings
 from typing import Any, NoReturn
 
-from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.convert.conversion import ConversionError, shown
+from babyrobot_levels.language.looks import PATTERN
 from babyrobot_levels.text.source import START, Position, SourceFile
 
 MAX_DEPTH = 32
 """Lists and mappings inside one another. No format has more than a few."""
 
+_MAX_INTEGER = 2**53
+"""Numbers up to this are written as integers: all of these are floats as well."""
 
-_PLAIN = "numbers, texts, lists, tuples and mappings can be read; names and calls cannot"
+_PLAIN = "use only numbers, strings, lists, tuples and dicts; names and calls are not allowed"
 _DATA = (
     *(ast.Constant, ast.List, ast.Tuple, ast.Set, ast.Dict, ast.UnaryOp, ast.unaryop),
     *(ast.Module, ast.Expr, ast.Assign, ast.expr_context),
@@ -22,7 +30,7 @@ _DATA = (
 
 
 def looks_like_data(text: str) -> bool:
-    """Tell whether a text may be JSON or a Python literal, rather than a map that is drawn."""
+    """Return whether a text may be JSON or a Python literal, rather than a drawn map."""
     return text.lstrip().startswith(("{", "[", "(", "'", '"')) or "=" in text
 
 
@@ -56,12 +64,12 @@ def _json(text: str) -> Any:
 
 
 def _refuse(constant: str) -> NoReturn:
-    raise ValueError(f"{constant} is no number that a level could have")
+    raise ValueError(f"{constant} is not a finite number")
 
 
 def _literal(text: str) -> Any:
     with warnings.catch_warnings():
-        # What Python thinks of the style of its texts is of no interest here.
+        # Python warns of invalid escapes in string literals.
         warnings.simplefilter("ignore")
         body = ast.parse(text).body
         statement = body[0] if len(body) == 1 else None
@@ -84,14 +92,14 @@ def _first_code(text: str) -> Position:
 
 
 def _check_depth(source: SourceFile) -> None:
-    """Refuse what would exhaust a parser: brackets count wherever they stand, also in texts."""
+    """Refuse what would exhaust a parser: all brackets count, also those inside strings."""
     depth = 0
     for index, character in enumerate(source.text):
         if character in "[{(":
             depth += 1
             if depth > MAX_DEPTH:
                 place = source.position(index)
-                raise ConversionError.at(source, place, f"this is nested over {MAX_DEPTH} deep")
+                raise ConversionError.at(source, place, f"nested deeper than {MAX_DEPTH} levels")
         elif character in "]})":
             depth -= 1
 
@@ -99,9 +107,76 @@ def _check_depth(source: SourceFile) -> None:
 def _raise_farther(
     source: SourceFile, json_error: json.JSONDecodeError, error: SyntaxError
 ) -> NoReturn:
-    """Raise the error of the parser that got farther: it knows better what was meant."""
+    """Raise the error of the parser that got farther: the text is more likely in its format."""
     python = Position(error.lineno or 1, max(error.offset or 1, 1))
     if Position(json_error.lineno, json_error.colno) >= python:
         place = Position(json_error.lineno, json_error.colno)
-        raise ConversionError.at(source, place, f"this is no JSON ({json_error.msg})") from None
-    raise ConversionError.at(source, python, f"this is no Python literal ({error.msg})") from None
+        raise ConversionError.at(source, place, f"invalid JSON ({json_error.msg})") from None
+    raise ConversionError.at(source, python, f"invalid Python literal ({error.msg})") from None
+
+
+# -- checked values --------------------------------------------------------------------------
+
+
+def integer(value: Any, where: str) -> int:
+    """Return a whole number."""
+    if isinstance(value, float) and value.is_integer():
+        value = int(value)
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise ConversionError(f"{where} must be a whole number, not {shown(value)}")
+    return value
+
+
+def truncated(value: float) -> float:
+    """Return a number without its fraction, as an integer unless that would have many digits."""
+    return int(value) if abs(value) < _MAX_INTEGER else float(value)
+
+
+def number(value: Any, where: str) -> float:
+    """Return a finite number, an integer only if it has few digits."""
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            if math.isfinite(value):
+                return value if abs(value) < _MAX_INTEGER else float(value)
+        except OverflowError:
+            pass
+    raise ConversionError(f"{where} must be a number, not {shown(value)}")
+
+
+def probability(value: Any, where: str) -> float:
+    """Return a number from 0 to 1."""
+    if not 0 <= number(value, where) <= 1:
+        raise ConversionError(f"{where} must be a probability from 0 to 1, not {shown(value)}")
+    return number(value, where)
+
+
+def sequence(value: Any, where: str) -> list[Any]:
+    """Return a list."""
+    if not isinstance(value, list):
+        raise ConversionError(f"{where} must be a list, not {shown(value)}")
+    return value
+
+
+def mapping(value: Any, where: str) -> dict[str, Any]:
+    """Return a mapping."""
+    if not isinstance(value, dict):
+        raise ConversionError(f"{where} must be a mapping, not {shown(value)}")
+    return value
+
+
+def integers(value: Any, where: str, *counts: int) -> list[int]:
+    """Return a list of so many whole numbers."""
+    found = [integer(each, where) for each in sequence(value, where)]
+    if len(found) not in counts:
+        wanted = " or ".join(map(str, counts))
+        raise ConversionError(f"{where} must be {wanted} whole numbers, not {len(found)}")
+    return found
+
+
+def color(value: Any) -> str | None:
+    """Return a colour as level files write it, None if it is not a valid one there."""
+    if not isinstance(value, str):
+        return None
+    text = value.strip()
+    text = text if text.startswith("#") else text.lower()
+    return text if len(text) <= 64 and re.fullmatch(PATTERN, text) else None

@@ -1,4 +1,4 @@
-"""Sides between two cells: which of them have walls, what these are like, and how far they go."""
+"""Edges between two cells: which of them have walls, how these look, and runs of equal ones."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 
@@ -25,7 +25,7 @@ def edge_of(x: int, y: int, side: str) -> Edge:
 
 
 def is_inner(x: int, y: int, side: str, width: int, height: int) -> bool:
-    """Tell whether an edge lies between two cells of the grid."""
+    """Return whether an edge lies between two cells of the grid."""
     return x >= 0 and y >= 0 and (x < width - 1 if side == "E" else y < height - 1)
 
 
@@ -40,7 +40,7 @@ def free_edges(grid: Grid) -> Iterator[Edge]:
 
 
 def wall_at(grid: Grid, edge: Edge) -> float | None:
-    """Return the probability of getting through the wall at an edge, None if there is no wall."""
+    """Return the `pass` probability of the wall at an edge, None if there is no wall."""
     x, y, side = edge
     cell = y * grid.width + x
     return grid.glass.get((cell, side), 0.0) if grid.wall_bits[cell] & BIT[side] else None
@@ -58,8 +58,8 @@ def wall_looks(level: LevelFields) -> dict[Edge, dict[str, Any]]:
     return looks
 
 
-def in_rows(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int, dict[str, Any]]]:
-    """Yield the first edge of each row of edges that are alike, their number, and what they say."""
+def edge_runs(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int, dict[str, Any]]]:
+    """Yield for each run of equal edges in a line its first edge, its length and its properties."""
 
     def line(edge: Edge) -> tuple[str, int, int]:
         x, y, side = edge

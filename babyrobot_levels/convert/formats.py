@@ -1,4 +1,4 @@
-"""The formats that worlds come in, and how to tell which one a text is."""
+"""The formats: which ones there are, which one a text is in, and reading and writing them."""
 
 from __future__ import annotations
 
@@ -10,20 +10,29 @@ from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.convert.babyrobot.reading import KEYWORDS as SETUP_KEYWORDS
 from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import write_setup
+from babyrobot_levels.convert.block_maps import (
+    read_maze_dataset,
+    read_maze_map,
+    read_minigrid,
+    read_sokoban,
+    write_maze_dataset,
+    write_maze_map,
+    write_minigrid,
+    write_sokoban,
+)
 from babyrobot_levels.convert.blocks import is_lattice, text_rows
-from babyrobot_levels.convert.checked import mapping
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, World
-from babyrobot_levels.convert.data import looks_like_data, read_data
+from babyrobot_levels.convert.data import looks_like_data, mapping, read_data
 from babyrobot_levels.convert.frozen_lake import KEYWORDS as LAKE_KEYWORDS
 from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
-from babyrobot_levels.convert.maze_dataset import read_maze_dataset, write_maze_dataset
-from babyrobot_levels.convert.maze_map import read_maze_map, write_maze_map
-from babyrobot_levels.convert.minigrid import read_minigrid, write_minigrid
-from babyrobot_levels.convert.sokoban import read_sokoban, write_sokoban
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
+from babyrobot_levels.language.documents import errors_of
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.text.emitter import emit_field
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -53,18 +62,15 @@ FORMATS = {
 SUFFIXES = {".tmj": "tiled", ".xsb": "sokoban", ".sok": "sokoban"}
 """File suffixes that say which format a file has."""
 
-_LOOKS = (
-    *("title", "description", "author", "license", "source", "tags", "discount", "max_steps"),
-    *("theme", "display", "maze", "walls.color"),
-)
-"""The first words of what can be lost without another game coming of it."""
+_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
+"""Prefixes of the fields whose loss does not change the MDP."""
 
 
 def export(level: Level, name: str) -> Conversion:
     """Return a level in another format.
 
-    What the format has no place for is among the warnings. That the game is the same where
-    nothing says otherwise is checked: the result is read again, and the tables compared.
+    The warnings list everything that the format cannot hold. If none of them explains a different
+    MDP, the result is read again and the tables are compared: a difference is a warning too.
 
     Args:
         level: the level.
@@ -76,22 +82,66 @@ def export(level: Level, name: str) -> Conversion:
     conversion = FORMATS[name].write(level)
     if any(not lost.field.startswith(_LOOKS) for lost in conversion.warnings):
         return conversion
-    again = from_mapping(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
+    again = Level.from_fields(FORMATS[name].read(SourceFile("<exported>", conversion.text)).fields)
     if again.digest == level.digest:
         return conversion
-    difference = (
-        compare(level, again).difference or "cells that no episode comes to are not the same"
-    )
+    difference = compare(level, again).difference or "cells that no episode reaches differ"
     return Conversion(
-        conversion.text, (*conversion.warnings, Lost("game", difference)), conversion.beside
+        conversion.text, (*conversion.warnings, Lost("MDP", difference)), conversion.beside
     )
+
+
+def file_text(world: World, *, schema: str | None, name: str | None, title: str) -> str:
+    """Return the text of a level file.
+
+    Args:
+        world: its content.
+        schema: where editors find the JSON schema, for the file's first line; None for no line.
+        name: the level's name, None to use that of the file.
+        title: the level's title, if the world has none.
+
+    Raises:
+        ConversionError: the world is too large for a file.
+        LevelError: it is not a valid level.
+    """
+    fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
+    if name:
+        fields["name"] = name
+    lines = [f"# yaml-language-server: $schema={schema}\n"] if schema else []
+    lines.append(f"# {world.origin}\n")
+    for field, value in fields.items():
+        if field in world.comments:
+            lines.append(f"# {world.comments[field]}\n")
+        lines.append(emit_field(field, value))
+    return _tidy("".join(lines))
+
+
+def _tidy(text: str) -> str:
+    """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
+    # Here, because exporting does not need the linter.
+    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.lint.fixer import fix
+    from babyrobot_levels.lint.registry import select
+
+    try:
+        source = source_of(text.encode("utf-8"), "<imported>")
+    except LevelError as error:
+        raise ConversionError(
+            f"the level would be too large for one file: {error.diagnostics[0].message}",
+            "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
+        ) from None
+    errors = errors_of(source)
+    if errors:
+        raise ConversionError("this is not a valid level:\n" + "\n".join(map(str, errors[:5])))
+    fixed = fix(source, select(None)).text
+    return format_source(SourceFile(source.name, fixed)).text
 
 
 def guess(source: SourceFile) -> list[str]:
-    """Return the names of the formats that a text may be in: by its suffix, or by what it is.
+    """Return the names of the formats that a text may be in, by its suffix or its content.
 
     Raises:
-        ConversionError: it looks like data, and cannot be read as such.
+        ConversionError: it is blank, or looks like JSON or Python but is malformed.
     """
     suffix = PurePath(source.name).suffix.lower()
     if suffix in SUFFIXES:
@@ -103,7 +153,7 @@ def _of_text(source: SourceFile) -> list[str]:
     """Return the formats of a drawn map, none if the text is not one."""
     letters = set(source.text) - set("\r\n")
     if not letters - {" "}:
-        raise ConversionError("there is nothing in it")
+        raise ConversionError("the text is blank")
     if letters <= {*LETTERS, " ", "\t"}:
         return ["frozen-lake"]
     if letters <= set("#SEX "):

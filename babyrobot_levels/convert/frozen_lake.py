@@ -5,8 +5,18 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from babyrobot_levels.convert.blocks import drawn, has_walls, text_rows, translated
-from babyrobot_levels.convert.checked import number, probability, sequence
+from babyrobot_levels.convert.blocks import (
+    ENDS,
+    HOLE_COLOR,
+    SPATIAL,
+    UNLIKE,
+    drawn,
+    has_walls,
+    lost_areas,
+    marked,
+    text_rows,
+    translated,
+)
 from babyrobot_levels.convert.conversion import (
     Conversion,
     ConversionError,
@@ -15,21 +25,27 @@ from babyrobot_levels.convert.conversion import (
     fields_lost,
     shown,
 )
-from babyrobot_levels.convert.data import looks_like_data, read_data
-from babyrobot_levels.convert.marks import ENDS, HOLE_COLOR, SPATIAL, UNLIKE, lost_areas, marked
+from babyrobot_levels.convert.data import (
+    looks_like_data,
+    number,
+    probability,
+    read_data,
+    sequence,
+    truncated,
+)
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.cells import as_skid
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 
 LETTERS = {"S": d.START, "F": d.PLAIN, "H": "H", "G": d.EXIT}
-PLACE = "a Frozen Lake"
+PLACE = "FrozenLake"
 USUAL_RATE = 1 / 3
 USUAL_REWARDS = (1, 0, 0)
-"""The reward of the goal, of a hole, and of any other step."""
+"""The rewards of the goal, of a hole, and of any other step."""
 
 KEYWORDS = frozenset({"desc", "map_name", "is_slippery", "success_rate", "reward_schedule"})
-"""The keywords of FrozenLake-v1 that make the game."""
+"""The keywords of FrozenLake-v1 that define the MDP."""
 
 MAPS = {
     "4x4": ["SFFF", "FHFH", "FFFH", "HFFG"],
@@ -48,7 +64,7 @@ def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
 
     Args:
         source: the text.
-        is_slippery: whether it slips, where the text does not say so itself.
+        is_slippery: whether it is slippery, if the text has no `is_slippery`.
     """
     if not looks_like_data(source.text):
         rows = [row.strip() for row in text_rows(source)]
@@ -57,7 +73,7 @@ def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
     keywords: dict[str, Any] = {"is_slippery": is_slippery}
     if isinstance(data, dict):
         if not data.keys() & KEYWORDS:
-            raise ConversionError("these are no keywords of FrozenLake", "give it `desc`, the map")
+            raise ConversionError("no keyword is one of FrozenLake", "add the map as `desc`")
         keywords |= data
         data = _desc(keywords)
     rows = [_row(row) for row in sequence(list(data) if isinstance(data, tuple) else data, "desc")]
@@ -67,14 +83,14 @@ def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
 
 
 def _desc(keywords: dict[str, Any]) -> Any:
-    """Take the map out of the keywords: `desc`, or else the one that `map_name` names."""
+    """Remove the map from the keywords and return it: `desc`, else the one called `map_name`."""
     desc, name = keywords.pop("desc", None), keywords.pop("map_name", "4x4")
     if desc is not None:
         return desc
     if name is None:
         raise ConversionError(
-            "without desc and map_name, Gymnasium draws another lake each time",
-            "give it the desc of the one that is meant: `env.unwrapped.desc.tolist()`",
+            "without desc and map_name, Gymnasium generates a random lake",
+            "add the desc of the environment: `env.unwrapped.desc.tolist()`",
         )
     if not isinstance(name, str) or name not in MAPS:
         raise ConversionError(f"map_name must be 4x4 or 8x8, not {shown(name)}")
@@ -82,7 +98,7 @@ def _desc(keywords: dict[str, Any]) -> Any:
 
 
 def _row(row: Any) -> str:
-    """Return a row as a text, an empty one if it is none."""
+    """Return a row as a text, an empty one if it is not a valid row."""
     parts = row if isinstance(row, list | tuple) else [row]
     if not all(isinstance(part, str | bytes) for part in parts):
         return ""
@@ -111,9 +127,9 @@ def _world(source: SourceFile, rows: list[str], keywords: dict[str, Any]) -> Wor
         comments["legend"] = "Falling into a hole ends the episode."
     if slips and rate < 1:
         fields["skid"] = {"probability": 1 - rate, "to": "sides"}
-        comments["skid"] = "Moves that slip go to one of the sides."
+        comments["skid"] = "Moves that slip go to one of the two sides."
     fields["rewards"] = {"step": step, "exit": goal}
-    lost = tuple(Lost(name, "it changes nothing in the game") for name in keywords)
+    lost = tuple(Lost(name, "it does not change the MDP") for name in keywords)
     return World(fields, "A map of Gymnasium's FrozenLake-v1.", comments, lost)
 
 
@@ -134,7 +150,7 @@ def write_frozen_lake(level: Level) -> Conversion:
     if has_walls(level.grid()):
         lost.append(Lost("walls", f"{PLACE} has no walls between its cells; they are left out"))
     if level.blocked:
-        lost.append(Lost("blocked", f"{PLACE} has no such cells; they are frozen"))
+        lost.append(Lost("blocked", f"{PLACE} has no blocked cells; they become frozen"))
     letters = {d.START: "S", d.EXIT: "G", ENDS: "H", d.PLAIN: "F", d.BLOCKED: "F"}
     desc = ["".join(map(letters.__getitem__, row)) for row in marked(level)]
     skid = as_skid(level.skid) if level.skid is not None else None
@@ -147,18 +163,18 @@ def write_frozen_lake(level: Level) -> Conversion:
     schedule = (level.rewards.exit, hole, level.rewards.step)
     if schedule != USUAL_REWARDS:
         keywords["reward_schedule"] = [
-            int(each) if each.is_integer() else each for each in schedule
+            truncated(each) if each.is_integer() else each for each in schedule
         ]
     for name in ("bump", "stay", "closer", "farther"):
         if getattr(level.rewards, name) is not None:
-            lost.append(Lost(f"rewards.{name}", f"{PLACE} has no place for it"))
+            lost.append(Lost(f"rewards.{name}", f"{PLACE} cannot hold it"))
     rows = ",\n    ".join(map(json.dumps, desc))
     more = "".join(f',\n  "{name}": {json.dumps(value)}' for name, value in keywords.items())
     return Conversion(f'{{\n  "desc": [\n    {rows}\n  ]{more}\n}}\n', tuple(lost))
 
 
 def _hole_reward(level: Level) -> float:
-    """Return the reward of all areas that end the episode, that of a step if they have no one."""
+    """Return the reward that all areas that end the episode share, else that of a step."""
     step = level.rewards.step
     rewards = {step if a.reward is None else a.reward for a in level.areas if a.ends}
     return rewards.pop() if len(rewards) == 1 else step

@@ -1,4 +1,4 @@
-"""The id under which old notebooks make their environments."""
+"""The environment id of PyPI babyrobot, for notebooks that use it."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ ID = "BabyRobot-v0"
 def register_babyrobot() -> None:
     """Let `gymnasium.make("BabyRobot-v0", **setup)` play a setup of PyPI babyrobot as a level.
 
-    An id of that name that somebody else has registered, the package itself for one, gives way.
+    An environment that is already registered under this id is replaced.
     """
     from gymnasium.envs.registration import register, registry
 
-    # Gymnasium would warn of an id that is registered anew.
+    # Gymnasium warns when an id is registered twice.
     registry.pop(ID, None)
     register(ID, entry_point=f"{__name__}:make_babyrobot", order_enforce=False)
 
@@ -32,7 +32,7 @@ def make_babyrobot(
 
     Args:
         render_mode: a render mode of `LevelEnv`.
-        action_space: `"dynamic"` samples the actions that are possible, `"discrete"` all five.
+        action_space: `"dynamic"` samples only valid actions, `"discrete"` all five.
         setup: the keywords of the package; see `from_setup`.
     """
     actions = "valid" if action_space == "dynamic" else "all"

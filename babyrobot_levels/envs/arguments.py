@@ -9,7 +9,7 @@ from typing import Any
 from gymnasium import error
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 MAX_IMAGE_SIDE = 4096
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     import numpy as np
@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.frames import FramePainter
     from babyrobot_levels.render.notebook.view import LevelView
-    from babyrobot_levels.render.scene.overlays import Overlay
+    from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
     from babyrobot_levels.render.terminal import Terminal
-    from babyrobot_levels.render.textframes import TextPainter
+    from babyrobot_levels.render.text import TextPainter
 
 RENDER_MODES = ("human", "rgb_array", "ansi", "svg", "canvas")
 RENDER_FPS = 4
@@ -169,7 +169,7 @@ class Pictures:
 
     def _text_painter(self, *, plain: bool) -> TextPainter:
         if plain not in self._texts:
-            from babyrobot_levels.render.textframes import TextPainter
+            from babyrobot_levels.render.text import TextPainter
 
             self._texts[plain] = TextPainter(self._level, plain=plain, overlay=self._overlay)
         return self._texts[plain]

@@ -6,9 +6,8 @@ from gymnasium import error
 from gymnasium.envs.registration import EnvSpec, parse_env_id
 
 from babyrobot_levels.library.catalogue import find
-from babyrobot_levels.text.document import YamlFault
-from babyrobot_levels.text.errors import LevelNotFoundError
-from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
+from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.reader import read
 
 SINGLE = "babyrobot_levels.envs.single:LevelEnv"
@@ -69,7 +68,7 @@ def _max_steps(level: str) -> int | None:
     """Return the `max_steps` of a level's file, which need not be valid, or even be there."""
     try:
         data = read(read_source(find(level))).data
-    except (LevelNotFoundError, ReadFault, YamlFault):
+    except (LevelNotFoundError, LevelError):
         return None
     steps = data.get("max_steps") if isinstance(data, dict) else None
     return steps if isinstance(steps, int) else None

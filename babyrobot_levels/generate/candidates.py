@@ -10,20 +10,25 @@ from pathlib import Path
 from typing import Any
 
 from babyrobot_levels.analysis.metrics import Metrics
-from babyrobot_levels.analysis.walks import Ahead, distances, neighbours
+from babyrobot_levels.analysis.walks import neighbours
 from babyrobot_levels.language.cells import Puddle
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
-from babyrobot_levels.mdp.mazes.draws import below
+from babyrobot_levels.mdp.graph import Successors, distances
+from babyrobot_levels.mdp.mazes.lattice import below
 
 SEED_BITS = 48
 """Bits of a maze's seed: enough that no two levels draw the same one."""
 
-SHARED = ("rewards", "discount", "max_steps", "theme")
+SHARED = [
+    name
+    for name in fields_with(Role.REWARD, Role.LIMIT, Role.LOOK)
+    if name in SuiteFields.model_fields
+]
 """The fields of a suite that are fields of its levels."""
 
 SIZES_KEPT = 256
@@ -177,7 +182,7 @@ class Maker:
         """Return the empty level of a size."""
         given = plain(self.suite)
         shared = {field: given[field] for field in SHARED if field in given}
-        return from_mapping(
+        return Level.from_fields(
             {"version": 1, "size": [width, height], "exit": "none", **shared}, folder=self.folder
         )
 
@@ -189,7 +194,7 @@ class Maker:
         """
         given = level.to_dict()
         kept = {field: given[field] for field in ("name", *SHARED) if field in given}
-        return from_mapping({"version": 1, "map": level.draw(), **kept}, folder=self.folder)
+        return Level.from_fields({"version": 1, "map": level.draw(), **kept}, folder=self.folder)
 
 
 def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
@@ -233,7 +238,7 @@ def _another(rng: random.Random, cells: int, taken: int | None) -> int:
     return cell + (cell >= taken)
 
 
-def _far_apart(suite: SuiteFields, ahead: Ahead, start: int, exit_: int) -> tuple[int, int]:
+def _far_apart(suite: SuiteFields, ahead: Successors, start: int, exit_: int) -> tuple[int, int]:
     """Return start and exit, with the ones that are `farthest` as far apart as possible."""
     if suite.start == "farthest":
         # If both are, in a maze without loops: the ends of a longest path.

@@ -9,7 +9,7 @@ from textwrap import indent
 
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.mdp.mazes import carve
-from babyrobot_levels.mdp.mazes.draws import below
+from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text.emitter import scalar
 
 TEMPLATES = ("grid", "maze", "drawing")

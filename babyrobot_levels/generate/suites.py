@@ -9,18 +9,14 @@ from typing import Any, overload
 
 from babyrobot_levels.generate.candidates import Maker
 from babyrobot_levels.generate.search import find_level
+from babyrobot_levels.language.documents import check_suite, suite_from_mapping
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.validation import from_yaml
 from babyrobot_levels.library.catalogue import find_suite
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping, read_suite, suite_from_mapping
-from babyrobot_levels.text.document import YamlFault
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import ReadFault, read_source
-from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.reader import open_document
+from babyrobot_levels.text.words import did_you_mean
 
 
 class Suite(Sequence[Level]):
@@ -130,7 +126,9 @@ class Suite(Sequence[Level]):
         data: dict[str, Any] = plain(self.fields)
         if whole and "theme" in data:
             level = {"version": 1, "size": [2, 1], "theme": data["theme"]}
-            data["theme"] = from_mapping(level, folder=self.folder).to_dict(whole=True)["theme"]
+            data["theme"] = Level.from_fields(level, folder=self.folder).to_dict(whole=True)[
+                "theme"
+            ]
         return {name: data[name] for name in SuiteFields.model_fields if name in data}
 
     def to_yaml(self) -> str:
@@ -171,16 +169,7 @@ def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Sui
             f"a suite is a name, a path, a mapping or a Suite, not {type(suite).__name__}"
         )
     path = find_suite(suite)
-    try:
-        document = read(read_source(path))
-    except ReadFault as fault:
-        raise LevelError([fault.diagnostic]) from None
-    except YamlFault as fault:
-        raise LevelError([from_yaml(fault.problem, read_source(path))]) from None
-    fields, diagnostics = read_suite(document, path)
-    if fields is None:
-        raise LevelError(diagnostics)
-    return Suite(fields, path.parent)
+    return Suite(check_suite(open_document(path), path).valid(), path.parent)
 
 
 def name_pattern(fields: SuiteFields) -> str:

@@ -26,13 +26,13 @@ MAX_SIZE = 1024
 
 SLUG = r"^[a-z0-9]+(-[a-z0-9]+)*$"
 FORM_PREFIX = "form:"
-"""Marks the segment that pydantic puts into a fault's location for the form of a union."""
+"""Marks the segment that pydantic puts into an error's location for the form of a union."""
 
 
 class Model(BaseModel):
     """A frozen model that refuses fields that it does not know."""
 
-    # What a file of this model needs at least: help for whoever left it out.
+    # Help for a file without any field.
     BEGINNING: ClassVar[str] = "a level begins with `version: 1`"
 
     model_config = ConfigDict(
@@ -119,7 +119,7 @@ def form(name: str) -> Tag:
 
 
 def forms(choose: Callable[[Any], str]) -> Discriminator:
-    """Choose the form of a value by `choose`, so that faults speak of that form only."""
+    """Choose the form of a value by `choose`, so that errors are about that form only."""
     return Discriminator(lambda value: FORM_PREFIX + choose(value))
 
 

@@ -18,7 +18,7 @@ from babyrobot_levels.language.base import (
     form,
     forms,
 )
-from babyrobot_levels.language.color import Color
+from babyrobot_levels.language.looks import Color
 
 
 class SkidRule(StrEnum):
@@ -105,7 +105,7 @@ class PuddleType(Model):
 
 
 class SmallPuddle(PuddleType):
-    """A small puddle, if nothing else is said."""
+    """A small puddle, by default."""
 
     reward: Number = -2.0
     """The reward for stepping into it."""
@@ -114,7 +114,7 @@ class SmallPuddle(PuddleType):
 
 
 class LargePuddle(PuddleType):
-    """A large puddle, if nothing else is said."""
+    """A large puddle, by default."""
 
     reward: Number = -4.0
     """The reward for stepping into it."""

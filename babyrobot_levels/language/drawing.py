@@ -6,21 +6,27 @@ wide, and its middle one says what it is. Composing and parsing are each other's
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from operator import add
+
+from babyrobot_levels.language.runs import runs
+from babyrobot_levels.text.diagnostics import Issue, Mark
 
 BLOCKED, PLAIN, START, EXIT, SMALL, LARGE = "#", " ", "S", "E", "o", "O"
 RESERVED = frozenset("#SEoO+-|: ")
 """Characters that a legend cannot define."""
 
 MAX_PROBLEMS = 100
-"""Of a drawing with more faults than this, only so many are told."""
+"""At most so many errors are reported per drawing."""
 
 SOLID, GLASS, OPEN = "|", ":", " "
 """The marks of a side, in both directions."""
 
 _HORIZONTAL = {"---": SOLID, "- -": GLASS, "   ": OPEN}
+_BLOCK_CHARACTERS = frozenset("#. @$*SEXGFH01")
+"""What such maps are drawn with."""
+
 _HORIZONTAL_TEXT = {mark: text for text, mark in _HORIZONTAL.items()}
 
 
@@ -58,28 +64,23 @@ class Drawing:
     def row_runs(self, character: str) -> Iterator[tuple[tuple[int, int], int]]:
         """Yield the cells that show the character, those side by side as one with a length."""
         for y, row in enumerate(self.cells):
-            for x, length in _runs(row, character):
+            for x, length in runs(row, character):
                 yield (x, y), length
 
     def runs(self, mark: str) -> Iterator[tuple[tuple[int, int], str, int]]:
         """Yield the walls of one mark as `(cell, side, length)`: S walls by row, E by column."""
         for y, row in enumerate(self.south):
-            for x, length in _runs(row, mark):
+            for x, length in runs(row, mark):
                 yield (x, y), "S", length
         for x in range(self.width - 1):
-            for y, length in _runs("".join(row[x] for row in self.east), mark):
+            for y, length in runs((row[x] for row in self.east), mark):
                 yield (x, y), "E", length
 
 
-@dataclass(frozen=True, slots=True)
-class DrawingProblem:
-    """A fault of a drawing: line and character of the text (from 0), how many, and what to say."""
-
-    row: int
-    column: int
-    length: int
-    message: str
-    help: str | None = None
+def is_block_map(lines: Iterable[str]) -> bool:
+    """Tell whether lines are a map of another program, in which a wall takes a whole cell."""
+    text = "".join(lines)
+    return "##" in text and _BLOCK_CHARACTERS.issuperset(text)
 
 
 def compose(drawing: Drawing) -> str:
@@ -98,24 +99,13 @@ def compose(drawing: Drawing) -> str:
 
 def parse(
     text: str, is_known: Callable[[str], bool], max_size: int
-) -> tuple[Drawing | None, list[DrawingProblem]]:
-    """Return the drawing that `text` shows, or None and what is wrong with it.
+) -> tuple[Drawing | None, list[Issue]]:
+    """Return the drawing that `text` shows, or None and its errors.
 
     `is_known` tells whether the legend defines a character. Blank lines around the drawing,
     blanks at the ends of its lines and a common indentation do not count.
     """
     return _Parser(text, is_known, max_size).parse()
-
-
-def _runs(marks: str, mark: str) -> Iterator[tuple[int, int]]:
-    """Yield start and length of each run of the mark."""
-    start = None
-    for index, found in enumerate(marks + "\0"):
-        if found == mark and start is None:
-            start = index
-        elif found != mark and start is not None:
-            yield start, index - start
-            start = None
 
 
 class _Parser:
@@ -129,15 +119,15 @@ class _Parser:
         self.rows = [row[self.indent :] for row in rows]
         self.is_known = is_known
         self.max_size = max_size
-        self.problems: list[DrawingProblem] = []
+        self.issues: list[Issue] = []
 
     @property
     def is_full(self) -> bool:
-        return len(self.problems) >= MAX_PROBLEMS
+        return len(self.issues) >= MAX_PROBLEMS
 
-    def parse(self) -> tuple[Drawing | None, list[DrawingProblem]]:
+    def parse(self) -> tuple[Drawing | None, list[Issue]]:
         if not self._check_frame():
-            return None, self.problems
+            return None, self.issues
         width = len(self.rows[0]) // 4
         cells, east, south = [], [], []
         for number, row in enumerate(self.rows):
@@ -151,8 +141,8 @@ class _Parser:
                 line = self._wall_row(number, row, width)
                 if 0 < number < len(self.rows) - 1:
                     south.append(line)
-        if self.problems:
-            return None, self.problems
+        if self.issues:
+            return None, self.issues
         return Drawing(tuple(cells), tuple(east), tuple(south)), []
 
     def _report(
@@ -160,25 +150,32 @@ class _Parser:
     ) -> None:
         if self.is_full:
             return
-        self.problems.append(
-            DrawingProblem(
-                self.first + row, self.indent + column, max(length, 1), message, help_text
+        self.issues.append(
+            Issue(
+                "BR312",
+                Mark(self.first + row, self.indent + column, max(length, 1)),
+                message,
+                help_text,
             )
         )
 
     def _check_frame(self) -> bool:
         """Check the outline: odd numbers of lines, of one length, that fit whole cells."""
         if not self.rows:
-            self._report(0, 0, 1, "the drawing is empty", "draw at least one cell, as in `| S |`")
+            self._report(0, 0, 1, "the drawing is empty", "draw at least one cell")
             return False
         length = len(self.rows[0])
+        if is_block_map(self.rows):
+            message = "this is a map of blocks, in which a wall takes a whole cell"
+            self._report(0, 0, length, message, "convert it with `babyrobot import`")
+            return False
         if length < 5 or length % 4 != 1 or self.rows[0][0] in (SOLID, GLASS):
             self._report(
                 0,
                 0,
                 length,
-                "the drawing's first line is not the top of a row of cells",
-                "it is `+---` for each cell and a last `+`: `+---+---+` for two",
+                "the first line of the drawing is not a wall of the form `+---+---+`",
+                "write `+---` for each cell and a final `+`",
             )
             return False
         for number, row in enumerate(self.rows):
@@ -188,8 +185,8 @@ class _Parser:
                     number,
                     length if more else len(row),
                     len(row) - length if more else 1,
-                    f"this line of the drawing has {len(row)} characters, the first has {length}",
-                    "each cell is three characters wide, with one between two cells",
+                    f"this line has {len(row)} characters, the first one has {length}",
+                    "draw each cell three characters wide, with one character between cells",
                 )
         if len(self.rows) < 3 or len(self.rows) % 2 == 0:
             self._report(
@@ -197,19 +194,20 @@ class _Parser:
                 0,
                 len(self.rows[-1]),
                 "the drawing ends in the middle of a row of cells",
-                "below each line of cells stands a line of `+` and walls",
+                "add a line of `+` and walls below each line of cells",
             )
         height = len(self.rows) // 2
         if max(length // 4, height) > self.max_size:
-            self._report(0, 0, length, f"a level is at most {self.max_size} cells wide and high")
-        return not self.problems
+            most = self.max_size
+            self._report(0, 0, length, f"the level has more than {most} columns or rows")
+        return not self.issues
 
     def _wall_row(self, number: int, row: str, width: int) -> str:
         marks = []
         outer = number in (0, len(self.rows) - 1)
         for x in range(width + 1):
             if row[4 * x] != "+":
-                self._report(number, 4 * x, 1, f"a corner is `+`, not `{row[4 * x]}`")
+                self._report(number, 4 * x, 1, f"expected the corner `+`, found `{row[4 * x]}`")
         for x in range(width):
             text = row[4 * x + 1 : 4 * x + 4]
             mark = _HORIZONTAL.get(text)
@@ -218,8 +216,8 @@ class _Parser:
                     number,
                     4 * x + 1,
                     3,
-                    f"`{text}` is no wall",
-                    "`---` is a wall, `- -` a wall of glass, three blanks are none",
+                    f"`{text}` is not a wall",
+                    "use `---` for a wall, `- -` for glass, three spaces for no wall",
                 )
             elif outer and mark != SOLID:
                 self._report_outer(number, 4 * x + 1, 3)
@@ -235,8 +233,8 @@ class _Parser:
                     number,
                     4 * x,
                     1,
-                    f"`{mark}` stands between two cells, where only a wall can",
-                    "`|` is a wall, `:` a wall of glass, a blank is none",
+                    f"`{mark}` cannot be between two cells",
+                    "use `|` for a wall, `:` for glass, a space for no wall",
                 )
                 mark = SOLID
             elif x in (0, width) and mark != SOLID:
@@ -254,20 +252,18 @@ class _Parser:
                 number,
                 column,
                 3,
-                f"`{text}` is no cell",
-                "a cell is `###`, or one character between two blanks",
+                f"`{text}` is not a cell",
+                "write `###`, or one character between two spaces",
             )
         elif middle not in (PLAIN, START, EXIT, SMALL, LARGE) and not self.is_known(middle):
             self._report(
                 number,
                 column + 1,
                 1,
-                f"the legend does not say what `{middle}` is",
-                "known without one: S start, E exit, o small puddle, O large puddle, ### blocked",
+                f"`{middle}` is not in the legend",
+                "built in: S start, E exit, o small puddle, O large puddle, ### blocked",
             )
         return middle
 
     def _report_outer(self, number: int, column: int, length: int) -> None:
-        self._report(
-            number, column, length, "the wall around the level is solid and cannot be left out"
-        )
+        self._report(number, column, length, "the outer wall must be solid")

@@ -15,10 +15,8 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from babyrobot_levels.language.color import FORM_PATTERN, NAMES, PATTERN
-from babyrobot_levels.language.level import LevelFields
-from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.language.map import DRAWN_FIELDS
+from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
+from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
 
@@ -41,7 +39,7 @@ def level_schema() -> dict[str, Any]:
         "legend": {"required": ["map"], "properties": {"map": {"type": "string"}}},
         "map": {
             "if": {"properties": {"map": {"type": "string"}}},
-            "then": {"not": {"anyOf": [{"required": [field]} for field in DRAWN_FIELDS]}},
+            "then": {"not": {"anyOf": [{"required": [field]} for field in fields_with(DRAWN)]}},
         },
     }
     return schema
@@ -89,7 +87,7 @@ def _schema(model: type[BaseModel], title: str) -> dict[str, Any]:
 
 
 def _tidy(value: Any) -> Any:
-    """Say bounds in JSON Schema's words, colours once, and leave out what helps nobody."""
+    """Translate bounds into JSON Schema, define colours once, and drop what editors do not use."""
     if isinstance(value, list):
         return [_tidy(item) for item in value]
     if not isinstance(value, dict):

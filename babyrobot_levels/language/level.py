@@ -1,166 +1,114 @@
-"""The fields of a level file, and what they come to: the validated level."""
+"""The level of a document: its fields, what its drawing adds, its theme, and its text."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    PrivateAttr,
-    StringConstraints,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import PrivateAttr, model_validator
 
-from babyrobot_levels.language.base import (
-    Cell,
-    Cells,
-    Integer,
-    Model,
-    Number,
-    Size,
-    Slug,
-    Text,
-    cell_or_cells,
-    form,
-    forms,
-)
-from babyrobot_levels.language.cells import Area, Puddle, PuddleTypes, Rectangle, SkidLike, Traits
-from babyrobot_levels.language.drawing import RESERVED
-from babyrobot_levels.language.looks import Display, ThemeLike
+from babyrobot_levels.language.checks import issues_of
+from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.map import expand_map
-from babyrobot_levels.language.moves import Rewards, Warp, Wind
-from babyrobot_levels.language.problem import Problem, SpecProblems
-from babyrobot_levels.language.rules import problems_of
-from babyrobot_levels.language.walls import Maze, Opening, Wall
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.errors import InvalidDocument, LevelError
 
-_LEGEND_CHARACTERS = [chr(code) for code in range(33, 127) if chr(code) not in RESERVED]
-_LEGEND_KEY = "^[" + "".join(f"\\{c}" if c in "[]\\^" else c for c in _LEGEND_CHARACTERS) + "]$"
-LegendKey = Annotated[str, StringConstraints(pattern=_LEGEND_KEY)]
-
-CellOrCells = Annotated[
-    Annotated[Cell, form("cell")] | Annotated[Cells, form("cells")], forms(cell_or_cells)
-]
+if TYPE_CHECKING:
+    from babyrobot_levels.language.drawing import Drawing
+    from babyrobot_levels.text.source import SourceFile
 
 
-def _exit_form(value: Any) -> str:
-    return "word" if isinstance(value, str) else cell_or_cells(value)
+class LevelSpec(LevelFields):
+    """A valid level: its fields, with those that a drawing gives filled in."""
 
-
-def whole_version(value: Any) -> Any:
-    """Take `1.0` for 1, and not `true`."""
-    # `Literal[1]` would take `true` for 1, and not take 1.0.
-    if isinstance(value, bool):
-        return str(value).lower()
-    return 1 if value == 1 else value
-
-
-class LevelFields(Model):
-    """A level, version 1 of the language: every field, validated, and frozen."""
-
-    version: Annotated[Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1})]
-    """The version of the language: 1."""
-    name: Slug | None = None
-    """What code loads the level by; the file's name, if it is left out."""
-    title: Text | None = None
-    """A title, for people."""
-    description: Text | None = None
-    """What the level is about."""
-    author: Text | None = None
-    """Who made it."""
-    license: Text | None = None
-    """Under which licence it may be used."""
-    source: Text | None = None
-    """Whose world this is: a citation."""
-    tags: tuple[Slug, ...] = ()
-    """Words to search by."""
-    size: Size = (3, 3)
-    """Width and height in cells."""
-    map: Text | None = None
-    """The level as a drawing, in the place of size, start, exit, walls, puddles and blocked."""
-    legend: dict[LegendKey, Traits] = Field(default_factory=dict)
-    """What the further characters of the drawing mean."""
-    start: CellOrCells = (0, 0)
-    """Where the robot starts; of several cells, one is drawn evenly at each reset."""
-    exit: Annotated[
-        Annotated[Literal["none"], form("word")]
-        | Annotated[Cell, form("cell")]
-        | Annotated[Cells, form("cells")],
-        forms(_exit_form),
-    ] = "none"
-    """Where the episode ends: a cell, several, or `none`; the bottom-right cell if left out."""
-    maze: Maze | None = None
-    """A maze grown from a seed."""
-    walls: tuple[Wall, ...] = ()
-    """Walls that are added."""
-    openings: tuple[Opening, ...] = ()
-    """Walls that are taken away, after the maze and the walls."""
-    puddles: tuple[Puddle, ...] = ()
-    """Wet cells: slippery and costly."""
-    puddle_types: PuddleTypes = Field(default_factory=PuddleTypes)
-    """What small and large puddles mean."""
-    areas: tuple[Area, ...] = ()
-    """Rectangles with properties; later ones win."""
-    blocked: tuple[Rectangle, ...] = ()
-    """Cells that do not exist."""
-    warps: tuple[Warp, ...] = ()
-    """Cells that send the robot elsewhere."""
-    wind: Wind | None = None
-    """Columns and rows that push."""
-    skid: SkidLike | None = None
-    """How slippery every cell is."""
-    rewards: Rewards = Field(default_factory=Rewards)
-    """What a step is worth."""
-    discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
-    """What solving assumes when it is not told otherwise."""
-    max_steps: Annotated[Integer, Field(ge=1, le=2**53)] | None = None
-    """The episode is truncated after this many steps."""
-    theme: ThemeLike = "default"
-    """Colours and widths: a theme's name or a mapping."""
-    display: Display = Field(default_factory=Display)
-    """What is shown beside the level itself."""
-
-    _drawn: dict[str, int] = PrivateAttr(default_factory=dict)
-
-    def remember_drawn(self, **counts: int) -> None:
-        """Note how many of the first entries of a field come from the drawing."""
-        self._drawn.update(counts)
-
-    def written(self, field: str) -> Iterator[tuple[int, Any]]:
-        """Yield the entries of a list that the file gives, with their numbers there.
-
-        What a drawing says comes before them in the field, and is left out.
-        """
-        return enumerate(getattr(self, field)[self._drawn.get(field, 0) :])
+    _origin: SourceFile | None = PrivateAttr(default=None)
+    _folder: Path | None = PrivateAttr(default=None)
+    _theme: Theme | None = PrivateAttr(default=None)
+    _drawing: Drawing | None = PrivateAttr(default=None)
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        """Fill in what the drawing says, and check what only the whole level shows."""
-        problems: list[Problem] = []
+        """Fill in what the drawing gives, and check what only the whole level shows."""
+        issues: list[Issue] = []
         if self.map is not None or "legend" in self.model_fields_set:
-            derived, problems = expand_map(self)
-            # The model is frozen for its users; these fields are the drawing's own.
-            for field, value in derived.items():
-                self.__dict__[field] = value
+            drawn, issues = expand_map(self)
+            if drawn is not None:
+                self._drawing = drawn.drawing
+                self._drawn.update(drawn.counts)
+                # The model is frozen for its users; these fields are the drawing's own.
+                self.__dict__.update(drawn.fields)
         elif "exit" not in self.model_fields_set:
             self.__dict__["exit"] = (self.size[0] - 1, self.size[1] - 1)
-        problems = problems or problems_of(self)
-        if problems:
-            raise SpecProblems(problems)
+        issues = issues or issues_of(self)
+        if issues:
+            raise InvalidDocument(issues)
         return self
 
-    @property
-    def starts(self) -> tuple[tuple[int, int], ...]:
-        """The starts as a tuple of cells, also when there is one."""
-        return _as_cells(self.start)
+    def remember_origin(
+        self, origin: SourceFile | None, folder: Path | None, theme: Theme | None
+    ) -> None:
+        """Note the text and the folder that the level is from, and the theme that it names."""
+        self._origin, self._folder, self._theme = origin, folder, theme
 
     @property
-    def exits(self) -> tuple[tuple[int, int], ...]:
-        """The exits as a tuple of cells, empty for `none`."""
-        return () if self.exit == "none" else _as_cells(self.exit)
+    def drawing(self) -> Drawing | None:
+        """What `map` shows, None for a level that is not drawn."""
+        return self._drawing
 
+    @property
+    def has_random_maze(self) -> bool:
+        """Whether each reset of an environment grows another maze."""
+        return self.maze is not None and self.maze.seed == "random"
 
-def _as_cells(value: Any) -> tuple[tuple[int, int], ...]:
-    return value if isinstance(value[0], tuple) else (value,)
+    @property
+    def resolved_theme(self) -> Theme:
+        """The theme with its colours and widths, also where the level only names it.
+
+        Raises:
+            LevelError: the level names an unknown theme. Levels that were loaded do not.
+        """
+        if self._theme is not None:
+            return self._theme
+        if isinstance(self.theme, Theme):
+            return self.theme
+        if self.theme not in BUILTIN_THEMES:
+            raise LevelError(message=f"unknown theme {self.theme!r}")
+        return BUILTIN_THEMES[self.theme]
+
+    def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
+        """Return the level as plain data, as in a file: the fields that were given, in order.
+
+        Args:
+            whole: whether to add what stood beside the file, its name and a theme of its own, so
+                that the data alone make the same level.
+        """
+        data = plain(self.model_dump(by_alias=True, exclude_unset=True))
+        if whole and self.name is not None:
+            data["name"] = self.name
+        if whole and self._theme is not None:
+            data["theme"] = plain(self._theme)
+        for field, drawn in self._drawn.items():
+            # The drawing gives these itself.
+            if field in data:
+                data[field] = data[field][drawn:]
+                if not data[field]:
+                    del data[field]
+        return {name: data[name] for name in type(self).model_fields if name in data}
+
+    def to_yaml(self, *, comments: bool = False) -> str:
+        """Return the level as canonical YAML: fields in order, each in one form.
+
+        Args:
+            comments: whether a level that was loaded from a text keeps its comments and its
+                layout, so that only the lines of changed fields are new.
+        """
+        from babyrobot_levels.text.splice import splice
+
+        if comments and self._origin is not None:
+            text = splice(self._origin.text, self.to_dict(), list(type(self).model_fields))
+            if text is not None:
+                return text
+        return emit(self.to_dict())

@@ -1,78 +1,71 @@
-"""What a drawing says, as fields: size, start, exit, walls, puddles, blocked, areas."""
+"""What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Area, Puddle, Rectangle
-from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.walls import Wall, sides_of
-
-if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelFields
-
-DRAWN_FIELDS = ("size", "start", "exit", "puddles", "blocked")
-"""Fields that cannot stand beside a drawing, which says them already."""
+from babyrobot_levels.text.diagnostics import Issue, Key
 
 GLASS_PASS = 0.5
-"""The probability of getting through a drawn wall of glass of which no entry says more."""
+"""The `pass` of a drawn wall of glass without an entry in `walls`."""
 
 
-def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
-    """Return the fields that the level's drawing gives, or the faults that it has."""
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """What a drawing gives.
+
+    Attributes:
+        drawing: the drawing.
+        fields: the values of the fields that it gives.
+        counts: how many of the first entries of `walls` and `areas` come from it.
+    """
+
+    drawing: d.Drawing
+    fields: dict[str, Any]
+    counts: dict[str, int]
+
+
+def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
+    """Return what the level's drawing gives, or None and what is wrong with it."""
     if level.map is None:
-        return {}, [
-            Problem(
-                "BR206", ("legend",), "a `legend` explains a `map`, and there is none", key=True
-            )
-        ]
-    problems = [
-        Problem(
+        return None, [Issue("BR206", Key(("legend",)), "`legend` needs a `map`")]
+    issues = [
+        Issue(
             "BR206",
-            (field,),
-            f"`{field}` cannot stand beside `map`: the drawing says it already",
+            Key((field,)),
+            f"`{field}` cannot be combined with `map`: the drawing gives it",
             f"remove `{field}`, or draw it",
-            key=True,
         )
-        for field in DRAWN_FIELDS
+        for field in fields_with(DRAWN)
         if field in level.model_fields_set
     ]
     if level.map.strip() and "\n" not in level.map.strip():
-        return {}, [
-            *problems,
-            Problem(
+        return None, [
+            *issues,
+            Issue(
                 "BR312",
                 ("map",),
-                "the drawing is a single line",
-                "write `map: |`, and the drawing on the lines below it",
+                "the drawing is on a single line",
+                "write `map: |` and put the drawing on the lines below, indented",
             ),
         ]
     drawing, faults = d.parse(level.map, lambda character: character in level.legend, MAX_SIZE)
     if drawing is None:
-        problems += [
-            Problem(
-                "BR312",
-                ("map",),
-                fault.message,
-                fault.help,
-                mark=(fault.row, fault.column, fault.length),
-            )
-            for fault in faults
-        ]
-        return {}, problems
+        return None, [*issues, *faults]
     starts, exits = drawing.find(d.START), drawing.find(d.EXIT)
     if not starts:
-        problems.append(
-            Problem("BR313", ("map",), "the drawing has no start", "put an `S` into a cell")
-        )
-    problems += _check_wall_entries(level, drawing)
-    if problems:
-        return {}, problems
+        issues.append(Issue("BR313", ("map",), "the drawing has no start", "mark a cell with `S`"))
+    issues += _check_wall_entries(level, drawing)
+    if issues:
+        return None, issues
     walls, areas = drawn_walls(drawing), legend_areas(level, drawing)
-    level.remember_drawn(walls=len(walls), areas=len(areas))
-    return {
+    fields = {
         "size": (drawing.width, drawing.height),
         "start": starts[0] if len(starts) == 1 else tuple(starts),
         "exit": "none" if not exits else exits[0] if len(exits) == 1 else tuple(exits),
@@ -86,7 +79,8 @@ def expand_map(level: LevelFields) -> tuple[dict[str, Any], list[Problem]]:
             Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)
         ),
         "areas": (*areas, *level.areas),
-    }, []
+    }
+    return Drawn(drawing, fields, {"walls": len(walls), "areas": len(areas)}), []
 
 
 def drawn_walls(drawing: d.Drawing) -> list[Wall]:
@@ -112,40 +106,40 @@ def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
     ]
 
 
-def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Problem]:
-    """Beside a drawing, `walls` only gives properties to walls that are drawn."""
-    problems = []
+def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+    """Check that `walls`, beside a drawing, only sets properties of drawn walls."""
+    issues = []
     for index, wall in enumerate(level.walls):
         marks = {_mark(drawing, x, y, wall.side) for x, y in sides_of(wall)}
         route = ("walls", index)
         if d.OPEN in marks:
-            problems.append(
-                Problem(
+            issues.append(
+                Issue(
                     "BR314",
                     route,
-                    "no wall is drawn there",
-                    "beside a `map`, `walls` gives properties to walls that the map shows",
+                    "the map shows no wall there",
+                    "with a `map`, entries of `walls` set properties of walls that the map shows",
                 )
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ > 0 and d.SOLID in marks:
-            problems.append(
-                Problem(
+            issues.append(
+                Issue(
                     "BR314",
                     (*route, "pass"),
-                    "the wall is drawn solid there, so nobody gets through",
+                    "the map shows a solid wall there, not glass",
                     "draw it as `- -` or `:`",
                 )
             )
         elif "pass_" in wall.model_fields_set and wall.pass_ == 0 and d.GLASS in marks:
-            problems.append(
-                Problem(
+            issues.append(
+                Issue(
                     "BR314",
                     (*route, "pass"),
-                    "the wall is drawn as glass there, which lets the robot through",
+                    "the map shows glass there, so `pass` must be above 0",
                     "draw it as `---` or `|`",
                 )
             )
-    return problems
+    return issues
 
 
 def _mark(drawing: d.Drawing, x: int, y: int, side: str) -> str:

@@ -1,21 +1,21 @@
-"""Pydantic's complaints in the words of people who write levels."""
+"""Pydantic's errors as messages for people who write levels."""
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
-from babyrobot_levels.language.color import NAMES, PATTERN
-from babyrobot_levels.language.looks import THEME_NAME
+from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME, Colors
 from babyrobot_levels.language.pack import VERSION
-from babyrobot_levels.text.suggest import did_you_mean
-from babyrobot_levels.text.words import shortened
+from babyrobot_levels.text.scalars import is_plain_string
+from babyrobot_levels.text.words import did_you_mean, shortened
 
 Complaint = tuple[str, str, str | None]
 """Code, message, help."""
 
 TYPES = {
-    "int_type": "a whole number",
+    "int_type": "an integer",
     "float_type": "a number",
     "string_type": "a text",
     "bool_type": "`true` or `false`",
@@ -29,7 +29,7 @@ TYPES = {
 FORMS = {
     "exit": "a cell `[x, y]`, a list of cells, or `none`",
     "start": "a cell `[x, y]`, or a list of cells",
-    "seed": "a whole number or `random`",
+    "seed": "an integer or `random`",
     "to": "a cell `[x, y]` or `start`",
     "skid": "a number from 0 to 1, or a mapping",
     "theme": "a theme's name or a mapping",
@@ -38,12 +38,29 @@ FORMS = {
     "size": "`[width, height]`, or a mapping with `min` and `max`",
     "algorithm": "an algorithm, or a list of them",
     "loops": "a share from 0 to 1, or a mapping with `min` and `max`",
-    "puddles": "a whole number, or a mapping with `min` and `max`",
-    "path_length": "a whole number, or a mapping with `min` and `max`",
-    "dead_ends": "a whole number, or a mapping with `min` and `max`",
+    "puddles": "an integer, or a mapping with `min` and `max`",
+    "path_length": "an integer, or a mapping with `min` and `max`",
+    "dead_ends": "an integer, or a mapping with `min` and `max`",
     "difficulty": "a number, or a mapping with `min` and `max`",
 }
-"""What fields can hold that can be written in several ways."""
+"""Fields that can be written in several ways."""
+
+
+COLOR_FIELDS = {"color", "robot", "bg", "fg", *Colors.model_fields}
+"""Fields that take a colour, where `#` without quotes leaves nothing."""
+
+ENTRY_KEYS = {"puddles": ("size",), "walls": ("side",), "openings": ("side",)}
+"""What follows the cell in an entry that was written as a list."""
+
+DIRECTIONS = {
+    **dict.fromkeys(("up", "top", "above"), "N"),
+    **dict.fromkeys(("right",), "E"),
+    **dict.fromkeys(("down", "bottom", "below"), "S"),
+    **dict.fromkeys(("left",), "W"),
+}
+"""Other words for the sides of a cell."""
+
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
 
 
 def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Complaint:
@@ -55,15 +72,20 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
         beginning: what a file of its kind needs at least.
     """
     kind, context, value = error["type"], error.get("ctx", {}), error.get("input")
+    help_text: str | None
     names = [s for s in error["loc"] if isinstance(s, str) and not s.startswith(FORM_PREFIX)]
     field = names[-1] if names else ""
     is_form = bool(error["loc"]) and str(error["loc"][-1]).startswith(FORM_PREFIX)
     if kind == "extra_forbidden":
+        if value is None and field.isdigit():
+            # `{step: -0,1}` is what YAML takes for `{step: -0, 1: }`.
+            help_text = "write decimals with a point, such as `0.1`: a comma separates entries"
+            return "BR201", f"unknown field `{shortened(field)}`", help_text
         guess = did_you_mean(field, fields)
-        return "BR201", f"there is no field `{shortened(field)}` here{guess}", _list(fields)
+        return "BR201", f"unknown field `{shortened(field)}`{guess}", _list(fields)
     if kind == "missing":
         help_text = beginning if field == "version" else None
-        return "BR202", f"the field `{field}` is missing", help_text
+        return "BR202", f"missing field `{field}`", help_text
     if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
         message = f"must be {FORMS[field]}, not {show(value)}"
         if kind == "literal_error":
@@ -85,7 +107,7 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
     if kind == "string_pattern_mismatch":
         return _pattern(context["pattern"], value)
     if kind == "string_too_long":
-        return "BR205", f"must be at most {context['max_length']} characters long", None
+        return "BR205", f"must have at most {context['max_length']} characters", None
     return "BR203", str(error["msg"]), None
 
 
@@ -102,7 +124,10 @@ def show(value: Any) -> str:
             return "`[" + ", ".join(shortened(item) for item in value) + "]`"
         return f"a list of {len(value)}" if value else "an empty list"
     if isinstance(value, str):
-        return f"the text `{shortened(value)}`" if value else "an empty text"
+        if not value:
+            return "an empty text"
+        # Without quotes it would be a number, or `true`.
+        return f"`{shortened(value)}`" if is_plain_string(value) else f'`"{shortened(value)}"`'
     return f"`{shortened(value)}`"
 
 
@@ -113,23 +138,47 @@ def _named(value: Any) -> str:
 def _list(names: list[str]) -> str | None:
     if not names:
         return None
-    return ("known here: " + ", ".join(names)) if len(names) <= 8 else None
+    return ("known fields: " + ", ".join(names)) if len(names) <= 8 else None
 
 
 def _type_help(field: str, kind: str, value: Any) -> str | None:
     if value is None:
         if field == "exit":
-            return "for a level without an exit, write `exit: none`"
-        return "give it a value, or leave the field out"
+            return "write `exit: none` for a level without an exit"
+        if field in COLOR_FIELDS:
+            return "put quotes around a colour that begins with `#`, or remove the field"
+        return "give it a value, or remove the field"
     if field == "version":
-        return "write three numbers, as in `version: 1.0.0`"
-    is_word = isinstance(value, str) and value.strip().lower() in ("yes", "no", "on", "off")
-    if kind == "bool_type" and is_word:
+        return "write three numbers, such as `version: 1.0.0`"
+    if kind == "bool_type" and _is_word(value, "yes", "no", "on", "off"):
         return "write `true` or `false`"
-    is_cell = isinstance(value, list) and len(value) == 2
-    if kind.startswith("model_") and is_cell and all(isinstance(v, int) for v in value):
-        return f"write `at: [{value[0]}, {value[1]}]`"
+    if kind == "float_type" and isinstance(value, str) and _DECIMAL_COMMA.fullmatch(value):
+        return f"write `{value.replace(',', '.')}`, with a decimal point"
+    if field == "maze" and (_is_word(value, "random") or isinstance(value, int)):
+        return f"write `maze: {{seed: {value}}}`"
+    if kind.startswith("model_"):
+        return _entry_help(field, value)
     return None
+
+
+def _entry_help(field: str, value: Any) -> str | None:
+    """Return how to write an entry of a list that was given in short."""
+    if not isinstance(value, list) or len(value) < 2:
+        return None
+    if not all(type(number) is int for number in value[:2]):
+        return None
+    at, rest = f"at: [{value[0]}, {value[1]}]", value[2:]
+    keys = ENTRY_KEYS.get(field, ())
+    if not rest:
+        return f"write `{at}`"
+    if len(rest) != len(keys) or any(isinstance(each, list | dict) for each in rest):
+        return None
+    others = ", ".join(f"{key}: {each}" for key, each in zip(keys, rest, strict=True))
+    return f"write `{{{at}, {others}}}`"
+
+
+def _is_word(value: Any, *words: str) -> bool:
+    return isinstance(value, str) and value.strip().lower() in words
 
 
 def _choice(field: str, expected: str, value: Any) -> Complaint:
@@ -137,12 +186,16 @@ def _choice(field: str, expected: str, value: Any) -> Complaint:
     if field == "version":
         return (
             "BR204",
-            f"this is version 1 of the language, not {show(value)}",
+            f"unsupported version {show(value)}",
             "write `version: 1`",
         )
+    guess = ""
     if names == list(SIDES):
         names += SIDE_NAMES
-    guess = did_you_mean(value, names) if isinstance(value, str) else ""
+        side = DIRECTIONS.get(value.strip().lower()) if isinstance(value, str) else None
+        guess = f"; did you mean `{side}`?" if side else ""
+    if not guess and isinstance(value, str):
+        guess = did_you_mean(value, names)
     shown = f"`{names[0]}`" if len(names) == 1 else "one of " + ", ".join(f"`{n}`" for n in names)
     return "BR204", f"must be {shown}, not {show(value)}{guess}", None
 
@@ -167,36 +220,36 @@ def _bound(kind: str, context: dict[str, Any]) -> str:
 def _length(kind: str, context: dict[str, Any]) -> Complaint:
     if kind == "too_short":
         return "BR203", "must not be an empty list", None
-    return "BR205", f"must be a list of at most {context['max_length']}", None
+    return "BR205", f"must have at most {context['max_length']} entries", None
 
 
 def _pattern(pattern: str, value: Any) -> Complaint:
     if pattern == PATTERN:
         return (
             "BR403",
-            f"{_named(value)} is no colour{did_you_mean(str(value), NAMES)}",
-            "a CSS name in small letters, `#rrggbb`, `rgb(…)`, `rgba(…)` or `hsl(…)`",
+            f"{_named(value)} is not a CSS colour{did_you_mean(str(value), NAMES)}",
+            'use a CSS name in lower case, `"#rrggbb"`, `rgb(…)`, `rgba(…)` or `hsl(…)`',
         )
     if pattern == SLUG:
         return (
             "BR207",
-            f"must be small letters and digits, joined by `-`, not {show(value)}",
-            "for example `first-maze`; a `title` may hold anything",
+            f"must be lower-case letters and digits joined by `-`, not {show(value)}",
+            "use a name such as `first-maze`; `title` takes any text",
         )
     if pattern == VERSION:
         return (
             "BR207",
             f"must be three numbers such as `1.0.0`, not {show(value)}",
-            "raise the first for other games, the second for more levels, the last for repairs",
+            "increase the first number for other levels, the second for more, the third for fixes",
         )
     if pattern == THEME_NAME:
         return (
             "BR401",
-            f"{_named(value)} is no theme's name",
-            "a theme is named, not given as a path",
+            f"{_named(value)} is not the name of a theme",
+            "give the name of a theme, not a path",
         )
     return (
         "BR207",
-        f"{_named(value)} cannot be a key of the legend",
-        "one printable ASCII character that the drawing does not use already (# S E o O + - | :)",
+        f"{_named(value)} cannot be a character of the legend",
+        "use one printable ASCII character other than # S E o O + - | :",
     )

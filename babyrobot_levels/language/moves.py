@@ -1,4 +1,4 @@
-"""What moves the robot besides its own wheels, and what its steps are worth."""
+"""Warps, wind, and the rewards of steps."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Warp(Model):
     ]
     """Where the robot is sent: a cell, or `start`."""
     when: Literal["enter", "leave"] = "enter"
-    """Whether it acts on whoever comes to stand on the cell, or on whoever moves away from it."""
+    """When it acts: as the robot enters the cell, or as it leaves it."""
     reward: Number | None = None
     """The reward of the step, in the place of every other."""
 
@@ -43,7 +43,7 @@ class Wind(Model):
 
 
 class Rewards(Model):
-    """What a step is worth."""
+    """The rewards of a step."""
 
     step: Number = -1.0
     """A step onto a plain cell."""
@@ -56,9 +56,9 @@ class Rewards(Model):
     stay: Number | None = None
     """The action `stay`, in the place of the reward of the own cell."""
     closer: Number | None = None
-    """A step that brings the robot closer to the nearest exit, as the crow flies."""
+    """A step that brings the robot closer to the nearest exit, by Euclidean distance."""
     farther: Number | None = None
-    """A step that takes the robot farther from the nearest exit, as the crow flies."""
+    """A step that takes the robot farther from the nearest exit, by Euclidean distance."""
 
 
 def shifts(wind: Wind | None, width: int, height: int) -> tuple[list[int], list[int]]:

@@ -7,7 +7,8 @@ from typing import Annotated, ClassVar, Self
 from pydantic import StrictStr, StringConstraints, model_validator
 
 from babyrobot_levels.language.base import Model, Slug, Text
-from babyrobot_levels.language.problem import Problem, SpecProblems
+from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.errors import InvalidDocument
 
 _NUMBER = r"(0|[1-9][0-9]{0,8})"
 VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
@@ -21,7 +22,7 @@ RESERVED = {
 
 
 class PackFields(Model):
-    """A pack: a folder of levels, suites and themes that is passed on as a whole."""
+    """A pack: a folder of levels, suites and themes that is shared as a unit."""
 
     BEGINNING: ClassVar[str] = (
         "a pack.yaml has a `name`, a `version` such as `1.0.0`, and a `description`"
@@ -44,7 +45,7 @@ class PackFields(Model):
     def _portable(self) -> Self:
         if self.name in RESERVED:
             message = f"no folder can be called `{self.name}` on Windows"
-            raise SpecProblems([Problem("BR207", ("name",), message, "call the pack otherwise")])
+            raise InvalidDocument([Issue("BR207", ("name",), message, "choose another name")])
         return self
 
 

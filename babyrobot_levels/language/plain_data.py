@@ -17,7 +17,7 @@ MAX_BITS = 2000
 
 MAX_VALUES = 6_000_000
 """What is given as data may hold so many values: a maze of 1024 by 1024 cells has fewer, with all
-its walls told one by one."""
+its walls listed one by one."""
 
 
 def plain(data: Any, *, most: float = inf) -> Any:
@@ -66,7 +66,7 @@ class _Copy:
             return self._mapping(value)
         if isinstance(value, list | tuple):
             return self._list(value)
-        # What a class of one's own says of itself is not asked for: only its value counts.
+        # The representation of a subclass is not used: only its value counts.
         if isinstance(value, str):
             return self._text(str.__str__(value))
         if isinstance(value, bool) or value is None:
@@ -114,7 +114,7 @@ class _Copy:
     def _whole_number(self, value: int) -> int:
         if value.bit_length() > MAX_BITS:
             digits = int(value.bit_length() * log10(2))
-            raise self._error(f"a whole number of some {digits:,} digits is too large")
+            raise self._error(f"an integer of about {digits:,} digits is too large")
         return value
 
     def _text(self, value: str) -> str:

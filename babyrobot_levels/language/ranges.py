@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from babyrobot_levels.language.base import Integer, Model, Number, Probability, Size, form, forms
-from babyrobot_levels.language.problem import Problem
+from babyrobot_levels.text.diagnostics import Issue
 
 
 class CountRange(Model):
@@ -103,8 +103,8 @@ def shown(value: Any) -> str:
     return f"{texts[0] if least or most is None else ''}..{texts[1]}"
 
 
-def empty_ranges(model: Model, names: tuple[str, ...]) -> Iterator[Problem]:
-    """Yield a fault for each range of a model whose `min` is above its `max`."""
+def empty_ranges(model: Model, names: tuple[str, ...]) -> Iterator[Issue]:
+    """Yield an error for each range of a model whose `min` is above its `max`."""
     for name in names:
         value = getattr(model, name)
         if value is None:
@@ -114,5 +114,5 @@ def empty_ranges(model: Model, names: tuple[str, ...]) -> Iterator[Problem]:
         pairs = zip(least, most, strict=True) if is_pair else [(least, most)]
         if any(high is not None and low > high for low, high in pairs):
             shown_least, shown_most = (list(least), list(most)) if is_pair else (least, most)
-            message = f"`min` is {shown_least}, above `max`, which is {shown_most}"
-            yield Problem("BR205", (name, "min"), message)
+            message = f"`min` ({shown_least}) is above `max` ({shown_most})"
+            yield Issue("BR205", (name, "min"), message)

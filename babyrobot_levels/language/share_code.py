@@ -15,16 +15,12 @@ import binascii
 import json
 import re
 import zlib
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from babyrobot_levels.language.share_dictionary import DICTIONARY_1
-from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.files import ReadFault, decode
-from babyrobot_levels.text.reader import MAX_BYTES
-
-if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import MAX_BYTES
 
 VERSION = 1
 PREFIX = f"brl{VERSION}."
@@ -52,18 +48,16 @@ def is_code(text: str) -> bool:
     return _CODE.fullmatch(text) is not None and _IS_FILE.search(text) is None
 
 
-def share_code(level: Level) -> str:
-    """Return the code of a level: one line of letters, digits, `.`, `_` and `-`.
-
-    It holds all that the level says, its name and a theme of its own included, but no comments.
+def encode(fields: Mapping[str, Any]) -> str:
+    """Return the code of a level's fields: one line of letters, digits, `.`, `_` and `-`.
 
     Raises:
         LevelError: the level is larger than a level file may be.
     """
-    data = _json(level.to_dict(whole=True)).encode("utf-8")
+    data = _json(fields).encode("utf-8")
     if len(data) > MAX_BYTES:
         raise LevelError(
-            message=f"the level is too large to be shared as a code: {len(data):,} bytes, "
+            message=f"the level is too large for a share code: {len(data):,} bytes, "
             f"of at most {MAX_BYTES:,}"
         )
     packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=DICTIONARY_1)
@@ -72,43 +66,34 @@ def share_code(level: Level) -> str:
     return f"{PREFIX}{len(body)}.{body}"
 
 
-def load_code(text: str) -> Level:
-    """Return the level of a code, or of a link that ends in one. Blanks and line ends do not count.
+def decode(text: str) -> bytes:
+    """Return the level file, as JSON in UTF-8, of a code or of a link that ends in one.
+
+    Whitespace does not count. At most one byte more is returned than a level file may have.
 
     Raises:
-        LevelError: the code is damaged, cut off, of a version that is not known, or what it holds
-            is not a valid level.
+        LevelError: the code is damaged, cut off, or of an unknown version.
     """
     match = _CODE.fullmatch(text)
     if match is None:
         raise LevelError(message=f"this is no share code; one begins with `{PREFIX}`")
     if len(text) > MAX_CHARACTERS:
         raise LevelError(message="the share code is longer than that of any level")
-    try:
-        code = _PLAY_PART.sub("", "".join(match[1].split()))
-        source = decode(_unpacked(_packed(code)), NAME)
-    except ReadFault as fault:
-        raise LevelError([fault.diagnostic]) from None
-    level, diagnostics = read_level(source)
-    if level is None:
-        raise LevelError(diagnostics)
-    # The JSON is no text that saving should keep.
-    level.remember_origin(None, None, None)
-    return level
+    return _unpacked(_packed(_PLAY_PART.sub("", "".join(match[1].split()))))
 
 
 # -- the data ------------------------------------------------------------------------------
 
 
-def _json(data: dict[str, Any]) -> str:
-    """Return data as JSON that is YAML as well, each value written in one way."""
+def _json(data: Mapping[str, Any]) -> str:
+    """Return data as JSON that is YAML as well, each value in one form."""
     text = json.dumps(_short(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     return _NOT_IN_YAML.sub(lambda match: f"\\u{ord(match[0]):04x}", text)
 
 
 def _short(value: Any) -> Any:
     """Return data with whole numbers written as such: 2 for 2.0."""
-    if isinstance(value, dict):
+    if isinstance(value, Mapping):
         return {key: _short(inner) for key, inner in value.items()}
     if isinstance(value, list):
         return [_short(inner) for inner in value]

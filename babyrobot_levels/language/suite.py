@@ -8,10 +8,9 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
-from babyrobot_levels.language.level import whole_version
+from babyrobot_levels.language.fields import whole_version
 from babyrobot_levels.language.looks import ThemeLike
 from babyrobot_levels.language.moves import Rewards
-from babyrobot_levels.language.problem import Problem, SpecProblems
 from babyrobot_levels.language.ranges import (
     Counts,
     Numbers,
@@ -22,6 +21,8 @@ from babyrobot_levels.language.ranges import (
     empty_ranges,
 )
 from babyrobot_levels.language.walls import Algorithm
+from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.errors import InvalidDocument
 
 MAX_COUNT = 10**9
 MAX_DRAWN = 256
@@ -82,26 +83,26 @@ class SuiteFields(Model):
     puddles: PuddleCounts = 0
     """How many puddles there are, or a range. Cells and kinds are drawn."""
     path_length: Counts | None = None
-    """How many steps a shortest walk from start to exit takes."""
+    """The length of the shortest path from start to exit, in steps."""
     dead_ends: Counts | None = None
     """How many cells have exactly one open side."""
     difficulty: Numbers | None = None
     """How hard the levels are, by the metric of that name."""
     rewards: Rewards = Field(default_factory=Rewards)
-    """What a step is worth, in all levels."""
+    """The rewards of a step, in all levels."""
     discount: Annotated[Number, Field(gt=0, le=1)] = 1.0
-    """What solving assumes when it is not told otherwise."""
+    """The discount factor that solvers use by default."""
     max_steps: Annotated[Integer, Field(ge=1, le=2**53)] | None = None
-    """Episodes are truncated after this many steps. No shortest walk is longer."""
+    """Episodes are truncated after this many steps. No shortest path is longer."""
     theme: ThemeLike = "default"
     """Colours and widths of all levels: a theme's name or a mapping."""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         """Check what only the whole suite shows."""
-        problems = list(_problems(self))
-        if problems:
-            raise SpecProblems(problems)
+        issues = list(_issues(self))
+        if issues:
+            raise InvalidDocument(issues)
         return self
 
     @property
@@ -117,60 +118,62 @@ class SuiteFields(Model):
         return most
 
 
-def _problems(suite: SuiteFields) -> Iterator[Problem]:
+def _issues(suite: SuiteFields) -> Iterator[Issue]:
     ranges = ("size", "puddles", "path_length", "dead_ends", "difficulty")
-    faults = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
-    yield from faults or _misfits(suite)
+    errors = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
+    yield from errors or _misfits(suite)
     yield from _faulty_splits(suite)
 
 
-def _misfits(suite: SuiteFields) -> Iterator[Problem]:
-    """Yield what levels of these sizes have no room for."""
+def _misfits(suite: SuiteFields) -> Iterator[Issue]:
+    """Yield what does not fit into levels of these sizes."""
     (width, height), largest = bounds(suite.size)
     cells = width * height
     if cells <= 2:
-        message = f"a level of {cells} cell{'s' * (cells - 1)} is won at once, or not at all"
-        yield Problem("BR205", ("size",), message, "three cells are the fewest")
+        message = f"a level of {cells} cell{'s' * (cells - 1)} is too small to play"
+        yield Issue("BR205", ("size",), message, "use at least three cells")
     elif bounds(suite.puddles)[1] > cells - 2:
-        message = f"the smallest level has room for {cells - 2} beside start and exit"
-        yield Problem("BR205", ("puddles",), message)
+        message = f"the smallest level has only {cells - 2} cells besides start and exit"
+        yield Issue("BR205", ("puddles",), message)
     if suite.start == "farthest" and max(largest) > MAX_DRAWN:
         message = (
             f"levels with `start: farthest` are drawn as a map, at most {MAX_DRAWN} cells wide "
             "and high"
         )
-        yield Problem("BR205", ("start",), message, "let the exit be `farthest`")
+        yield Issue("BR205", ("start",), message, "use `exit: farthest` instead")
 
 
-def impossible(suite: SuiteFields) -> Iterator[Problem]:
-    """Yield what no level of these sizes can have, however long one looks for it."""
+def impossible(suite: SuiteFields) -> Iterator[Issue]:
+    """Yield what no level of these sizes can have."""
     cells = suite.largest[0] * suite.largest[1]
     if suite.path_length is not None:
         least, most = bounds(suite.path_length)
         route = ("path_length",)
         if least > cells - 1:
-            message = f"no walk through {cells} cells has more than {cells - 1} steps"
-            yield Problem("BR205", route, message)
+            message = f"a shortest path in {cells} cells has at most {cells - 1} steps"
+            yield Issue("BR205", route, message)
         if most is not None and most < 2:
-            yield Problem("BR205", route, "from start to exit there are at least two steps")
+            yield Issue("BR205", route, "the path from start to exit has at least two steps")
         if suite.max_steps is not None and least > suite.max_steps:
-            message = f"a walk of {least} steps takes longer than `max_steps`, {suite.max_steps}"
-            yield Problem("BR205", route, message)
+            message = f"a path of {least} steps exceeds `max_steps` ({suite.max_steps})"
+            yield Issue("BR205", route, message)
     if suite.dead_ends is not None and bounds(suite.dead_ends)[0] > cells:
-        yield Problem("BR205", ("dead_ends",), f"{cells} cells have no more dead ends than that")
+        yield Issue(
+            "BR205", ("dead_ends",), f"a level of {cells} cells cannot have so many dead ends"
+        )
 
 
-def _faulty_splits(suite: SuiteFields) -> Iterator[Problem]:
+def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
     if not suite.splits:
         return
     total = sum(suite.splits.values())
     if abs(total - 1) > 1e-9:
-        yield Problem("BR205", ("splits",), f"the shares add up to {total:g}, not to 1")
+        yield Issue("BR205", ("splits",), f"the shares add up to {total:g} instead of 1")
         return
     for name, part in split_ranges(suite).items():
         if not part:
-            message = f"of {suite.count} levels, none is left for `{name}`"
-            yield Problem("BR205", ("splits", name), message, "raise `count`, or the share")
+            message = f"`{name}` gets none of the {suite.count} levels"
+            yield Issue("BR205", ("splits", name), message, "increase `count` or the share")
 
 
 def split_ranges(suite: SuiteFields) -> dict[str, range]:

@@ -1,101 +1,121 @@
-"""Text to `LevelFields`, or to diagnostics that point at each fault in it."""
+"""Data and documents checked against a model, with an issue for each error."""
 
 from __future__ import annotations
 
 import dataclasses
 import re
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, TypeVar
+from typing import Any, Generic, NamedTuple, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from babyrobot_levels.language.base import FORM_PREFIX
+from babyrobot_levels.language.checks import MAX_PROBLEMS
+from babyrobot_levels.language.drawing import is_block_map
 from babyrobot_levels.language.messages import complaint
-from babyrobot_levels.language.problem import Problem, SpecProblems
-from babyrobot_levels.language.rules import MAX_PROBLEMS
-from babyrobot_levels.text.diagnostics import Diagnostic, Fix, Severity
-from babyrobot_levels.text.document import Document, Node, YamlFault, YamlProblem
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import Position, SourceFile, Span
+from babyrobot_levels.text.source import SourceFile, Span
 from babyrobot_levels.text.words import shortened
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
-
-Route = tuple[str | int, ...]
+Check = Callable[[ModelT], Iterable[Issue]]
+"""Looks at a model that is valid by itself and may find more."""
 
 _GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit"}
-"""Where one of these is faulty, a check of the geometry would only report what follows from it."""
+"""Where one of these is invalid, checks of the geometry would only report its consequences."""
+
+
+class Checked(NamedTuple, Generic[ModelT]):
+    """The outcome of a check: a value without diagnostics, or None and every error."""
+
+    value: ModelT | None
+    diagnostics: list[Diagnostic]
+
+    def valid(self) -> ModelT:
+        """Return the value.
+
+        Raises:
+            LevelError: there is none; it carries the diagnostics.
+        """
+        if self.value is None:
+            raise LevelError(self.diagnostics)
+        return self.value
 
 
 def parse(
-    source: SourceFile,
-    model: type[ModelT],
-    checks: Iterable[Callable[[ModelT], Iterable[Problem]]] = (),
-) -> tuple[ModelT | None, list[Diagnostic]]:
-    """Read a text as a model: the model, or None and every fault that was found.
-
-    `checks` look at a model that is valid by itself and may find more.
-    """
+    source: SourceFile, model: type[ModelT], checks: Iterable[Check[ModelT]] = ()
+) -> Checked[ModelT]:
+    """Read a text as YAML and check it; see `check`."""
     try:
         document = read(source)
-    except YamlFault as fault:
-        return None, [from_yaml(fault.problem, source)]
-    return parse_document(document, model, checks)
+    except LevelError as error:
+        return Checked(None, [*error.diagnostics])
+    return check(document, model, checks)
 
 
-def parse_document(
-    document: Document,
-    model: type[ModelT],
-    checks: Iterable[Callable[[ModelT], Iterable[Problem]]] = (),
-) -> tuple[ModelT | None, list[Diagnostic]]:
-    """Read a document as a model; see `parse`."""
-    source = document.source
-    found = [from_yaml(problem, source) for problem in document.problems[:MAX_PROBLEMS]]
+def check(
+    document: Document, model: type[ModelT], checks: Iterable[Check[ModelT]] = ()
+) -> Checked[ModelT]:
+    """Check a document against a model, and if it is valid, by further checks."""
+    issues = [*document.issues[:MAX_PROBLEMS]]
     if not isinstance(document.data, dict):
-        what = "is empty" if document.data is None else "does not hold a mapping of fields"
+        what = "is empty" if document.data is None else "does not contain a mapping of fields"
         help_text = _beginning(model)
+        if document.data is None and is_block_map(document.source.lines):
+            # To YAML, lines that begin with `#` are comments.
+            help_text = "convert a map of blocks with `babyrobot import`"
         if isinstance(document.data, str) and re.match(r"[a-z_]+:\S", document.data):
-            help_text = "put a blank behind the `:`"
-        problem = Problem("BR110", (), f"the file {what}", help_text)
-        return None, [*found, diagnostic(problem, document)]
-    value, problems = validate(document.data, model)
+            help_text = "add a space after `:`"
+        issues.append(Issue("BR110", (), f"the file {what}", help_text))
+        return Checked(None, [document.diagnostic(issue) for issue in issues])
+    value, found = validate(document.data, model)
     if value is not None:
-        problems = [problem for check in checks for problem in check(value)]
-    # A value that could not be read is told once, and not again for what stands in its place.
-    unread = {problem.span for problem in document.problems}
-    told = (diagnostic(problem, document) for problem in problems)
-    found += [each for each in told if each.span not in unread]
-    found.sort(key=lambda each: (each.line, each.column))
-    return (None if found else value), found
+        found = [issue for each in checks for issue in each(value)]
+    # A value that could not be read is reported once, and not again for what replaces it.
+    unread = {issue.location for issue in document.issues}
+    diagnostics = [document.diagnostic(issue) for issue in found]
+    diagnostics = [
+        *map(document.diagnostic, issues),
+        *(each for each in diagnostics if each.span not in unread),
+    ]
+    diagnostics.sort(key=lambda each: (each.line, each.column))
+    return Checked(None if diagnostics else value, diagnostics)
 
 
-def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, list[Problem]]:
-    """Validate plain data: the model, or None and every fault, those of single fields first."""
+def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, list[Issue]]:
+    """Validate plain data: the model, or None and every issue, those of single fields first."""
     try:
         return model.model_validate(data), []
     except ValidationError as error:
         details: Sequence[Any] = [d for d in error.errors(include_url=False) if _is_fault(d)]
-    problems = _problems(details[:MAX_PROBLEMS], model)
+    issues = _issues(details[:MAX_PROBLEMS], model)
     if len(details) > MAX_PROBLEMS:
-        return None, problems
-    if not any(_spec_problems(detail) for detail in details):
-        # Single fields are faulty, so the whole was not checked yet: check what is left of it.
-        rest = _Rest(data, [problem.route for problem in problems])
+        return None, issues
+    if not any(_issues_of(detail) for detail in details):
+        # Single fields are invalid, so the whole was not checked yet: check the rest of it.
+        rest = _Rest(data, [route_of(issue) for issue in issues])
         if rest.is_enough:
             try:
                 model.model_validate(rest.data)
             except ValidationError as error:
-                whole = [d for d in error.errors(include_url=False) if _spec_problems(d)]
-                problems += map(rest.in_whole, _problems(whole, model))
-    return None, problems[:MAX_PROBLEMS]
+                whole = [d for d in error.errors(include_url=False) if _issues_of(d)]
+                issues += map(rest.in_whole, _issues(whole, model))
+    return None, issues[:MAX_PROBLEMS]
 
 
-def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
-    problems: list[Problem] = []
+def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
+    issues: list[Issue] = []
+    unknown = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
     for detail in details:
-        whole = _spec_problems(detail)
+        if detail["type"] == "missing" and len(detail["loc"]) > 1 and detail["loc"][:-1] in unknown:
+            # It probably is the unknown field, whose help lists the known ones.
+            continue
+        whole = _issues_of(detail)
         if whole:
-            problems += whole
+            issues += whole
             continue
         route = _route(detail["loc"])
         fields = _fields_around(detail["loc"], model)
@@ -104,16 +124,10 @@ def _problems(details: Sequence[Any], model: type[BaseModel]) -> list[Problem]:
         if kind == "missing":
             route = route[:-1]
         subject = _subject(route) if message.startswith("must ") else ""
-        problems.append(
-            Problem(
-                code,
-                route,
-                f"{subject}{message}",
-                help_text,
-                key=kind == "extra_forbidden" or "[key]" in detail["loc"],
-            )
-        )
-    return problems
+        is_key = kind == "extra_forbidden" or "[key]" in detail["loc"]
+        location = Key(route) if is_key else route
+        issues.append(Issue(code, location, f"{subject}{message}", help_text))
+    return issues
 
 
 def _beginning(model: type[BaseModel]) -> str | None:
@@ -121,13 +135,13 @@ def _beginning(model: type[BaseModel]) -> str | None:
 
 
 def _is_fault(detail: Any) -> bool:
-    # Pydantic counts the entries that are left: a list of faulty ones is too short for it.
+    # Pydantic counts valid entries only, so a list of invalid ones is too short for it.
     return not (detail["type"] == "too_short" and detail["input"])
 
 
-def _spec_problems(detail: Any) -> tuple[Problem, ...]:
+def _issues_of(detail: Any) -> tuple[Issue, ...]:
     error = detail.get("ctx", {}).get("error")
-    return error.problems if isinstance(error, SpecProblems) else ()
+    return error.issues if isinstance(error, InvalidDocument) else ()
 
 
 def _subject(route: Route) -> str:
@@ -176,8 +190,16 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
     return [model for argument in inner for model in _models_in(argument)]
 
 
+def route_of(issue: Issue) -> Route:
+    """Return the route to the value or the key that an issue points to."""
+    location = issue.location
+    if isinstance(location, Key):
+        return location.route
+    return ("map",) if isinstance(location, Span | Mark) else location
+
+
 class _Rest:
-    """Data without its faulty parts: faulty fields, and faulty entries of lists."""
+    """Data without its invalid parts: invalid fields, and invalid entries of lists."""
 
     def __init__(self, data: dict[str, Any], routes: list[Route]):
         faulty = {route[:2] if _is_entry(route, data) else route[:1] for route in routes if route}
@@ -193,87 +215,20 @@ class _Rest:
                 value = [value[index] for index in kept]
             self.data[field] = value
 
-    def in_whole(self, problem: Problem) -> Problem:
-        """Return the problem with the number that its list entry has in the whole data."""
-        field, index = (*problem.route, None, None)[:2]
+    def in_whole(self, issue: Issue) -> Issue:
+        """Return the issue with the number that its list entry has in the whole data."""
+        if isinstance(issue.location, Span | Mark):
+            return issue
+        route = route_of(issue)
+        field, index = (*route, None, None)[:2]
         if not isinstance(index, int) or str(field) not in self.kept:
-            return problem
-        route = (str(field), self.kept[str(field)][index], *problem.route[2:])
-        return dataclasses.replace(problem, route=route)
+            return issue
+        route = (str(field), self.kept[str(field)][index], *route[2:])
+        location = Key(route) if isinstance(issue.location, Key) else route
+        return dataclasses.replace(issue, location=location)
 
 
 def _is_entry(route: Route, data: dict[str, Any]) -> bool:
     return (
         len(route) > 1 and isinstance(route[1], int) and isinstance(data.get(str(route[0])), list)
     )
-
-
-def from_yaml(problem: YamlProblem, source: SourceFile) -> Diagnostic:
-    """Return what is to be said of a fault of the text itself."""
-    start, end = problem.span
-    return Diagnostic(
-        problem.code,
-        Severity.ERROR,
-        problem.message,
-        source.name,
-        start.line,
-        start.column,
-        end,
-        help=problem.help,
-        source=source,
-    )
-
-
-def diagnostic(
-    problem: Problem,
-    document: Document,
-    severity: Severity = Severity.ERROR,
-    fix: Fix | None = None,
-) -> Diagnostic:
-    """Return what is to be said of a problem, with the place in the text to which it points."""
-    span = document.span(problem.route, key=problem.key)
-    if problem.mark is not None:
-        span = _drawing_span(document, problem) or span
-    elif not problem.route:
-        span = Span(Position(1, 1), Position(1, len(document.source.line(1)) + 1))
-    return Diagnostic(
-        problem.code,
-        severity,
-        problem.message,
-        document.source.name,
-        span.start.line,
-        span.start.column,
-        span.end,
-        fix,
-        help=problem.help,
-        source=document.source,
-    )
-
-
-def _drawing_span(document: Document, problem: Problem) -> Span | None:
-    """Return where a character of a drawing stands in the file; None if it is not a block."""
-    node, depth = document.node(problem.route)
-    if not node.block or depth < len(problem.route) or problem.mark is None:
-        return None
-    row, column, length = problem.mark
-    # The text of a block scalar begins on the line below its `|`, less a common indentation.
-    first = node.span.start.line + 1
-    if not document.source.line(first + row).strip():
-        return None
-    start = Position(first + row, _indent(document, node, first) + column + 1)
-    # What is missing at the end of a line is shown there, but takes no room.
-    end = min(start.column + length, len(document.source.line(start.line)) + 1)
-    return Span(start, Position(start.line, end))
-
-
-def _indent(document: Document, node: Node, first: int) -> int:
-    """Return how many blanks stand before the text of a block scalar that begins on a line."""
-    begin = 0
-    for line in range(first, len(document.source.lines) + 1):
-        whole = document.source.line(line)
-        end = node.data.find("\n", begin)
-        text = node.data[begin : end if end >= 0 else None]
-        if text:
-            return len(whole) - len(text)
-        begin = end + 1
-    return 0

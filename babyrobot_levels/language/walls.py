@@ -18,7 +18,7 @@ from babyrobot_levels.language.base import (
     form,
     forms,
 )
-from babyrobot_levels.language.color import Color
+from babyrobot_levels.language.looks import Color
 
 Algorithm = Literal[
     "depth-first",

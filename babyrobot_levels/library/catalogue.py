@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.language.share_code import is_code, load_code
-from babyrobot_levels.library.level import Level, slug
-from babyrobot_levels.library.reading import from_mapping, load_file
+from babyrobot_levels.language.documents import slug
+from babyrobot_levels.language.share_code import is_code
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import load_code, load_file
 from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
-from babyrobot_levels.text.document import YamlFault
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
-from babyrobot_levels.text.files import SUFFIXES, ReadFault, is_file, read_source
+from babyrobot_levels.text.files import SUFFIXES, is_file, read_source
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.suggest import nearest
+from babyrobot_levels.text.words import nearest
 
 MAX_NEAREST = 3
 _LINES = {
@@ -87,7 +87,7 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     if isinstance(level, Level):
         return level
     if isinstance(level, Mapping):
-        return from_mapping(level)
+        return Level.from_fields(level)
     if not isinstance(level, str | os.PathLike):
         raise TypeError(
             f"a level is a name, a path, a mapping or a Level, not {type(level).__name__}"
@@ -269,9 +269,9 @@ def _stated(path: Path, key: str) -> str | None:
         match = _LINES[key].search(source.text)
         if match is not None:
             return match[2]
-        # YAML has other ways to write it, and these are rare.
+        # YAML has other forms, which are rare.
         data = read(source).data if key in source.text else None
-    except (ReadFault, YamlFault):
+    except LevelError:
         return None
     told = data.get(key) if isinstance(data, dict) else None
     return told if isinstance(told, str) else None

@@ -2,156 +2,79 @@
 
 from __future__ import annotations
 
-import operator
 import os
-import re
-from functools import cached_property
+import warnings
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pydantic import PrivateAttr
-
-from babyrobot_levels.language.level import LevelFields
-from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
-from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.walls import Maze
-from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.language.documents import level_from_mapping
+from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.mdp.gridworld import GridWorld
 
 if TYPE_CHECKING:
     import gymnasium
 
-    from babyrobot_levels.mdp.tables import Mdp
-    from babyrobot_levels.text.source import SourceFile
 
+class Level(GridWorld):
+    """A level: the contents of a level file, validated and frozen.
 
-class Level(LevelFields):
-    """A level: what a file says, validated and frozen.
-
-    Its attributes are the fields of the language, with what a drawing says filled in. Levels are
+    Its attributes are the fields of the language, with what a drawing gives filled in. Levels are
     made by `brl.load`, `brl.loads`, or from the fields themselves: `Level(version=1, size=(4, 4))`.
     """
 
-    _origin: SourceFile | None = PrivateAttr(default=None)
-    _theme: Theme | None = PrivateAttr(default=None)
-    _folder: Path | None = PrivateAttr(default=None)
+    @classmethod
+    def from_fields(
+        cls, fields: Mapping[str, Any], *, name: str | None = None, folder: Path | None = None
+    ) -> Level:
+        """Return the level that a mapping of the language's fields gives.
 
-    def remember_origin(
-        self, origin: SourceFile | None, folder: Path | None, theme: Theme | None
-    ) -> None:
-        """Note the text and the folder that the level is from, and the theme that it names."""
-        self._origin, self._folder, self._theme = origin, folder, theme
+        Args:
+            fields: the fields. NumPy's numbers and arrays, tuples and models are taken too.
+            name: the level's name, if the mapping gives none.
+            folder: where `themes/` may stand.
+
+        Raises:
+            LevelError: the mapping is not a valid level. The diagnostics point into the mapping
+                as it would be written in a file.
+        """
+        return level_from_mapping(fields, cls, name=name, folder=folder)
 
     def __hash__(self) -> int:
         # Some fields are mappings, which have none; equal levels are alike in these.
         return hash((self.name, self.title, self.size, self.start))
 
     def __repr__(self) -> str:
-        """Return the level in short; `to_yaml` and `draw` tell all of it."""
+        """Return the level in short; `to_yaml` and `draw` show all of it."""
         name = "" if self.name is None else f" {self.name!r}"
         width, height = self.size
         return f"<Level{name}: {width}x{height}>"
 
     __str__ = __repr__
 
-    # -- what it comes to ------------------------------------------------------------------
-
-    def grid(self) -> Grid:
-        """Return walls and cells after the maze. The grid is made once and shared.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
-        """
-        return self._grid
-
-    def compile(self) -> Mdp:
-        """Return the exact tables. They are made once, shared, and read-only.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
-        """
-        return self._mdp
-
-    @property
-    def digest(self) -> str:
-        """`sha256:…` of the compiled level: equal for equal games, however they are written.
-
-        It is worked out once.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
-        """
-        return self._digest
-
-    @property
-    def has_random_maze(self) -> bool:
-        """Whether the level grows another maze at each reset."""
-        return self.maze is not None and self.maze.seed == "random"
-
     @property
     def colors_and_widths(self) -> Theme:
-        """The theme, also where the level only names it.
-
-        Raises:
-            LevelError: it names one that nobody knows. Levels that were loaded do not.
-        """
-        if self._theme is not None:
-            return self._theme
-        if isinstance(self.theme, Theme):
-            return self.theme
-        if self.theme not in BUILTIN_THEMES:
-            raise LevelError(message=f"there is no theme {self.theme!r}")
-        return BUILTIN_THEMES[self.theme]
-
-    @cached_property
-    def _grid(self) -> Grid:
-        return build_grid(self)
-
-    @cached_property
-    def _mdp(self) -> Mdp:
-        from babyrobot_levels.mdp.compiler import compile_mdp
-
-        return compile_mdp(self, self.grid())
-
-    @cached_property
-    def _digest(self) -> str:
-        from babyrobot_levels.mdp.digest import digest
-
-        return digest(self.grid(), self.compile())
+        """The former name of `resolved_theme`. Deprecated."""
+        warnings.warn(
+            "Level.colors_and_widths is deprecated; use Level.resolved_theme",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.resolved_theme
 
     # -- other levels ----------------------------------------------------------------------
 
     def replace(self, **fields: Any) -> Level:
-        """Return a level with other values for some fields; None takes a field away.
+        """Return a level with other values for some fields; None removes a field.
 
         Raises:
             LevelError: the level would not be valid.
         """
-        from babyrobot_levels.library.reading import from_mapping
-
         data = {**self.to_dict(), **fields}
         given = {name: value for name, value in data.items() if value is not None}
         name = self.name if "name" not in fields else None
-        other = from_mapping(given, name=name, folder=self._folder)
+        other = self.from_fields(given, name=name, folder=self._folder)
         other._origin = self._origin
-        return other
-
-    def with_maze_seed(self, seed: int) -> Level:
-        """Return the level with the maze that grows from `seed`.
-
-        Raises:
-            LevelError: the level has no maze, or the seed is no whole number.
-        """
-        if self.maze is None:
-            raise LevelError(message="the level has no maze that could have a seed")
-        if isinstance(seed, bool) or not hasattr(seed, "__index__"):
-            raise LevelError(message=f"a maze's seed is a whole number, not {seed!r}")
-        fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
-        maze = Maze.model_validate(fields)
-        other = self.model_copy(update={"maze": maze})
-        for name in ("_grid", "_mdp", "_digest"):
-            other.__dict__.pop(name, None)
         return other
 
     def resolve(self) -> Level:
@@ -162,76 +85,29 @@ class Level(LevelFields):
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
         """
-        from babyrobot_levels.mdp.resolve import resolve
+        from babyrobot_levels.mdp.drawn import resolved_fields
 
-        return resolve(self)
+        if self.maze is None:
+            return self
+        return self.replace(**resolved_fields(self, self.grid()))
 
     # -- as text ---------------------------------------------------------------------------
-
-    def draw(self) -> str:
-        """Return the level as the language's ASCII drawing. A `map` may hold what it returns.
-
-        A drawing shows size, starts, exits, walls, puddles and blocked cells, and the characters
-        of the level's legend. A cell shows one thing: a start or an exit hides a puddle.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
-        """
-        from babyrobot_levels.language.drawing import compose
-        from babyrobot_levels.render.text import drawing_of
-
-        return compose(drawing_of(self, self.grid()))
-
-    def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
-        """Return the level as plain data, as a file would say it: what was given, in order.
-
-        Args:
-            whole: whether to add what the file did not say itself but stood beside it, the name
-                and a theme of its own, so that the data alone makes the same level.
-        """
-        data = plain(self.model_dump(by_alias=True, exclude_unset=True))
-        if whole and self.name is not None:
-            data["name"] = self.name
-        if whole and self._theme is not None:
-            data["theme"] = plain(self._theme)
-        for field, drawn in self._drawn.items():
-            # The drawing says these itself.
-            if field in data:
-                data[field] = data[field][drawn:]
-                if not data[field]:
-                    del data[field]
-        return {name: data[name] for name in type(self).model_fields if name in data}
-
-    def to_yaml(self, *, comments: bool = False) -> str:
-        """Return the level as canonical YAML: fields in order, one way of writing each.
-
-        Args:
-            comments: whether a level that was loaded from a text keeps its comments and its
-                layout, so that only the lines of changed fields are new.
-        """
-        from babyrobot_levels.text.splice import splice
-
-        if comments and self._origin is not None:
-            text = splice(self._origin.text, self.to_dict(), list(type(self).model_fields))
-            if text is not None:
-                return text
-        return emit(self.to_dict())
 
     def share_code(self) -> str:
         """Return the level as a share code: one line, `brl1.…`, that `brl.load` takes.
 
-        It holds all that the level says, its name and a theme of its own included, but no
-        comments. It has a checksum, and only characters that may stand in an address.
+        It holds all fields, the name and a theme of the level's own included, but no comments.
+        It has a checksum, and only characters that may stand in an address.
 
         Raises:
             LevelError: the level is larger than a level file may be.
         """
-        from babyrobot_levels.language.share_code import share_code
+        from babyrobot_levels.language.share_code import encode
 
-        return share_code(self)
+        return encode(self.to_dict(whole=True))
 
     def save(self, path: str | Path) -> None:
-        """Write the level to a file, whole or not at all.
+        """Write the level to a file, atomically.
 
         A level that was loaded from a text keeps its comments and its layout; only the lines
         of changed fields are new.
@@ -246,7 +122,7 @@ class Level(LevelFields):
         """Return the level's picture as an SVG document.
 
         Args:
-            path: a file to write it to as well, whole or not at all, whatever is there.
+            path: a file to write it to as well, atomically; an existing one is replaced.
 
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
@@ -266,7 +142,7 @@ class Level(LevelFields):
         Of large levels a cell has fewer pixels: no side of the picture has more than 4,000.
 
         Args:
-            path: a file to write it to as well, whole or not at all, whatever is there.
+            path: a file to write it to as well, atomically; an existing one is replaced.
 
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
@@ -297,13 +173,6 @@ class Level(LevelFields):
         """
         import gymnasium
 
-        import babyrobot_levels  # noqa: F401  (registers the environments)
-
         has_limit = kwargs.get("max_episode_steps") is not None
         level = self.replace(max_steps=None) if has_limit else self
         return gymnasium.make("babyrobot/Level-v0", level=level, **kwargs)
-
-
-def slug(text: str) -> str | None:
-    """Return a file's stem as a level's name, or None where nothing of it is left."""
-    return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None

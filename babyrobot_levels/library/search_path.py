@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.library.folders import user_folder
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES
+from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, user_folder
 
 PATH_VARIABLE = "BABYROBOT_LEVELS"
 GALLERY = "gallery"

@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from zlib import crc32
 
+from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import read_document
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.registry import rule_of
 from babyrobot_levels.lint.rule import Finding, Rule
@@ -60,7 +60,7 @@ def same_games(
 def _case(source: SourceFile, path: Path) -> Case | None:
     # Such files are few: they are read a second time.
     document = read(source)
-    level, _ = read_document(document, path)
+    level = check_level(document, Level, path).value
     return None if level is None else Case(level, document, path)
 
 

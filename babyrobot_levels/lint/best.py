@@ -8,7 +8,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.errors import NoTotalError, TooLongError
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.mdp.reachability import Ways
+from babyrobot_levels.mdp.graph import Graph
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -59,10 +59,10 @@ def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     happens = mdp.probability[states, policy[states]] > 0
     origins = np.repeat(states, happens.sum(axis=1))
     targets = mdp.next_state[states, policy[states]][happens]
-    ways = Ways(origins, targets, mdp.num_states)
-    back = ways.back()
-    visited = ways.distances(mdp.start.nonzero()[0].tolist())
-    ending = back.distances(mdp.over.nonzero()[0].tolist())
+    ways = Graph(mdp.num_states, origins, targets)
+    back = ways.reversed()
+    visited = ways.distances(mdp.start.nonzero()[0].tolist()).tolist()
+    ending = back.distances(mdp.over.nonzero()[0].tolist()).tolist()
     stuck = [
         state
         for state in range(mdp.num_states)
@@ -70,8 +70,8 @@ def lingering(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     ]
     # From a loop that the robot may leave for another one, on to that one.
     while stuck:
-        loop = [s for s, steps in enumerate(ways.distances(stuck[:1])) if steps >= 0]
-        returns = back.distances(stuck[:1])
+        loop = [s for s, steps in enumerate(ways.distances(stuck[:1]).tolist()) if steps >= 0]
+        returns = back.distances(stuck[:1]).tolist()
         stuck = [state for state in loop if returns[state] < 0]
         if not stuck:
             return loop

@@ -5,12 +5,13 @@ from __future__ import annotations
 from contextlib import suppress
 from pathlib import Path
 
-from babyrobot_levels.library.reading import errors_of
+from babyrobot_levels.language.documents import errors_of
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import lint_file, lint_source
 from babyrobot_levels.lint.settings import settings_for
 from babyrobot_levels.text.diagnostics import Diagnostic
-from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile
 
 
@@ -37,5 +38,5 @@ def check(path_or_text: str | Path, *, lint: bool = False) -> list[Diagnostic]:
         return lint_file(path, settings_for(path).rules_for(path)).diagnostics
     try:
         return errors_of(read_source(path), path)
-    except ReadFault as fault:
-        return [fault.diagnostic]
+    except LevelError as fault:
+        return [*fault.diagnostics]

@@ -131,7 +131,7 @@ class Ground:
 
     def _shown(self) -> Flags:
         """Return the cells whose ground is to be seen: nothing else is painted over it."""
-        level, colors = self._level, self._level.colors_and_widths.colors
+        level, colors = self._level, self._level.resolved_theme.colors
         shown = np.ones_like(self._over)
         for cells, color in ((level.starts, colors.start), (level.exits, colors.exit)):
             if is_opaque(color):

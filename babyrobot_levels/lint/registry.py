@@ -11,7 +11,7 @@ from types import ModuleType
 
 from babyrobot_levels.lint import rules as rules_package
 from babyrobot_levels.lint.rule import Rule
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 
 class UnknownRuleError(ValueError):

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.language.problem import Problem
-from babyrobot_levels.language.validation import diagnostic, from_yaml
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import is_suite, read_document, read_suite
+from babyrobot_levels.library.reading import check_document
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs, Rule
-from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.document import YamlFault
-from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Location, Mark, Severity
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile, Span
 
@@ -49,8 +46,8 @@ def lint_file(path: Path, rules: Sequence[Rule]) -> Report:
     """Lint a file; see `lint_source`."""
     try:
         source = read_source(path)
-    except ReadFault as fault:
-        return Report(None, [fault.diagnostic])
+    except LevelError as error:
+        return Report(None, [*error.diagnostics])
     return lint_source(source, rules, path)
 
 
@@ -64,13 +61,11 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
     """
     try:
         document = read(source)
-    except YamlFault as fault:
-        return Report(source, [from_yaml(fault.problem, source)])
-    if is_suite(document):
-        # Its levels are not there to be looked at: of a suite, there are errors only.
-        return Report(source, read_suite(document, path)[1])
-    level, errors = read_document(document, path)
-    if level is None:
+    except LevelError as error:
+        return Report(source, [*error.diagnostics])
+    level, errors = check_document(document, path)
+    if not isinstance(level, Level):
+        # A suite has no levels of its own to look at, only errors.
         return Report(source, errors)
     case = Case(level, document, path, rules)
     # In the order of their codes: the last one asks which silences were of use.
@@ -86,14 +81,15 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
 
 def diagnostic_of(rule: Rule, finding: Finding, case: Case) -> Diagnostic:
     """Return what is to be said of a finding."""
-    problem = Problem(
-        rule.code, finding.route, finding.message, finding.help, finding.key, finding.mark
-    )
-    told = diagnostic(problem, case.document, rule.severity, finding.fix)
-    span = finding.span if finding.span is not None or finding.route else _first_field(case)
-    if span is None:
-        return told
-    return dataclasses.replace(told, line=span.start.line, column=span.start.column, end=span.end)
+    location: Location = Key(finding.route) if finding.key else finding.route
+    if finding.mark is not None:
+        location = Mark(*finding.mark)
+    elif finding.span is not None:
+        location = finding.span
+    elif not finding.route:
+        location = _first_field(case)
+    issue = Issue(rule.code, location, finding.message, finding.help, finding.fix, rule.severity)
+    return case.document.diagnostic(issue)
 
 
 def _first_field(case: Case) -> Span:

@@ -18,7 +18,7 @@ from babyrobot_levels.lint.registry import UnknownRuleError, select
 from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import is_file
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 _KEYS = ("select", "ignore", "per-file-ignores")
 _TABLES: dict[str, tuple[str, ...]] = {

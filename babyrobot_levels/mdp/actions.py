@@ -1,12 +1,13 @@
-"""The five actions, numbered once for everybody."""
+"""The actions: numbers, moves, and objects with a policy. Separate, because it needs no NumPy."""
 
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any, Protocol
 
 
 class Action(IntEnum):
-    """What the robot can be told to do, with the numbers that environments use."""
+    """The actions, with the numbers that environments use."""
 
     STAY = 0
     NORTH = 1
@@ -17,3 +18,32 @@ class Action(IntEnum):
 
 NUM_ACTIONS = len(Action)
 NUM_MOVES = NUM_ACTIONS - 1
+
+DELTAS: dict[Action, tuple[int, int]] = {
+    Action.NORTH: (0, -1),
+    Action.EAST: (1, 0),
+    Action.SOUTH: (0, 1),
+    Action.WEST: (-1, 0),
+}
+"""How each move changes the cell, `(dx, dy)`: x grows to the east, y to the south."""
+
+
+class HasPolicy(Protocol):
+    """An object with a policy and the numbering of its actions, such as a `Solution`."""
+
+    @property
+    def policy(self) -> Any:
+        """An action for each cell, int `[height, width]`."""
+
+    @property
+    def first_action(self) -> int:
+        """The `Action` that is number 0 in `policy`."""
+
+
+def unwrapped_policy(policy: Any) -> tuple[Any, int | None]:
+    """Return a policy and the `Action` that is number 0 in it.
+
+    The latter is None for a policy that is not in a `HasPolicy`, such as an array.
+    """
+    first = getattr(policy, "first_action", None)
+    return (policy if first is None else policy.policy), first

@@ -1,4 +1,4 @@
-"""The digest: a fingerprint of the game that a level is, the same on every platform."""
+"""The digest: a fingerprint of the MDP that a level compiles to, the same on every platform."""
 
 from __future__ import annotations
 

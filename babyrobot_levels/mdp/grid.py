@@ -9,9 +9,8 @@ from itertools import compress
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDES, Side
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.walls import Opening
-from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
@@ -120,7 +119,7 @@ def build_grid(level: LevelFields) -> Grid:
     for wall in level.walls:
         for cells, side in _stretches(wall, width, height):
             walls[cells] = walls[cells].translate(_WITH[side])
-            # A wall that says nothing of glass leaves the glass that is there.
+            # A wall without `pass` keeps glass that is already there.
             if "pass_" in wall.model_fields_set and (wall.pass_ or side in passes):
                 table = passes.setdefault(side, array("d", bytes(8 * len(walls))))
                 table[cells] = array("d", [wall.pass_]) * wall.length
@@ -159,6 +158,9 @@ def _maze_walls(level: LevelFields, blocked: bytearray) -> bytearray:
                 message="the level grows another maze at each reset (`seed: random`); "
                 "`level.with_maze_seed(n)` gives one of them"
             )
+        # Most levels have no maze.
+        from babyrobot_levels.mdp.mazes import carve
+
         x, y = level.starts[0]
         open_sides = carve(
             width, height, bytes(blocked), y * width + x, maze.seed, maze.algorithm, maze.loops
@@ -190,7 +192,7 @@ def _stretches(entry: Opening, width: int, height: int) -> list[tuple[slice, Sid
 
 
 def _drop_hidden_walls(walls: bytearray, blocked: bytearray, width: int, height: int) -> None:
-    """Take away the walls between two blocked cells: nobody sees or meets them."""
+    """Remove the walls between two blocked cells, which have no effect."""
     for cell in _ones(blocked):
         for side in SIDES:
             other = neighbour(cell, side, width, height)

@@ -1,4 +1,4 @@
-"""The exact tables: the second half of compiling. Everything that plays a level reads them."""
+"""The exact tables, which everything that plays a level reads."""
 
 from __future__ import annotations
 

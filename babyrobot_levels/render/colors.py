@@ -1,4 +1,4 @@
-"""CSS colours as numbers, in the forms that levels may use."""
+"""CSS colours as numbers, in the notations that levels may use."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def rgba(color: str) -> Rgba:
     """Return a CSS colour as numbers.
 
     Raises:
-        ValueError: it is not a colour.
+        ValueError: it is not a valid colour.
     """
     if color == "transparent":
         return 0, 0, 0, 0.0
@@ -32,17 +32,17 @@ def rgba(color: str) -> Rgba:
         shares = hls_to_rgb(hue / 360, lightness / 100, saturation / 100)
         r, g, b = (round(255 * share) for share in shares)
         return r, g, b, 1.0
-    # Pillow has the table of names; what only needs numbers shall not wait for it.
+    # Pillow has the table of names; it is slow to import, and most colours do without it.
     from PIL.ImageColor import colormap, getrgb
 
     if color not in colormap:
-        raise ValueError(f"{color!r} is not a colour")
+        raise ValueError(f"invalid CSS colour: {color!r}")
     red, green, blue = getrgb(color)[:3]
     return red, green, blue, 1.0
 
 
 def over(color: str, ground: Rgb) -> Rgb:
-    """Return what is seen where a colour lies on an opaque ground."""
+    """Return a colour composited on an opaque background."""
     *front, alpha = rgba(color)
     red, green, blue = (
         round(alpha * top + (1 - alpha) * below) for top, below in zip(front, ground, strict=True)
@@ -51,9 +51,9 @@ def over(color: str, ground: Rgb) -> Rgb:
 
 
 def contrast(color: str, ground: str) -> float:
-    """Return the contrast of a colour on a ground, from 1 to 21, as WCAG 2 defines it.
+    """Return the contrast ratio of a colour on a background, 1 to 21, as WCAG 2 defines it.
 
-    What shines through a ground that is not opaque counts as white.
+    A background that is not opaque is composited on white.
     """
     below = over(ground, (255, 255, 255))
     dark, light = sorted((_luminance(over(color, below)), _luminance(below)))

@@ -1,4 +1,4 @@
-"""Many pictures of one level, fast: the level is painted once, the robot is laid on a copy."""
+"""Frames of one level, fast: the level is painted once, and the robot composited on a copy."""
 
 from __future__ import annotations
 
@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from babyrobot_levels.render.film import film_of, laid
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
@@ -21,19 +20,19 @@ from babyrobot_levels.render.scene.shapes import Scene
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.render.film import Film
+    from babyrobot_levels.mdp.gridworld import GridWorld
+    from babyrobot_levels.render.raster import Translucent
 
     _Patch = tuple[slice, slice, NDArray[np.uint8]]
 
 MAX_FRAME_SIDE = 2048
-"""A frame that is given no size is at most this many pixels wide and high."""
+"""The largest width and height of a frame without a given size."""
 
 IMAGE_CELL = 16
-"""The side of a cell in image observations, in pixels, where nothing else is asked for."""
+"""The default side of a cell in image observations, in pixels."""
 
 MIN_IMAGE_SIDE = 36
-"""The smallest picture that the usual convolutional networks take."""
+"""The smallest picture that common convolutional networks accept."""
 
 MAX_IMAGE_SIDE = 1024
 
@@ -41,28 +40,28 @@ _GRAY = (0.299, 0.587, 0.114)
 """The brightness of red, green and blue (ITU-R BT.601)."""
 
 _POSES = 64
-"""How many poses are kept."""
+"""The number of poses that are cached."""
 
 _PATCH_BYTES = 8 * 1024 * 1024
-"""How much memory the cells that are kept take at most."""
+"""The memory for cached cells."""
 
 _Key = TypeVar("_Key", bound=Hashable)
-_Thing = TypeVar("_Thing")
+_Value = TypeVar("_Value")
 
 
 class FramePainter:
     """Paints frames of a level, one for each state and pose of the robot.
 
     The level is painted once, and the robot once for each pose. A frame is a copy of the level
-    with one patch on it: the robot's cell, of which the last ones are kept.
+    with one patch on it: the robot's cell. The most recent patches are cached.
 
     Args:
         level: the level; a maze needs a seed.
-        size: width and height in pixels, onto which the cells alone are stretched, without panels
-            and free space: what an agent should see. None gives the whole picture at 64 pixels a
-            cell; of large levels fewer, so that no side is over 2,048 pixels.
-        grayscale: whether frames have one channel in the place of three.
-        overlay: values, arrows and texts that are written over the cells and into the panels.
+        size: width and height in pixels, to which the cells alone are stretched, without panels
+            and margin: what an agent should see. None gives the whole picture at 64 pixels a
+            cell; fewer for large levels, so that no side exceeds 2,048 pixels.
+        grayscale: whether frames have one channel instead of three.
+        overlay: values, arrows and texts shown over the cells and in the panels.
 
     Attributes:
         width: the width of a frame in pixels.
@@ -70,13 +69,13 @@ class FramePainter:
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: the size is not positive, or too large, or the overlay is not as large as the
-            level.
+        ValueError: the size is not positive or too large, or the overlay has another size than
+            the level.
     """
 
     def __init__(
         self,
-        level: Level,
+        level: GridWorld,
         size: tuple[int, int] | None = None,
         grayscale: bool = False,
         overlay: Overlay | None = None,
@@ -87,24 +86,24 @@ class FramePainter:
         layers = build_layers(level, robot=False, cells_only=cells_only, overlay=overlay)
         below = [layers[name] for name in ("base", "grid", "underlay")]
         above = [layers[name] for name in ("overlay", "text")]
-        self._theme, self._grayscale = level.colors_and_widths, grayscale
+        self._theme, self._grayscale = level.resolved_theme, grayscale
         self._below = self._painted(below)
-        self._above = self._film(above, (self.width, self.height)) if overlay else None
-        self._base = self._below if self._above is None else laid(self._above, self._below)
+        self._above = self._translucent(above, (self.width, self.height)) if overlay else None
+        self._base = self._below if self._above is None else composite(self._above, self._below)
         scale_x, scale_y = self.width / layout.width, self.height / layout.height
         self._left = _offsets(layout.margin, layout.columns, scale_x)
         self._top = _offsets(layout.margin, layout.rows, scale_y)
         self._cell = max(1, round(scale_x * CELL)), max(1, round(scale_y * CELL))
-        self._robots: dict[Pose, Film] = {}
+        self._robots: dict[Pose, Translucent] = {}
         self._patches: dict[tuple[int, Pose], _Patch] = {}
-        self._room = max(16, _PATCH_BYTES // (3 * self._cell[0] * self._cell[1]))
+        self._limit = max(16, _PATCH_BYTES // (3 * self._cell[0] * self._cell[1]))
 
     def frame(self, state: int, pose: Pose = STANDING) -> NDArray[np.uint8]:
         """Return the picture with the robot in a state: a fresh array, `[height, width, channels]`.
 
         Args:
             state: the cell, `y * width + x` of the level.
-            pose: how the robot holds himself.
+            pose: the robot's pose.
 
         Raises:
             ValueError: the level has no such state.
@@ -118,23 +117,23 @@ class FramePainter:
         return frame
 
     def _patch(self, state: int, pose: Pose) -> _Patch:
-        """Paint a cell with the robot in it, and remember it."""
+        """Paint a cell with the robot in it, and cache it."""
         y, x = divmod(state, len(self._left))
         if not 0 <= y < len(self._top):
             raise ValueError(f"state {state} is not on the level")
         robot = self._robots.get(pose)
         if robot is None:
             shapes = robot_shapes(self._theme, 0.0, 0.0, pose)
-            robot = self._film([Scene(CELL, CELL, shapes)], self._cell)
+            robot = self._translucent([Scene(CELL, CELL, shapes)], self._cell)
             _remember(self._robots, pose, robot, _POSES)
         left, top = self._left[x], self._top[y]
         rows, columns = slice(top, top + self._cell[1]), slice(left, left + self._cell[0])
-        pixels = laid(robot, self._below[rows, columns])
+        pixels = composite(robot, self._below[rows, columns])
         if self._above is not None:
             ink, through = self._above
-            pixels = laid((ink[rows, columns], through[rows, columns]), pixels)
+            pixels = composite((ink[rows, columns], through[rows, columns]), pixels)
         patch = rows, columns, pixels
-        _remember(self._patches, (state, pose), patch, self._room)
+        _remember(self._patches, (state, pose), patch, self._limit)
         return patch
 
     def _painted(
@@ -146,22 +145,22 @@ class FramePainter:
         )
         return _gray(pixels) if self._grayscale else pixels
 
-    def _film(self, scenes: list[Scene], size: tuple[int, int]) -> Film:
-        return film_of(lambda ground: self._painted(scenes, size, ground))
+    def _translucent(self, scenes: list[Scene], size: tuple[int, int]) -> Translucent:
+        return translucent(lambda ground: self._painted(scenes, size, ground))
 
 
-def _remember(known: dict[_Key, _Thing], key: _Key, thing: _Thing, room: int) -> None:
-    """Keep a thing under its key; the oldest makes room for it."""
-    if len(known) >= room:
-        del known[next(iter(known))]
-    known[key] = thing
+def _remember(cache: dict[_Key, _Value], key: _Key, value: _Value, limit: int) -> None:
+    """Add an entry to a cache; a full cache drops its oldest entry."""
+    if len(cache) >= limit:
+        del cache[next(iter(cache))]
+    cache[key] = value
 
 
 def default_image_size(width: int, height: int) -> tuple[int, int]:
     """Return height and width in pixels of image observations of a level.
 
-    Cells are squares of 16 pixels: more where a side would be below 36 pixels, fewer where one
-    would be over 1,024. Of a level so narrow that both cannot be, the cells are stretched.
+    Cells are squares of 16 pixels: more if a side would be below 36 pixels, fewer if one would
+    exceed 1,024. Where a level is too narrow for both, the cells are stretched.
 
     Args:
         width: the number of columns of cells.

@@ -1,25 +1,226 @@
-"""GIF files: frames that differ in patches from one picture, in at most 256 colours."""
+"""The GIF painter: an episode as an animation in which the robot glides from cell to cell."""
 
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 
+from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.render.raster import composite, to_rgb, translucent
+from babyrobot_levels.render.scene.build import build_base
+from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
+from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
+from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.shapes import Scene
+from babyrobot_levels.render.svg import number
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from babyrobot_levels.mdp.gridworld import GridWorld
+    from babyrobot_levels.render.raster import Translucent
+
+MAX_SIDE = 800
+"""The largest width and height of an animation without a given scale."""
+
+MAX_PIXELS = 400_000_000
+"""The most pixels of all frames together."""
+
+_SMOOTH_PIXELS = 120_000_000
+"""Animations with more pixels have no frames between cells."""
+
+_FRAMES_BETWEEN = 4
+"""The number of frames between two cells."""
+
+_FRAME, _ARRIVAL, _START, _END = 40, 100, 700, 1500
+"""The durations of frames in milliseconds: between cells, in a cell, at the start, at the end."""
+
+_SHORTEST = 20
+"""The shortest duration; many viewers slow down shorter ones."""
+
+_NUDGE = 0.13
+"""The distance that the robot moves into a wall, as a share of a cell."""
+
 _COLORS, _EXACT = 256, 160
-"""The colours of a film, and how many of these are taken as they are, the most frequent ones."""
+"""The size of the palette, and how many of the most frequent colours it keeps exactly."""
+
+Place = tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A step of an episode.
+
+    Attributes:
+        state: the cell before the step, `y * width + x`.
+        action: the action, a `brl.Action`.
+        next_state: the cell after the step.
+        reward: the reward.
+        skidded: whether the robot skidded to another cell than the action leads to.
+    """
+
+    state: int
+    action: int
+    next_state: int
+    reward: float
+    skidded: bool = False
+
+
+def to_gif(
+    level: GridWorld,
+    steps: Sequence[Step],
+    *,
+    overlay: Overlay | None = None,
+    scale: float | None = None,
+) -> bytes:
+    """Return an episode as a GIF file in an endless loop; the same arguments give the same bytes.
+
+    If the level has a panel, it shows the number of steps and the return so far.
+
+    Args:
+        level: the level; a maze needs a seed.
+        steps: the steps of the episode, at least one.
+        overlay: what is shown over the cells, below the robot.
+        scale: the size; 1 is 64 pixels a cell. None takes the largest up to 1 that keeps width
+            and height within 800 pixels.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+        ValueError: there is no step, or the frames have too many pixels.
+    """
+    if not steps:
+        raise ValueError("the episode has no steps")
+    layout = layout_of(level, overlay=overlay)
+    if scale is None:
+        scale = min(1.0, MAX_SIDE / max(layout.width, layout.height))
+    width, height = round(scale * layout.width), round(scale * layout.height)
+    if (len(steps) + 1) * width * height > MAX_PIXELS:
+        raise ValueError(
+            f"an animation of {len(steps)} steps and {width} x {height} pixels is too large"
+        )
+    is_smooth = (_FRAMES_BETWEEN + 1) * len(steps) * width * height <= _SMOOTH_PIXELS
+    between = _FRAMES_BETWEEN if is_smooth else 0
+    painter = _Painter(level, layout, overlay, scale)
+    frames = []
+    for shot in _shots(level, steps, between):
+        patches = (painter.robot(shot.place, shot.pose), *painter.panels(shot.steps, shot.total))
+        frames.append(Frame(patches, shot.time))
+    return encoded(painter.ground, frames)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shot:
+    """The content of a frame: the robot's place and pose, the score, and the duration."""
+
+    place: Place
+    pose: Pose
+    steps: int
+    total: float
+    time: int
+
+
+def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_Shot]:
+    columns = level.size[0]
+    exits = {y * columns + x for x, y in level.exits}
+    speed = level.display.robot.speed
+    frame, arrival = (max(_SHORTEST, round(time / speed)) for time in (_FRAME, _ARRIVAL))
+
+    def place(state: int) -> Place:
+        y, x = divmod(state, columns)
+        return float(x), float(y)
+
+    yield _Shot(place(steps[0].state), STANDING, 0, 0.0, _START)
+    total = 0.0
+    for count, step in enumerate(steps, 1):
+        start, end = place(step.state), place(step.next_state)
+        moved = step.state, step.next_state, step.action, columns
+        pose = pose_of(*moved, skidded=step.skidded)
+        for index in range(1, between + 1):
+            phase = index / (between + 1)
+            moving = pose if start == end else replace(pose, phase=phase)
+            yield _Shot(_between(step, start, end, phase), moving, count - 1, total, frame)
+        total += step.reward
+        pose = pose_of(*moved, skidded=step.skidded, at_exit=step.next_state in exits)
+        yield _Shot(end, pose, count, total, _END if count == len(steps) else arrival)
+
+
+def _between(step: Step, start: Place, end: Place, phase: float) -> Place:
+    if step.state == step.next_state and step.action != Action.STAY and not step.skidded:
+        reach = _NUDGE * math.sin(math.pi * phase)
+        dx, dy = DELTAS[Action(step.action)]
+        return start[0] + reach * dx, start[1] + reach * dy
+    eased = phase * phase * (3 - 2 * phase)
+    return start[0] + eased * (end[0] - start[0]), start[1] + eased * (end[1] - start[1])
+
+
+class _Painter:
+    """Paints the ground, and the patches that are put on it."""
+
+    def __init__(
+        self, level: GridWorld, layout: Layout, overlay: Overlay | None, scale: float
+    ) -> None:
+        self._level, self._layout, self._scale = level, layout, scale
+        self._size = round(scale * layout.width), round(scale * layout.height)
+        self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
+        self._robots: dict[Pose, Translucent] = {}
+        self._panels: tuple[tuple[int, float], tuple[Patch, ...]] | None = None
+
+    def robot(self, place: Place, pose: Pose) -> Patch:
+        """Return the part of the picture around the robot, with the robot in it."""
+        left, top = (round(self._scale * at) for at in self._layout.corner(*place))
+        side = max(1, round(self._scale * CELL))
+        if pose not in self._robots:
+            scene = Scene(CELL, CELL, robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose))
+            self._robots[pose] = translucent(lambda ground: to_rgb(scene, (side, side), ground))
+        ground = self.ground[top : top + side, left : left + side]
+        return Patch(left, top, composite(self._robots[pose], ground))
+
+    def panels(self, steps: int, total: float) -> tuple[Patch, ...]:
+        """Return the level's panel with the score in it, if it has one."""
+        if self._panels is None or self._panels[0] != (steps, total):
+            self._panels = (steps, total), tuple(self._scored(steps, total))
+        return self._panels[1]
+
+    def _scored(self, steps: int, total: float) -> Iterator[Patch]:
+        layout, score = self._layout, [f"Steps: {steps}", f"Return: {number(total)}"]
+        # A panel is painted alone: beside a grid without columns, or below one without rows.
+        if panel_width(self._level.display.side_panel):
+            strip, overlay = replace(layout, columns=0), Overlay(side_panel=score)
+            left, top = strip.left_width, 0.0
+        elif layout.bottom:
+            strip, overlay = replace(layout, rows=0), Overlay(bottom_panel=["   ".join(score)])
+            left, top = 0.0, strip.top_height
+        else:
+            return
+        shapes = (
+            *panel_shapes(self._level, overlay, strip),
+            *compass_shapes(self._level, strip),
+            *panel_texts(self._level, overlay, strip),
+        )
+        size = round(self._scale * strip.width), round(self._scale * strip.height)
+        pixels = to_rgb(Scene(strip.width, strip.height, shapes), size)
+        pixels = pixels[math.ceil(self._scale * top) :, math.ceil(self._scale * left) :]
+        if top == 0.0:
+            # The strip is as high as the grid beside it.
+            pixels = pixels[: math.floor(self._scale * layout.top_height)]
+        height, width = pixels.shape[:2]
+        yield Patch(self._size[0] - width, 0 if top == 0.0 else self._size[1] - height, pixels)
+
+
+# -- the file -------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
 class Patch:
-    """A part of a frame that is not ground: its top-left corner, and uint8 `[height, width, 3]`."""
+    """A part of a frame that differs: its top-left corner, and uint8 `[height, width, 3]`."""
 
     left: int
     top: int
@@ -28,17 +229,17 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """A frame: what lies on the ground, and how many milliseconds it is shown."""
+    """A frame: the patches on the ground, and the duration in milliseconds."""
 
     patches: tuple[Patch, ...]
     time: int
 
 
 def encoded(ground: NDArray[np.uint8], frames: Sequence[Frame]) -> bytes:
-    """Return frames as a GIF file that plays for ever, without dithering.
+    """Return frames as a GIF file in an endless loop, without dithering.
 
     Args:
-        ground: what all frames have in common, uint8 `[height, width, 3]`.
+        ground: the picture below all frames, uint8 `[height, width, 3]`.
         frames: at least one frame.
     """
     patches = {id(patch): patch for frame in frames for patch in frame.patches}
@@ -89,7 +290,7 @@ def _unpacked(colors: NDArray[np.int32]) -> NDArray[np.int32]:
 
 
 def _palette(colors: NDArray[np.int32], counts: NDArray[np.intp]) -> NDArray[np.int32]:
-    """Return at most 256 colours: the most frequent ones, and what the others come to."""
+    """Return at most 256 colours: the most frequent ones, and a reduction of the others."""
     if colors.size <= _COLORS:
         return colors
     order = np.argsort(-counts, kind="stable")
@@ -101,7 +302,7 @@ def _palette(colors: NDArray[np.int32], counts: NDArray[np.intp]) -> NDArray[np.
 
 
 def _nearest(colors: NDArray[np.int32], palette: NDArray[np.int32]) -> NDArray[np.uint8]:
-    """Return the number of the nearest colour of the palette, for each colour."""
+    """Return the index of the nearest colour of the palette, for each colour."""
     wanted, there = _unpacked(colors), _unpacked(palette)
     distance = np.zeros((colors.size, palette.size), np.int32)
     for channel in range(3):

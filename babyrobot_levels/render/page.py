@@ -1,8 +1,13 @@
-"""The page painter: one HTML file that shows a level and plays it, by itself and without a network.
+"""The page painter: one HTML file that shows a level and plays it, on its own and offline.
 
-What the page plays are the compiled tables. Its chance comes from the generator that the
+The page plays the compiled tables. Its random numbers come from the generator that the
 environments use: a seed and the same actions give the same episode there and here. Opened with a
-link's play part behind a `#`, it shows and plays that level instead.
+link's play part after a `#`, it shows and plays that level instead.
+
+The play part of a link follows the level's share code. It is `~1.`, the number of characters
+after the next `.`, that `.`, and base64url without padding. Its bytes are a CRC-32 of the share
+code and of the packed data (four bytes, big-endian) and the packed data: the page's data as JSON
+in UTF-8, as a raw deflate stream with a preset dictionary.
 """
 
 from __future__ import annotations
@@ -10,18 +15,19 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import zlib
 from collections.abc import Iterator
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.language.share_code import VERSION
+from babyrobot_levels.language.share_code import PLAY_MARK, VERSION, encode
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
-from babyrobot_levels.render.link import MAX_UNPACKED, PLAY_VERSION
-from babyrobot_levels.render.pagedata import (
+from babyrobot_levels.render.page_data import (
     LAYERS,
     Guide,
-    Walker,
+    TooLargeError,
+    WatchedPolicy,
     common_data,
     facts,
     page_data,
@@ -35,37 +41,46 @@ from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
-"""The page's script, in the order in which its parts need each other."""
+"""The parts of the page's script, in the order of their dependencies."""
+
+PLAY_VERSION = 1
+"""The version of play parts; a page reads only its own."""
+
+MAX_LINK = 30_000
+"""The most characters of a link after its `#` that browsers and chats handle reliably."""
+
+MAX_UNPACKED = 4 << 20
+"""The most bytes that a page decompresses."""
 
 
 def to_html(
-    level: Level,
+    level: GridWorld,
     *,
     guide: Guide | None = None,
-    walker: Walker = "best",
+    policy: WatchedPolicy = "best",
     seed: int = 0,
     values: bool = False,
     arrows: bool = False,
 ) -> str:
-    """Return a page on which the level is played with keys, buttons and touch.
+    """Return a page on which the level can be played with keys, buttons and touch.
 
     Args:
         level: the level; a maze needs a seed.
-        guide: the best that can be done, if it is known.
-        walker: who walks when the player watches; without a guide there is no best.
-        seed: what chance is drawn from at first.
-        values: whether the values of cells are shown at once.
-        arrows: whether the best actions are shown at once.
+        guide: the solution of the level, if it is known.
+        policy: the policy that can be watched; without a guide there is no best one.
+        seed: the random seed of the first episode.
+        values: whether the values of cells are shown at first.
+        arrows: whether the optimal actions are shown at first.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
         TooLargeError: the level is too large for a page.
     """
     level = without_panels(level)
-    data = page_data(level, guide=guide, walker=walker, seed=seed, values=values, arrows=arrows)
+    data = page_data(level, guide=guide, policy=policy, seed=seed, values=values, arrows=arrows)
     common = {
         **common_data(),
         "code_version": VERSION,
@@ -75,7 +90,7 @@ def to_html(
     }
     style = _static("page.css")
     script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
-    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.colors_and_widths, 0, 0)))
+    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.resolved_theme, 0, 0)))
     return Template(_static("page.html")).substitute(
         title=escaped(title_of(level)),
         description=escaped(data["description"]),
@@ -91,15 +106,15 @@ def to_html(
 
 
 def embedded_json(data: Any) -> str:
-    """Return data as JSON that can stand in a script element: nothing in it can end that."""
+    """Return data as JSON for a script element, which nothing in it can close."""
     text = json.dumps(data, separators=(",", ":"), allow_nan=False)
     for character in "<>&":
         text = text.replace(character, f"\\u{ord(character):04x}")
     return text
 
 
-def _picture(level: Level, guide: Guide | None, shown: list[str]) -> str:
-    """Return the picture that is seen where no script runs."""
+def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
+    """Return the picture that is shown without JavaScript."""
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
     scene = layers["base"]
@@ -115,13 +130,13 @@ def _picture(level: Level, guide: Guide | None, shown: list[str]) -> str:
     return "\n".join(part for part in parts if part)
 
 
-def _fact_rows(level: Level) -> Iterator[str]:
+def _fact_rows(level: GridWorld) -> Iterator[str]:
     for name, text in facts(level):
         yield f"<dt>{name}</dt><dd><bdi>{escaped(text)}</bdi></dd>"
 
 
 def _security_policy(style: str, script: str) -> str:
-    """Return the policy under which only our own style and script count, and nothing is loaded."""
+    """Return a content security policy that allows this style and script only, and no loading."""
     style_hash, script_hash = (
         base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()
         for text in (style, script)
@@ -134,3 +149,38 @@ def _security_policy(style: str, script: str) -> str:
 
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
+
+
+def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:
+    """Return the part of a link after its `#`: a share code, and the data that a page plays.
+
+    Args:
+        level: the level of the share code.
+        played: the same level with a maze seed, if the level's maze is random.
+        guide: the solution of the level, if it is known.
+
+    Raises:
+        LevelError: the level exceeds the size limit of level files.
+        TooLargeError: the level is too large for a link.
+    """
+    code = encode(level.to_dict(whole=True))
+    text = json.dumps(
+        page_data(played, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
+    )
+    data = text.encode("utf-8")
+    if len(data) > MAX_UNPACKED:
+        raise TooLargeError(
+            f"the level is too large for a link: its data has {len(data):,} bytes, "
+            f"and the limit is {MAX_UNPACKED:,}"
+        )
+    packer = zlib.compressobj(9, zlib.DEFLATED, -zlib.MAX_WBITS, 9, zdict=PLAY_DICTIONARY_1)
+    packed = packer.compress(data) + packer.flush()
+    checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
+    body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + packed).decode().rstrip("=")
+    fragment = f"{code}{PLAY_MARK}{PLAY_VERSION}.{len(body)}.{body}"
+    if len(fragment) > MAX_LINK:
+        raise TooLargeError(
+            f"the level is too large for a link: it would have {len(fragment):,} characters, "
+            f"and the limit is {MAX_LINK:,}"
+        )
+    return fragment

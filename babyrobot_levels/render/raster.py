@@ -4,32 +4,51 @@ from __future__ import annotations
 
 import io
 import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from PIL import Image, ImageDraw
+from PIL import Image, ImageDraw, ImageFont
 
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.render.flatten import Polyline, dashes, polylines
-from babyrobot_levels.render.pen import Pen
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Scene,
+    Shape,
+    Text,
+)
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
+    Translucent = tuple[NDArray[np.uint8], NDArray[np.uint8]]
+    """The ink, and the visible share of the ground of 255; each `[height, width, channels]`."""
+
+
 MAX_SIDE = 4000
-"""A picture that is given no size is at most this many pixels wide and high."""
+"""The largest width and height of a picture without a given size."""
 
 MAX_PIXELS = 64_000_000
-"""The most pixels that are painted at once, before they are averaged down."""
+"""The most pixels that are painted at once, before averaging."""
 
 _MAX_SAMPLES = 4
 _SMALLEST_TEXT = 5.0
-"""Texts of fewer pixels could not be read: they are left out."""
+"""Texts with fewer pixels are left out: they would not be readable."""
+
+_MAX_PARTS = 64
+"""The most lines that a curve becomes."""
 
 Box = tuple[float, float, float, float]
+Ink = int | tuple[int, ...]
+Polyline = tuple[list[Point], bool]
+"""Points, and whether the last is joined to the first."""
 
 
 def to_rgb(
@@ -39,12 +58,12 @@ def to_rgb(
 
     Args:
         scene: the scene.
-        size: width and height in pixels; the scene is stretched to them. None takes the scene's
-            own, or where they are over 4,000, the largest of the same proportions below.
-        background: the colour on which the scene is painted.
+        size: width and height in pixels, to which the scene is stretched. None takes the scene's
+            own, scaled down to at most 4,000 pixels a side.
+        background: the background colour.
 
     Raises:
-        ValueError: the size is not positive, or more than 64 million pixels.
+        ValueError: the size is not positive, or exceeds 64 million pixels.
     """
     return np.array(_paint(scene, size, background))
 
@@ -52,7 +71,7 @@ def to_rgb(
 def to_png(
     scene: Scene, size: tuple[int, int] | None = None, *, colors: int | None = None
 ) -> bytes:
-    """Return the scene as a PNG file; see `to_rgb`. `colors` is how many it has at most."""
+    """Return the scene as a PNG file; see `to_rgb`. `colors` is the largest number of colours."""
     buffer = io.BytesIO()
     image = _paint(scene, size, "white")
     if colors is not None:
@@ -63,8 +82,13 @@ def to_png(
 
 def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image.Image:
     width, height = size or _default_size(scene)
-    if min(width, height) < 1 or width * height > MAX_PIXELS:
-        raise ValueError(f"a picture cannot be {width} x {height} pixels large")
+    if min(width, height) < 1:
+        raise ValueError(f"invalid picture size: {width} x {height} pixels")
+    if width * height > MAX_PIXELS:
+        raise ValueError(
+            f"a picture of {width} x {height} pixels is too large; "
+            f"the limit is {MAX_PIXELS:,} pixels"
+        )
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
     painter = _Painter(image, scene, samples)
@@ -134,12 +158,12 @@ class _Painter:
         if path.dash is not None:
             dash, gap = (self._length * length for length in path.dash)
             if dash < self._samples:
-                # Dashes finer than the picture's pixels are seen as a fainter line.
+                # Dashes finer than a pixel look like a fainter line.
                 opacity *= dash / (dash + gap)
             else:
                 lines = [part for line in lines for part in dashes(line, dash, gap)]
-        if width < 1:
-            width, opacity = 1.0, opacity * width
+        # A line thinner than a pixel is a fainter line of one pixel.
+        opacity, width = opacity * min(width, 1.0), max(width, 1.0)
 
         def stroke(pen: Pen) -> None:
             for line in lines:
@@ -162,13 +186,13 @@ class _Painter:
         )
 
     def _ink(self, color: str, opacity: float, box: Box, draw: Callable[[Pen], None]) -> None:
-        """Draw in a colour, inside of `box`."""
+        """Draw in a colour inside `box`."""
         red, green, blue, alpha = rgba(color)
         alpha *= opacity
         if alpha >= 1:
             draw(Pen(self._draw, (red, green, blue)))
             return
-        # Drawn into a mask first, so that what overlaps itself is not blended twice.
+        # Drawn into a mask first, so that overlapping parts are not blended twice.
         left, top = max(0, math.floor(box[0]) - 1), max(0, math.floor(box[1]) - 1)
         right = min(self._image.width, math.ceil(box[2]) + 2)
         bottom = min(self._image.height, math.ceil(box[3]) + 2)
@@ -182,3 +206,156 @@ def _bounds(lines: list[Polyline], reach: float) -> Box:
     xs = [x for points, _ in lines for x, _ in points]
     ys = [y for points, _ in lines for _, y in points]
     return min(xs) - reach, min(ys) - reach, max(xs) + reach, max(ys) + reach
+
+
+# -- pixels of one colour ---------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Pen:
+    """Draws in `ink` on an image whose top-left pixel is (`left`, `top`) of the picture."""
+
+    draw: ImageDraw.ImageDraw
+    ink: Ink
+    left: int = 0
+    top: int = 0
+
+    def box(self, x0: float, y0: float, x1: float, y1: float, radius: float = 0.0) -> None:
+        """Fill a rectangle, at least a pixel wide and high."""
+        left, top = round(x0) - self.left, round(y0) - self.top
+        # Pillow includes the last column and row.
+        right = max(left, round(x1) - self.left - 1)
+        bottom = max(top, round(y1) - self.top - 1)
+        corners = (left, top, right, bottom)
+        if radius >= 1:
+            self.draw.rounded_rectangle(corners, radius, self.ink)
+        else:
+            self.draw.rectangle(corners, self.ink)
+
+    def ellipse(self, x: float, y: float, rx: float, ry: float) -> None:
+        """Fill an ellipse around (`x`, `y`)."""
+        left, top = round(x - rx) - self.left, round(y - ry) - self.top
+        right = max(left, round(x + rx) - self.left - 1)
+        bottom = max(top, round(y + ry) - self.top - 1)
+        self.draw.ellipse((left, top, right, bottom), self.ink)
+
+    def polygon(self, points: list[Point]) -> None:
+        """Fill a polygon."""
+        # Pillow's coordinates are the centres of pixels.
+        corners = [(round(x - 0.5) - self.left, round(y - 0.5) - self.top) for x, y in points]
+        self.draw.polygon(corners, self.ink)
+
+    def stroke(self, line: Polyline, width: float, *, round_caps: bool) -> None:
+        """Draw a line with round joins."""
+        points, closed = line
+        half = width / 2
+        ends = [*points, points[0]] if closed else points
+        for start, end in pairwise(ends):
+            self._segment(start, end, half)
+        if half >= 1:
+            for x, y in points if round_caps or closed else points[1:-1]:
+                self.ellipse(x, y, half, half)
+
+    def _segment(self, start: Point, end: Point, half: float) -> None:
+        (x0, y0), (x1, y1) = start, end
+        if x0 == x1:
+            self.box(x0 - half, min(y0, y1), x0 + half, max(y0, y1))
+        elif y0 == y1:
+            self.box(min(x0, x1), y0 - half, max(x0, x1), y0 + half)
+        else:
+            length = math.hypot(x1 - x0, y1 - y0)
+            dx, dy = half * (y1 - y0) / length, half * (x0 - x1) / length
+            self.polygon(
+                [(x0 + dx, y0 + dy), (x1 + dx, y1 + dy), (x1 - dx, y1 - dy), (x0 - dx, y0 - dy)]
+            )
+
+    def text(self, x: float, y: float, text: str, size: float, anchor: str, *, bold: bool) -> None:
+        """Write a line in Pillow's own font; it has no bold, so bold text is thickened."""
+        place = (x - self.left, y - self.top)
+        weight = size / 32 if bold else 0
+        self.draw.text(place, text, self.ink, _font(size), anchor, stroke_width=weight)
+
+
+@lru_cache(maxsize=64)
+def _font(size: float) -> ImageFont.FreeTypeFont:
+    font = ImageFont.load_default(size)
+    assert isinstance(font, ImageFont.FreeTypeFont)
+    return font
+
+
+# -- paths as straight lines ------------------------------------------------------------------
+
+
+def polylines(commands: tuple[Command, ...], scale: float = 1.0) -> list[Polyline]:
+    """Return the pieces of a path as polylines; curves look smooth at `scale`."""
+    pieces: list[Polyline] = []
+    for letter, numbers in commands:
+        if letter == "M":
+            pieces.append(([(numbers[0], numbers[1])], False))
+        elif letter == "Z":
+            pieces[-1] = pieces[-1][0], True
+        elif letter == "L":
+            pieces[-1][0].append((numbers[0], numbers[1]))
+        else:
+            points = pieces[-1][0]
+            points += _cubic(points[-1], numbers, scale)
+    return pieces
+
+
+def _cubic(start: Point, numbers: tuple[float, ...], scale: float) -> Iterator[Point]:
+    x1, y1, x2, y2, x3, y3 = numbers
+    x0, y0 = start
+    length = math.dist(start, (x1, y1)) + math.dist((x1, y1), (x2, y2))
+    length += math.dist((x2, y2), (x3, y3))
+    parts = min(_MAX_PARTS, 3 + int(math.sqrt(length * scale)))
+    for part in range(1, parts + 1):
+        t = part / parts
+        u = 1 - t
+        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+        yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
+
+
+def dashes(line: Polyline, dash: float, gap: float) -> Iterator[Polyline]:
+    """Yield the dashes of a line, which begins with a dash."""
+    points, closed = line
+    points = [*points, points[0]] if closed else points
+    drawing, left = True, dash
+    current = [points[0]]
+    for start, end in pairwise(points):
+        length, done = math.dist(start, end), 0.0
+        while length - done > left:
+            done += left
+            share = done / length
+            cut = (
+                start[0] + share * (end[0] - start[0]),
+                start[1] + share * (end[1] - start[1]),
+            )
+            if drawing:
+                yield [*current, cut], False
+            current = [cut]
+            drawing, left = not drawing, gap if drawing else dash
+        left -= length - done
+        current.append(end)
+    if drawing and len(current) > 1:
+        yield current, False
+
+
+# -- translucent pictures ---------------------------------------------------------------------
+
+
+def translucent(paint: Callable[[str], NDArray[np.uint8]]) -> Translucent:
+    """Return a picture that lets the ground show through: painted on black and on white.
+
+    Args:
+        paint: returns the picture on a ground of the given colour.
+    """
+    ink = paint("black")
+    return ink, paint("white") - ink
+
+
+def composite(image: Translucent, ground: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a translucent picture laid on a ground, as far as the ground reaches."""
+    height, width = ground.shape[:2]
+    ink, through = (part[:height, :width] for part in image)
+    seen = (ground.astype(np.uint16) * through + 127) // 255
+    return ink + seen.astype(np.uint8)

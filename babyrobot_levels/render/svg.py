@@ -1,4 +1,4 @@
-"""The SVG painter: one text, self-contained, the same for the same scene."""
+"""The SVG painter: a self-contained document, the same for the same scene."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, S
 
 FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that no XML document may hold, not even escaped."""
+"""Characters that XML documents cannot contain, not even escaped."""
 
 
 def to_svg(scene: Scene, scale: float = 1.0) -> str:
@@ -19,7 +19,7 @@ def to_svg(scene: Scene, scale: float = 1.0) -> str:
 
     Args:
         scene: the scene.
-        scale: how large it is shown, where 1 is the scene's own size.
+        scale: the size at which it is shown; 1 is the scene's own size.
     """
     width, height = number(scene.width), number(scene.height)
     shown = (
@@ -37,7 +37,7 @@ def to_svg(scene: Scene, scale: float = 1.0) -> str:
 
 
 def elements(shapes: Iterable[Shape]) -> str:
-    """Return shapes as SVG elements, one a line, to stand inside of an `<svg>`."""
+    """Return shapes as SVG elements, one per line, for the inside of an `<svg>`."""
     return "\n".join(map(_element, shapes))
 
 
@@ -48,7 +48,7 @@ def number(value: float) -> str:
 
 
 def path_data(commands: tuple[Command, ...]) -> str:
-    """Return a path in SVG's own notation."""
+    """Return a path in SVG notation."""
     return "".join(letter + " ".join(map(number, numbers)) for letter, numbers in commands)
 
 
@@ -97,7 +97,7 @@ def _attributes(shape: Shape) -> Iterator[tuple[str, str]]:
 
 
 def _paint(what: str, color: str | None) -> Iterator[tuple[str, str]]:
-    """Yield a colour; one with alpha as two attributes, which every viewer understands."""
+    """Yield a colour; one with alpha as two attributes, which every viewer supports."""
     if color is None:
         yield what, "none"
     elif color.isalpha() and color != "transparent":
@@ -110,5 +110,5 @@ def _paint(what: str, color: str | None) -> Iterator[tuple[str, str]]:
 
 
 def escaped(text: str) -> str:
-    """Return a text as it may stand between tags; what no document may hold is replaced."""
+    """Return a text escaped for XML; characters that XML cannot contain are replaced."""
     return escape(_NOT_XML.sub("\ufffd", text))

@@ -1,7 +1,6 @@
-"""Drawings on a terminal, each in the place of the last; and on what is none, one below the other.
+"""Drawings on a terminal, each replacing the previous one; in files and pipes, one after another.
 
-This is the one module of the library that writes to standard output, because `"human"` rendering
-means that somebody watches.
+This is the only module of the library that writes to standard output: `"human"` rendering does.
 """
 
 from __future__ import annotations
@@ -17,13 +16,13 @@ _RESET = "\x1b[0m"
 _TOKEN = re.compile(r"\x1b\[[0-9;]*m|.")
 _ROOM = os.terminal_size((80, 24))
 _PROCESSED_AND_VIRTUAL = 0x1 | 0x4
-"""The modes in which a console of Windows understands control characters and escapes."""
+"""The modes in which a Windows console processes control characters and escape sequences."""
 
 
 if sys.platform == "win32":
 
     def _knows_escapes(stream: IO[str]) -> bool:
-        """Have the console of a stream understand escape sequences; tell whether it does."""
+        """Enable escape sequences on the console of a stream; return whether that worked."""
         import ctypes
         import msvcrt
 
@@ -32,7 +31,7 @@ if sys.platform == "win32":
             console = msvcrt.get_osfhandle(stream.fileno())
         except (OSError, ValueError):
             return False
-        # Not all that is called a terminal there is a console: NUL is called one, too.
+        # Not every terminal is a console: NUL counts as a terminal, too.
         if not kernel.GetConsoleMode(console, ctypes.byref(mode)):
             return False
         return bool(kernel.SetConsoleMode(console, mode.value | _PROCESSED_AND_VIRTUAL))
@@ -44,7 +43,7 @@ else:
 
 
 def wants_color(stream: IO[str]) -> bool:
-    """Tell whether to write colour: on a terminal, unless `NO_COLOR` is set."""
+    """Return whether to write colours: on a terminal, unless `NO_COLOR` is set."""
     if os.environ.get("NO_COLOR"):
         return False
     if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
@@ -53,18 +52,18 @@ def wants_color(stream: IO[str]) -> bool:
 
 
 def speaks_unicode(stream: IO[str]) -> bool:
-    """Tell whether box-drawing characters can be written to the stream."""
+    """Return whether the stream can encode box-drawing characters."""
     encoding = (getattr(stream, "encoding", None) or "ascii").lower().replace("-", "")
     return encoding.startswith("utf")
 
 
 def moves_cursor(stream: IO[str]) -> bool:
-    """Tell whether the stream is a terminal on which a drawing can take the place of another."""
+    """Return whether the stream is a terminal on which a drawing can replace the previous one."""
     return stream.isatty() and os.environ.get("TERM") != "dumb" and _knows_escapes(stream)
 
 
 def room_of(stream: IO[str]) -> os.terminal_size:
-    """Return how many columns and lines a terminal has; 80 and 24 where it does not tell."""
+    """Return the columns and lines of a terminal; 80 and 24 if they are unknown."""
     try:
         size = os.get_terminal_size(stream.fileno())
     except (OSError, ValueError):
@@ -73,12 +72,12 @@ def room_of(stream: IO[str]) -> os.terminal_size:
 
 
 def cut_out(lines: Sequence[str], left: int, top: int, width: int, height: int) -> list[str]:
-    """Return the part of a picture that begins at a column and a line, with its colours."""
+    """Return a part of a picture, with its colours; `left` is a column, `top` a line."""
     return [_cut(line, left, width) for line in lines[top : top + height]]
 
 
 def _cut(line: str, left: int, width: int) -> str:
-    """Return `width` columns of a line from `left` on; every character takes one."""
+    """Return `width` columns of a line from `left`; every character takes one."""
     style, column = "", 0
     kept: list[str] = []
     for token in _TOKEN.findall(line):
@@ -93,18 +92,18 @@ def _cut(line: str, left: int, width: int) -> str:
     return "".join(kept) + (_RESET if style else "")
 
 
-def _said(text: str, stream: IO[str]) -> str:
-    """Return a text as a stream can say it: with `?` for each character that it has not."""
+def _encodable(text: str, stream: IO[str]) -> str:
+    """Return a text with `?` for each character that the stream cannot encode."""
     encoding = getattr(stream, "encoding", None)
     return text.encode(encoding, "replace").decode(encoding) if encoding else text
 
 
 class Terminal:
-    """Shows drawings on standard output as it is when the first one is shown.
+    """Shows drawings on the standard output of the time it is created.
 
-    On a terminal each drawing takes the place of the last, and stays for as long as it was asked
-    to. Elsewhere - in a file, a pipe - drawings are written one below the other, at once and
-    without control characters. Where there is no standard output, nothing happens.
+    On a terminal each drawing replaces the previous one, which stays for the requested time. In
+    files and pipes, drawings are written one after another, immediately and without control
+    characters. Without a standard output nothing happens.
     """
 
     def __init__(self) -> None:
@@ -115,11 +114,11 @@ class Terminal:
 
     @property
     def room(self) -> os.terminal_size | None:
-        """How many columns and lines a drawing may have; None for any number."""
+        """The columns and lines available for a drawing; None for no limit."""
         if self._stream is None or not self._moves_cursor:
             return None
         columns, lines = room_of(self._stream)
-        # The cursor stands in the line below.
+        # The cursor is on the line below.
         return os.terminal_size((columns, max(1, lines - 1)))
 
     @property
@@ -129,19 +128,19 @@ class Terminal:
 
     @property
     def takes_unicode(self) -> bool:
-        """Whether drawings may have other characters than those of ASCII."""
+        """Whether drawings may have non-ASCII characters."""
         return self._stream is not None and speaks_unicode(self._stream)
 
     def show(self, lines: Sequence[str], seconds: float) -> None:
         """Show a drawing.
 
         Args:
-            lines: its lines; on a terminal no more than there is `room` for.
-            seconds: how long it stays on a terminal before another one may take its place.
+            lines: its lines; on a terminal at most as many as `room` allows.
+            seconds: how long it stays on a terminal before the next one may replace it.
         """
         if self._stream is None:
             return
-        lines = [_said(line, self._stream) for line in lines]
+        lines = [_encodable(line, self._stream) for line in lines]
         if not self._moves_cursor:
             self._stream.write("".join(f"{line}\n" for line in lines) + "\n")
             return

@@ -1,21 +1,29 @@
-"""Levels as text: the language's own drawing, and one in Unicode for terminals."""
+"""Levels as text: the language's drawing, and one in Unicode, in colour, for terminals."""
 
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.moves import shifts
-from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.mdp.drawn import drawing_of
+from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.render.colors import Rgb, over
+from babyrobot_levels.render.scene.overlay import Overlay, Rows
+from babyrobot_levels.render.scene.walls import GLASS
+from babyrobot_levels.render.terminal import cut_out
+from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.level import LevelFields
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.language.level import LevelSpec
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 ROBOT = "☻"
+PLAIN_ROBOT = "@"
 TO_START = "↻"
 HELD = "◉"
 BLOCK = "█"
@@ -23,56 +31,28 @@ BLOCK = "█"
 _SHOWN = {d.SMALL: "∘", d.LARGE: "◯"}
 _WARPS = "⇒⇘⇓⇙⇐⇖⇑⇗"
 _WINDS = "→↘↓↙←↖↑↗"
-"""Arrows from east on, by the clock."""
+"""Arrows from east, clockwise."""
 
 _JOINTS = "·╵╶└╷│┌├╴┘─┴┐┤┬┼"
-"""By the walls that meet: 1 north, 2 east, 4 south, 8 west."""
+"""The characters of corners by the bit set of walls: 1 north, 2 east, 4 south, 8 west."""
 
 _ACROSS = {d.SOLID: "───", d.GLASS: "╌╌╌", d.OPEN: "   "}
 _DOWN = {d.SOLID: "│", d.GLASS: "╎", d.OPEN: " "}
 
+Style = tuple[Rgb, Rgb]
+"""The colours of a character and its background."""
 
-def drawing_of(level: LevelFields, grid: Grid) -> d.Drawing:
-    """Return what the language's drawing shows of a level."""
-    width, height = grid.width, grid.height
-    cells = [[d.PLAIN] * width for _ in range(height)]
-    if level.map is not None:
-        shown, _ = d.parse(level.map, lambda character: character in level.legend, max(level.size))
-        for character in level.legend if shown else ():
-            for x, y in shown.find(character):  # type: ignore[union-attr]
-                cells[y][x] = character
-    for puddle in level.puddles:
-        x, y = puddle.at
-        cells[y][x] = d.SMALL if puddle.size == "small" else d.LARGE
-    for character, ends in ((d.START, level.starts), (d.EXIT, level.exits)):
-        for x, y in ends:
-            cells[y][x] = character
-    for cell, blocked in enumerate(grid.blocked_cells):
-        if blocked:
-            cells[cell // width][cell % width] = d.BLOCKED
+WIDEST = 16
+"""The widest level whose table of numbers fits on a screen."""
 
-    east, south = _marks(grid, "E"), _marks(grid, "S")
-    rows = range(0, width * height, width)
-    return d.Drawing(
-        tuple("".join(row) for row in cells),
-        tuple(east[first : first + width - 1] for first in rows),
-        tuple(south[first : first + width] for first in rows[:-1]),
-    )
-
-
-def _marks(grid: Grid, side: str) -> str:
-    """Return the drawing's mark for what is on one side of each cell."""
-    solid, glass, nothing = map(ord, (d.SOLID, d.GLASS, d.OPEN))
-    walls = bytes(solid if bits & BIT[side] else nothing for bits in range(256))
-    marks = bytearray(grid.wall_bits.translate(walls))
-    for cell, where in grid.glass:
-        if where == side and marks[cell] == solid:
-            marks[cell] = glass
-    return marks.decode("ascii")
+_RESET = "\x1b[0m"
+_PAPER = (255, 255, 255)
+_WATER = "white"
+_DARK, _LIGHT = (16, 20, 26), (255, 255, 255)
 
 
 def unicode_drawing(
-    level: Level, grid: Grid, *, state: int | None = None, color: bool = False
+    level: GridWorld, grid: Grid, *, state: int | None = None, color: bool = False
 ) -> str:
     """Return a picture for terminals; each line ends with a newline.
 
@@ -84,7 +64,7 @@ def unicode_drawing(
         level: the level.
         grid: its walls and cells.
         state: the cell, `y * width + x`, of the robot.
-        color: whether to paint it in the theme's colours, with 24-bit ANSI escapes.
+        color: whether to use the theme's colours, as 24-bit ANSI escapes.
     """
     drawing = drawing_of(level, grid)
     cells = [list(row) for row in _symbols(level, drawing)]
@@ -92,16 +72,14 @@ def unicode_drawing(
         cells[state // grid.width][state % grid.width] = ROBOT
     lines = ["".join(line) for line in _lines(drawing, cells)]
     if color:
-        from babyrobot_levels.render.ansi import paint
-
-        lines = paint(lines, level, grid, state)
+        lines = _colored(lines, level, grid, state)
     return "\n".join([*lines, ""])
 
 
 def policy_drawing(
-    level: LevelFields, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
+    level: LevelSpec, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
 ) -> str:
-    """Return a picture of where a policy leads; each line ends with a newline.
+    """Return a picture of a policy; each line ends with a newline.
 
     Args:
         level: the level.
@@ -123,8 +101,8 @@ def policy_drawing(
     return "\n".join([*("".join(line) for line in _lines(drawing, cells)), ""])
 
 
-def _symbols(level: LevelFields, drawing: d.Drawing) -> Iterator[list[str]]:
-    """Yield rows of what the cells show. Starts and exits hide warps, and warps hide puddles."""
+def _symbols(level: LevelSpec, drawing: d.Drawing) -> Iterator[list[str]]:
+    """Yield the symbols of the cells by rows. Starts and exits hide warps, warps hide puddles."""
     south, east = shifts(level.wind, drawing.width, drawing.height)
     warps = {warp.at: warp.to for warp in level.warps}
     for y, row in enumerate(drawing.cells):
@@ -152,12 +130,12 @@ def _arrow(arrows: str, east: int, south: int) -> str:
 
 
 def _lines(drawing: d.Drawing, cells: list[list[str]]) -> Iterator[Iterator[str]]:
-    """Yield the lines as their parts; lines of walls and lines of cells by turns."""
+    """Yield the lines as their parts; lines of walls and lines of cells alternate."""
     width, height = drawing.width, drawing.height
     border = d.SOLID * width
     across = [border, *drawing.south, border]
     down = [d.SOLID + row + d.SOLID for row in drawing.east]
-    # Beyond the grid no walls meet the outer one, and nothing is blocked.
+    # Outside the grid there are no walls and no blocked cells.
     blocked = [[False] * (width + 2) for _ in range(height + 2)]
     for x, y in drawing.find(d.BLOCKED):
         blocked[y + 1][x + 1] = True
@@ -192,3 +170,185 @@ def _lines(drawing: d.Drawing, cells: list[list[str]]) -> Iterator[Iterator[str]
         yield wall_line(y)
         yield cell_line(y)
     yield wall_line(height)
+
+
+# -- pictures of one level, one for each state ------------------------------------------------
+
+
+class TextPainter:
+    """Draws a level as text, one picture for each state of the robot.
+
+    Args:
+        level: the level; a maze needs a seed.
+        plain: whether to use ASCII characters only.
+        overlay: what is shown about the level. Arrows are in the cells; values, visits, notes and
+            the lines of panels are below the drawing. The rest is shown by pictures only.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+    """
+
+    def __init__(
+        self, level: GridWorld, *, plain: bool = False, overlay: Overlay | None = None
+    ) -> None:
+        overlay = overlay or Overlay()
+        self._level, self._grid = level, level.grid()
+        if overlay.actions is not None:
+            # A character shows one action, the one with the highest number: moves before stay.
+            policy = [[max(best, default=-1) for best in row] for row in overlay.actions]
+            drawing = policy_drawing(level, self._grid, policy, plain=plain)
+        else:
+            drawing = level.draw() if plain else unicode_drawing(level, self._grid)
+        self._drawing = drawing.splitlines()
+        self._robot = PLAIN_ROBOT if plain else ROBOT
+        self._below = [printable(line) for line in _below(overlay)]
+
+    def lines(
+        self, state: int, *, color: bool = False, room: os.terminal_size | None = None
+    ) -> list[str]:
+        """Return the lines of the picture.
+
+        Args:
+            state: the cell of the robot, `y * width + x`.
+            color: whether to use the theme's colours, as 24-bit ANSI escapes.
+            room: the available columns and lines. Of a larger drawing, the part around the robot
+                is returned.
+        """
+        y, x = divmod(state, self._grid.width)
+        row, column = 2 * y + 1, 4 * x + 2
+        lines = self._drawing.copy()
+        lines[row] = lines[row][:column] + self._robot + lines[row][column + 1 :]
+        if room is None:
+            if color:
+                lines = _colored(lines, self._level, self._grid, state)
+            return [*lines, *self._below]
+        below = cut_out(self._below, 0, 0, room.columns, room.lines // 2)
+        width = min(room.columns, len(lines[0]))
+        height = min(room.lines - len(below), len(lines))
+        left = min(max(0, column - width // 2), len(lines[0]) - width)
+        top = min(max(0, row - height // 2), len(lines) - height)
+        if color:
+            # Only visible lines need colours.
+            shown = [line if top <= n < top + height else "" for n, line in enumerate(lines)]
+            lines = _colored(shown, self._level, self._grid, state)
+        return [*cut_out(lines, left, top, width, height), *below]
+
+
+def _below(overlay: Overlay) -> Iterator[str]:
+    """Yield the lines below the drawing; each block begins with an empty line."""
+    if overlay.values is not None:
+        yield from _table(overlay.values, overlay.precision)
+    if overlay.visits is not None:
+        yield from _table(overlay.visits, 0)
+    notes = [f"[{note.x:g}, {note.y:g}] {note.text}" for note in overlay.notes]
+    for block in (notes, overlay.side_panel, overlay.bottom_panel):
+        if block:
+            yield ""
+        for text in block:
+            yield from text.splitlines()
+
+
+def _table(rows: Rows[float | None], precision: int) -> Iterator[str]:
+    if len(rows[0]) > WIDEST:
+        return
+    yield ""
+    yield from number_lines(rows, precision)
+
+
+# -- tables of numbers ------------------------------------------------------------------------
+
+
+def number_lines(rows: Sequence[Sequence[float | None]], precision: int) -> Iterator[str]:
+    """Yield a line for each row. None and nan give empty cells."""
+    shown = [
+        ["" if value is None or math.isnan(value) else f"{value:.{precision}f}" for value in row]
+        for row in rows
+    ]
+    width = max(len(text) for row in shown for text in row)
+    for row in shown:
+        yield "  ".join(text.rjust(width) for text in row).rstrip()
+
+
+# -- colours ----------------------------------------------------------------------------------
+
+
+def _colored(lines: list[str], level: GridWorld, grid: Grid, state: int | None) -> list[str]:
+    """Return the lines of a terminal picture with ANSI escapes, reset at the end of each.
+
+    Args:
+        lines: the picture without colours: cells of three characters, walls between them.
+        level: the level; its theme gives the colours.
+        grid: its walls and cells.
+        state: the cell of the robot, if it is in the picture.
+    """
+    palette = _Palette(level, grid, state)
+    return ["".join(palette.line(line, row)) + _RESET for row, line in enumerate(lines)]
+
+
+class _Palette:
+    """The colours of each character of the picture; rows and columns are those of the text."""
+
+    def __init__(self, level: GridWorld, grid: Grid, state: int | None) -> None:
+        self._colors = colors = level.resolved_theme.colors
+        self._width, self._height, self._state = grid.width, grid.height, state
+        self._base = over(colors.base, _PAPER)
+        self._grounds = [[self._base] * grid.width for _ in range(grid.height)]
+        for area in level.areas:
+            if area.color is not None:
+                (x, y), (columns, rows) = area.at, area.size
+                for row in self._grounds[y : y + rows]:
+                    row[x : x + columns] = [over(area.color, g) for g in row[x : x + columns]]
+        for puddle in level.puddles:
+            x, y = puddle.at
+            self._grounds[y][x] = over(colors.puddle, self._grounds[y][x])
+        self._texts = {}
+        for cells, ground, text in (
+            (level.starts, colors.start, colors.start_text),
+            (level.exits, colors.exit, colors.exit_text),
+        ):
+            for x, y in cells:
+                self._grounds[y][x] = over(ground, self._grounds[y][x])
+                self._texts[x, y] = text
+        self._inks = {"∘": _WATER, "◯": _WATER, "█": colors.blocked, "·": colors.lines}
+        self._inks |= {"╌": GLASS, "╎": GLASS}
+
+    def line(self, text: str, row: int) -> Iterator[str]:
+        """Yield the parts of a line, with an escape where the style changes."""
+        last: Style | None = None
+        for column, character in enumerate(text):
+            is_cell = row % 2 and column % 4
+            style = (self._cell if is_cell else self._wall)(row, column, character)
+            if style != last:
+                (red, green, blue), (r, g, b) = style
+                yield f"\x1b[38;2;{red};{green};{blue};48;2;{r};{g};{b}m"
+                last = style
+            yield character
+
+    def _cell(self, row: int, column: int, character: str) -> Style:
+        x, y = column // 4, row // 2
+        ground = self._grounds[y][x]
+        if y * self._width + x == self._state:
+            ground = over(self._colors.robot, ground)
+            return _readable_on(ground), ground
+        ink = self._texts.get((x, y)) or self._inks.get(character)
+        if ink is None and character.isascii():
+            return _readable_on(ground), ground
+        return over(ink or self._colors.arrows, ground), ground
+
+    def _wall(self, row: int, column: int, character: str) -> Style:
+        is_outer = row in (0, 2 * self._height) or column in (0, 4 * self._width)
+        ground = self._base if is_outer else self._common_ground(row, column)
+        plain = self._colors.border if is_outer else self._colors.walls
+        return over(self._inks.get(character, plain), ground), ground
+
+    def _common_ground(self, row: int, column: int) -> Rgb:
+        """Return the background that the cells around a wall share, or the base colour."""
+        rows = {(row - 1) // 2, row // 2}
+        columns = {(column - 1) // 4, column // 4}
+        grounds = {self._grounds[y][x] for y in rows for x in columns}
+        return grounds.pop() if len(grounds) == 1 else self._base
+
+
+def _readable_on(ground: Rgb) -> Rgb:
+    red, green, blue = ground
+    return _DARK if 0.299 * red + 0.587 * green + 0.114 * blue > 110 else _LIGHT

@@ -1,4 +1,8 @@
-"""Diagnostics: what is wrong with a level, where, and what to do about it. Frozen values."""
+"""What is wrong with a file, where, and what to do about it: issues and diagnostics.
+
+An `Issue` points into a document by keys, by characters of its drawing, or by a span of its text.
+A `Diagnostic` is an issue placed in its file, by line and column. Both are frozen values.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +31,7 @@ class Edit:
 
 @dataclass(frozen=True, slots=True)
 class Fix:
-    """Edits that mend a finding. `safe` says that they leave the game as it is."""
+    """Edits that fix an issue. `safe` says that they leave the MDP unchanged."""
 
     message: str
     edits: tuple[Edit, ...]
@@ -46,6 +50,54 @@ class Fix:
             for edit in self.edits
         ]
         return {"message": self.message, "safe": self.safe, "edits": edits}
+
+
+Route = tuple[str | int, ...]
+"""The keys and indices that lead to a value, as in `("walls", 2, "side")`; `()` is the whole file.
+
+A route that is deeper than the file stands for the deepest part that is there.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """The name of the field at a route, and not its value."""
+
+    route: Route
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Characters of the drawing in `map`: line and column from 0, and how many."""
+
+    row: int
+    column: int
+    length: int
+
+
+Location = Route | Key | Mark | Span
+"""Where an issue is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Issue:
+    """Something wrong with a document, which knows nothing of files yet.
+
+    Attributes:
+        code: the stable code, `BR` and three digits.
+        location: where it is.
+        message: what is wrong.
+        help: what to do about it.
+        fix: edits that do it.
+        severity: how bad it is.
+    """
+
+    code: str
+    location: Location
+    message: str
+    help: str | None = None
+    fix: Fix | None = None
+    severity: Severity = Severity.ERROR
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +120,7 @@ class Diagnostic:
 
     @property
     def span(self) -> Span:
-        """Where the fault stands."""
+        """Where the faulty text is."""
         return Span(Position(self.line, self.column), self.end)
 
     @property

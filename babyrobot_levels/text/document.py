@@ -2,32 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from babyrobot_levels.text.source import SourceFile, Span
-
-Route = Sequence[str | int]
-"""The way to a value: keys and indices from the top, as in `("walls", 2, "side")`."""
-
-
-@dataclass(frozen=True, slots=True)
-class YamlProblem:
-    """A fault of the text itself: its code, its place, and what to say."""
-
-    code: str
-    span: Span
-    message: str
-    help: str | None = None
-
-
-class YamlFault(Exception):
-    """The text cannot be read as data at all. Carries the one problem that says why."""
-
-    def __init__(self, problem: YamlProblem):
-        self.problem = problem
-        super().__init__(problem.message)
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Location, Mark, Route
+from babyrobot_levels.text.source import START, Position, SourceFile, Span
 
 
 @dataclass(slots=True)
@@ -57,11 +36,11 @@ class Node:
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """A text that was read: `data` is plain Python, `problems` are faults that did not stop it."""
+    """A text that was read: `data` is plain Python, `issues` are what did not stop it."""
 
     source: SourceFile
     root: Node
-    problems: tuple[YamlProblem, ...]
+    issues: tuple[Issue, ...]
 
     @property
     def data(self) -> Any:
@@ -77,14 +56,68 @@ class Document:
             node = node.children[segment]
         return node, len(route)
 
-    def span(self, route: Route, *, key: bool = False) -> Span:
-        """Return where the route's value stands, or its key if `key` is set.
+    def span(self, location: Location) -> Span:
+        """Return where a location is in the text.
 
-        A route that goes deeper than the file gives the deepest part that is there.
+        A route that is deeper than the file gives the deepest part that is there.
         """
-        node, depth = self.node(route)
-        if key and route and depth == len(route):
-            parent, _ = self.node(route[:-1])
-            if route[-1] in parent.keys:
-                return parent.keys[route[-1]].span
-        return node.span
+        if isinstance(location, Span):
+            return location
+        if isinstance(location, Mark):
+            return self._drawing_span(location) or self.span(("map",))
+        if isinstance(location, Key):
+            *above, name = location.route
+            parent, depth = self.node(tuple(above))
+            if depth == len(above) and name in parent.keys:
+                return parent.keys[name].span
+            location = location.route
+        return self.node(location)[0].span
+
+    def diagnostic(self, issue: Issue) -> Diagnostic:
+        """Return an issue placed in this file; one of the whole file points to its first line."""
+        span = Span(START, Position(1, len(self.source.line(1)) + 1))
+        if issue.location:
+            span = self.span(issue.location)
+        return diagnostic_of(issue, span, self.source)
+
+    def _drawing_span(self, mark: Mark) -> Span | None:
+        """Return where characters of the drawing are; None if it is no block of literal text."""
+        node, depth = self.node(("map",))
+        if not node.block or depth < 1:
+            return None
+        # The text of a block scalar begins on the line below its `|`, less a common indentation.
+        first = node.span.start.line + 1
+        if not self.source.line(first + mark.row).strip():
+            return None
+        start = Position(first + mark.row, self._indent(node, first) + mark.column + 1)
+        # What is missing at the end of a line is shown there, but takes no room.
+        end = min(start.column + mark.length, len(self.source.line(start.line)) + 1)
+        return Span(start, Position(start.line, end))
+
+    def _indent(self, node: Node, first: int) -> int:
+        """Return the indentation of the text of a block scalar that begins on a line."""
+        begin = 0
+        for line in range(first, len(self.source.lines) + 1):
+            whole = self.source.line(line)
+            end = node.data.find("\n", begin)
+            text = node.data[begin : end if end >= 0 else None]
+            if text:
+                return len(whole) - len(text)
+            begin = end + 1
+        return 0
+
+
+def diagnostic_of(issue: Issue, span: Span, source: SourceFile) -> Diagnostic:
+    """Return an issue placed at a span of a file."""
+    return Diagnostic(
+        issue.code,
+        issue.severity,
+        issue.message,
+        source.name,
+        span.start.line,
+        span.start.column,
+        span.end,
+        issue.fix,
+        help=issue.help,
+        source=source,
+    )

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 
 
 class BabyRobotError(Exception):
@@ -17,7 +15,7 @@ class LevelError(BabyRobotError, ValueError):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
 
     Raised by everything that reads a level. `diagnostics` is empty where the level came from
-    Python and has no text to point at; the message then says it all.
+    Python and has no text to point at; the message is then complete by itself.
     """
 
     def __init__(self, diagnostics: Iterable[Diagnostic] = (), message: str | None = None):
@@ -33,8 +31,20 @@ class LevelError(BabyRobotError, ValueError):
         parts += [str(diagnostic) for diagnostic in self.diagnostics]
         return "\n\n".join(parts) or "the level cannot be used"
 
+    def _render_traceback_(self) -> list[str]:
+        """Return what IPython shows: the diagnostics, without frames of this library."""
+        return [f"{type(self).__name__}: {self}"]
+
     def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
         return type(self), (self.diagnostics, self.message)
+
+
+class InvalidDocument(ValueError):
+    """Issues on their way through a pydantic validator, which lets only a `ValueError` pass."""
+
+    def __init__(self, issues: Iterable[Issue]):
+        self.issues = tuple(issues)
+        super().__init__("; ".join(issue.message for issue in self.issues))
 
 
 class LevelNotFoundError(BabyRobotError, LookupError):

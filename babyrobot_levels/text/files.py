@@ -1,4 +1,4 @@
-"""Files: read within limits, and written whole or not at all."""
+"""Files: read within limits, and written atomically."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from pathlib import Path
 from types import FrameType
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.reader import MAX_BYTES
-from babyrobot_levels.text.source import START, Position, SourceFile
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile
 
 SUFFIXES = (".yaml", ".yml")
 PACK_FILE = "pack.yaml"
@@ -28,23 +28,6 @@ _MAX_PREFIX = 40
 """So many characters of a file's name does its temporary name begin with."""
 
 
-class ReadFault(Exception):
-    """A file that cannot be read as a text. Carries the diagnostic that says why."""
-
-    def __init__(
-        self,
-        code: str,
-        name: str,
-        message: str,
-        help_text: str | None = None,
-        place: Position = START,
-    ):
-        self.diagnostic = Diagnostic(
-            code, Severity.ERROR, message, name, place.line, place.column, place, help=help_text
-        )
-        super().__init__(message)
-
-
 class NotRegularError(OSError):
     """A device, a pipe or a socket where a file is needed."""
 
@@ -53,23 +36,23 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     """Read a level's text. `name` is what messages call it, the path as given if left out.
 
     Raises:
-        ReadFault: there is no such file, it is not a regular one, too large, or not UTF-8.
+        LevelError: there is no such file, it is not a regular one, too large, or not UTF-8.
     """
     shown = name or str(path)
     try:
         data = read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
-        raise ReadFault("BR101", shown, "this is a folder, not a level file") from None
+        raise _unreadable("BR101", shown, "this is a directory, not a file") from None
     except NotRegularError:
-        raise ReadFault("BR101", shown, "this is not a regular file") from None
+        raise _unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        raise ReadFault("BR101", shown, "there is no such file") from None
+        raise _unreadable("BR101", shown, "no such file") from None
     except PermissionError:
-        raise ReadFault("BR101", shown, "the file may not be read (permission denied)") from None
+        raise _unreadable("BR101", shown, "permission denied") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise ReadFault("BR101", shown, f"the file cannot be read ({reason})") from None
-    return decode(data, shown)
+        raise _unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
+    return source_of(data, shown)
 
 
 def read_bytes(path: Path, limit: int) -> bytes:
@@ -83,7 +66,7 @@ def read_bytes(path: Path, limit: int) -> bytes:
     try:
         descriptor = os.open(path, flags)
     except PermissionError:
-        # What Windows says of folders.
+        # Windows raises this for folders.
         if is_folder(path):
             raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path)) from None
         raise
@@ -110,33 +93,52 @@ def is_folder(path: Path) -> bool:
     return os.path.isdir(path)  # noqa: PTH112
 
 
-def decode(data: bytes, name: str) -> SourceFile:
+def user_folder() -> Path:
+    """Return the user's own folder for levels and packs, which need not be there."""
+    from platformdirs import user_data_path
+
+    return user_data_path("babyrobot-levels", appauthor=False)
+
+
+def source_of(data: bytes, name: str) -> SourceFile:
     """Return bytes as a text.
 
     Raises:
-        ReadFault: they are too many, or not UTF-8.
+        LevelError: they are too many, or not UTF-8.
     """
     if len(data) > MAX_BYTES:
-        raise ReadFault("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
+        raise _unreadable("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
     try:
         return SourceFile(name, data.decode("utf-8"))
     except UnicodeDecodeError as error:
         before = SourceFile(name, data[: error.start].decode("utf-8"))
-        message = f"byte {error.start + 1} (0x{data[error.start]:02x}) is not UTF-8"
+        message = f"invalid UTF-8: byte {error.start + 1} (0x{data[error.start]:02x})"
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-            message = "the file is UTF-16, not UTF-8"
+            message = "the file is encoded as UTF-16"
         place = before.position(len(before.text))
-        raise ReadFault("BR102", name, message, "save the file as UTF-8", place) from None
+        raise _unreadable("BR102", name, message, "save the file in UTF-8", place) from None
+
+
+def _unreadable(
+    code: str, name: str, message: str, help_text: str | None = None, place: Position = START
+) -> LevelError:
+    return LevelError(
+        [
+            Diagnostic(
+                code, Severity.ERROR, message, name, place.line, place.column, place, help=help_text
+            )
+        ]
+    )
 
 
 def write_text(path: Path, text: str, *, sync: bool = True) -> None:
-    """Write a file under a temporary name beside it, and rename it when it is whole.
+    """Write a file atomically: under a temporary name beside it, which is then renamed.
 
-    The folder is made if it is not there. An existing file's permissions are kept.
+    The folder is created if it is missing. An existing file's permissions are kept.
 
     Args:
         path: the file.
-        text: what shall stand in it.
+        text: its new contents.
         sync: whether to wait until the disk has it. Without that, a crash of the machine may leave
             the file empty; the end of this process, in whatever way, may not.
     """
@@ -175,7 +177,7 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
 
 @contextmanager
 def _uninterrupted() -> Iterator[None]:
-    """Put Ctrl-C off until what is inside is done: no temporary file is left behind."""
+    """Delay Ctrl-C until the block is done, so that no temporary file is left behind."""
     if threading.current_thread() is not threading.main_thread():
         # Others are not interrupted.
         yield

@@ -9,17 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import yaml
 
-from babyrobot_levels.text.document import Document, Node, YamlFault, YamlProblem
+from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.document import Document, Node, diagnostic_of
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.scalars import is_integer, resolve
 from babyrobot_levels.text.source import START, Position, SourceFile, Span
-from babyrobot_levels.text.suggest import did_you_mean
-from babyrobot_levels.text.words import plain_words, shortened
+from babyrobot_levels.text.words import did_you_mean, plain_words, shortened
 
-MAX_BYTES = 1 << 20
 MAX_DEPTH = 64
 MAX_NODES = 100_000
 MAX_DIGITS = 40
@@ -29,11 +31,20 @@ _Parser: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _CORE = "tag:yaml.org,2002:"
 
 
+def open_document(path: Path, name: str | None = None) -> Document:
+    """Read a file as one YAML document. `name` is what messages call it, the path if left out.
+
+    Raises:
+        LevelError: the file cannot be read, is not YAML, or exceeds a limit.
+    """
+    return read(read_source(path, name))
+
+
 def read(source: SourceFile) -> Document:
     """Read one YAML document.
 
     Raises:
-        YamlFault: the text is not YAML, or breaks a limit.
+        LevelError: the text is not YAML, or exceeds a limit.
     """
     return _Builder(source).build()
 
@@ -55,7 +66,7 @@ class _Open:
 class _Builder:
     def __init__(self, source: SourceFile):
         self.source = source
-        self.problems: list[YamlProblem] = []
+        self.issues: list[Issue] = []
         self.anchors: dict[str, Node | None] = {}
         self.stack: list[_Open] = []
         self.root: Node | None = None
@@ -66,22 +77,22 @@ class _Builder:
     def build(self) -> Document:
         if self.source.text.startswith("\ufeff"):
             # The first byte order mark was none of the text; the parser would not count a second.
-            raise YamlFault(self._character_problem(0))
+            raise self._character_error(0)
         self._check_directives()
         try:
             parser = _Parser(self.source.text)
         except yaml.YAMLError as error:
-            raise YamlFault(self._syntax_problem(error)) from None
+            raise self._syntax_error(error) from None
         except UnicodeEncodeError as error:
-            raise YamlFault(self._character_problem(error.start)) from None
+            raise self._character_error(error.start) from None
         try:
             self._take_all(parser.get_event)
         except yaml.YAMLError as error:
-            raise YamlFault(self._syntax_problem(error)) from None
+            raise self._syntax_error(error) from None
         finally:
             parser.dispose()
         root = self.root or Node(None, self.source, 0, 0, _NOTHING, _NOTHING)
-        return Document(self.source, root, tuple(self.problems))
+        return Document(self.source, root, tuple(self.issues))
 
     def _take_all(self, next_event: Callable[[], Any]) -> None:
         # Most of the time that checking a file takes is spent here.
@@ -104,17 +115,17 @@ class _Builder:
     def _begin_document(self, event: Any) -> None:
         self.documents += 1
         if self.documents > 1:
-            message = "a level file holds one document, and here a second one begins"
-            help_text = "remove the `---`, or put the second level into a file of its own"
-            raise YamlFault(YamlProblem("BR106", self._span(event), message, help_text))
+            message = "a second document begins here; a file contains one"
+            help_text = "remove the `---`, or move the second document to its own file"
+            raise self._error("BR106", self._span(event), message, help_text)
 
     def _open(self, event: Any) -> None:
         is_mapping = type(event) is yaml.MappingStartEvent
         if event.tag is not None:
             self._check_tag(event, ["map" if is_mapping else "seq"])
         if len(self.stack) >= MAX_DEPTH:
-            message = f"lists and mappings are nested more than {MAX_DEPTH} deep"
-            raise YamlFault(YamlProblem("BR109", self._span(event), message))
+            message = f"lists and mappings are nested more than {MAX_DEPTH} levels deep"
+            raise self._error("BR109", self._span(event), message)
         first, last = event.start_mark.index, event.end_mark.index
         node = Node({} if is_mapping else [], self.source, first, last, {}, {})
         if event.anchor:
@@ -135,8 +146,8 @@ class _Builder:
         """Put a finished node into the container that is open, or at the top."""
         self.nodes += 1
         if self.nodes > MAX_NODES:
-            message = f"the file holds more than {MAX_NODES:,} values"
-            raise YamlFault(YamlProblem("BR108", node.span, message))
+            message = f"the file has more than {MAX_NODES:,} values"
+            raise self._error("BR108", node.span, message)
         if anchor:
             self.anchors[anchor] = node
         if not self.stack:
@@ -146,9 +157,9 @@ class _Builder:
         container = parent.node
         container.size += node.size
         if container.size > MAX_NODES:
-            what = "aliases expand to" if self.has_aliases else "the file holds"
+            what = "aliases expand to" if self.has_aliases else "the file has"
             message = f"{what} more than {MAX_NODES:,} values"
-            raise YamlFault(YamlProblem("BR108", node.span, message))
+            raise self._error("BR108", node.span, message)
         if not parent.is_mapping:
             container.children[len(container.data)] = node
             container.data.append(node.data)
@@ -161,8 +172,8 @@ class _Builder:
     def _add_pair(self, mapping: Node, key: Node, value: Node) -> None:
         name = key.data
         if isinstance(name, dict | list):
-            self.problems.append(
-                YamlProblem("BR203", key.span, "a field's name is a text, not a list or a mapping")
+            self.issues.append(
+                Issue("BR203", key.span, "a field name must be text, not a list or a mapping")
             )
             return
         if not isinstance(name, str):
@@ -170,9 +181,9 @@ class _Builder:
             name = self.source.text[key.first : key.last] or str(name)
         if name in mapping.keys:
             first = mapping.keys[name].span.start
-            message = f"`{shortened(name)}` stands here a second time"
-            message += f"; line {first.line} has it already"
-            self.problems.append(YamlProblem("BR105", key.span, message, "keep one of the two"))
+            message = f"duplicate field `{shortened(name)}`"
+            message += f", first given on line {first.line}"
+            self.issues.append(Issue("BR105", key.span, message, "remove one of them"))
             return
         mapping.keys[name] = key
         mapping.children[name] = value
@@ -181,13 +192,13 @@ class _Builder:
     def _take_alias(self, event: Any) -> None:
         name = event.anchor
         if name not in self.anchors:
-            message = f"the alias `*{shortened(name)}` refers to an anchor that is not above it"
+            message = f"undefined alias `*{shortened(name)}`"
             message += did_you_mean(name, self.anchors)
-            raise YamlFault(YamlProblem("BR108", self._span(event), message))
+            raise self._error("BR108", self._span(event), message)
         target = self.anchors[name]
         if target is None:
-            message = f"the alias `*{shortened(name)}` would contain itself"
-            raise YamlFault(YamlProblem("BR108", self._span(event), message))
+            message = f"the alias `*{shortened(name)}` contains itself"
+            raise self._error("BR108", self._span(event), message)
         self.has_aliases = True
         first, last = event.start_mark.index, event.end_mark.index
         node = Node(
@@ -213,15 +224,15 @@ class _Builder:
             return event.value
         value = self._resolved(event)
         if not isinstance(value, types[kind]):  # type: ignore[arg-type]
-            message = f"`{shortened(event.value)}` cannot be read as a `!!{kind}`"
-            self.problems.append(YamlProblem("BR107", self._span(event), message))
+            message = f"`{shortened(event.value)}` is not a valid `!!{kind}`"
+            self.issues.append(Issue("BR107", self._span(event), message))
         return value
 
     def _resolved(self, event: Any) -> Any:
         text = event.value
         if len(text) > MAX_DIGITS and is_integer(text):
-            message = f"a number of {len(text)} characters is too long"
-            self.problems.append(YamlProblem("BR111", self._span(event), message))
+            message = f"the number has too many digits ({len(text)} characters)"
+            self.issues.append(Issue("BR111", self._span(event), message))
             return 0
         return resolve(text)
 
@@ -230,43 +241,51 @@ class _Builder:
         text = self.source.text
         if text.count("%TAG") > MAX_TAG_DIRECTIVES:
             last = self.source.position(text.rindex("%TAG"))
-            message = f"there are more than {MAX_TAG_DIRECTIVES} `%TAG`, and a level has no tags"
+            message = f"more than {MAX_TAG_DIRECTIVES} `%TAG` directives"
             span = Span(last, Position(last.line, last.column + len("%TAG")))
-            raise YamlFault(YamlProblem("BR107", span, message, "remove them"))
+            raise self._error("BR107", span, message, "remove them")
 
     def _check_tag(self, event: Any, allowed: list[str]) -> None:
         tag = event.tag
         if tag != "!" and tag not in [_CORE + name for name in allowed]:
             shown = tag.replace(_CORE, "!!")
-            message = f"the tag `{shortened(shown)}` is not allowed: a level is plain data"
-            raise YamlFault(YamlProblem("BR107", self._span(event), message, "remove the tag"))
+            message = f"the tag `{shortened(shown)}` is not allowed"
+            raise self._error("BR107", self._span(event), message, "remove the tag")
+
+    def _error(
+        self, code: str, span: Span, message: str, help_text: str | None = None
+    ) -> LevelError:
+        issue = Issue(code, span, message, help_text)
+        return LevelError([diagnostic_of(issue, span, self.source)])
 
     def _span(self, event: Any) -> Span:
         # By index, because the parser ends lines also where editors do not.
         position = self.source.position
         return Span(position(event.start_mark.index), position(event.end_mark.index))
 
-    def _syntax_problem(self, error: yaml.YAMLError) -> YamlProblem:
+    def _syntax_error(self, error: yaml.YAMLError) -> LevelError:
         if isinstance(error, yaml.reader.ReaderError):
             # libyaml counts bytes here.
             before = self.source.text.encode("utf-8")[: error.position]
-            return self._character_problem(len(before.decode("utf-8", "ignore")))
+            return self._character_error(len(before.decode("utf-8", "ignore")))
         mark, begin = getattr(error, "problem_mark", None), getattr(error, "context_mark", None)
         position = self.source.position(mark.index) if mark else START
         words = plain_words(
             getattr(error, "problem", None) or "the parser gives up",
             getattr(error, "context", None) or "",
-            self.source.line(position.line),
-            position.column,
+            self.source.lines,
+            *position,
         )
-        if words.at_beginning and begin is not None:
+        if words.place is not None:
+            position = Position(*words.place)
+        elif words.at_beginning and begin is not None:
             position = self.source.position(begin.index)
-        return YamlProblem("BR104", self._span_at(position), words.message, words.help)
+        return self._error("BR104", self._span_at(position), words.message, words.help)
 
-    def _character_problem(self, index: int) -> YamlProblem:
+    def _character_error(self, index: int) -> LevelError:
         span = self._span_at(self.source.position(index))
         code = ord(self.source.text[index])
-        return YamlProblem("BR104", span, f"the character U+{code:04X} cannot stand in a YAML file")
+        return self._error("BR104", span, f"the character U+{code:04X} is not allowed in YAML")
 
     def _span_at(self, position: Position) -> Span:
         """Return the span of one character, or of none at the end of a line."""

@@ -21,7 +21,7 @@ def is_plain_string(text: str) -> bool:
 
 
 def is_integer(text: str) -> bool:
-    """Tell whether YAML reads `text`, written without quotes, as a whole number."""
+    """Tell whether YAML reads `text`, written without quotes, as an integer."""
     return _INT.fullmatch(text) is not None
 
 
@@ -29,7 +29,7 @@ def resolve(text: str) -> Any:
     """Return what a scalar without quotes means: None, a boolean, a number, or the text itself.
 
     Raises:
-        ValueError: a whole number has more digits than Python converts.
+        ValueError: an integer has more digits than Python converts.
     """
     if text in _WORDS:
         return _WORDS[text]

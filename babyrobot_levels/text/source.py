@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+MAX_BYTES = 1 << 20
+"""The most bytes of a file that is read as a text."""
+
 EXCERPT_WIDTH = 96
 """The most columns of a source line that a message shows; longer lines are cut around the caret."""
 

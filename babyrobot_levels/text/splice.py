@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from babyrobot_levels.text.document import Document, YamlFault
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit_field
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
@@ -44,9 +45,9 @@ def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:
 def _read(text: str) -> Document | None:
     try:
         document = read(SourceFile("", text))
-    except YamlFault:
+    except LevelError:
         return None
-    return document if isinstance(document.data, dict) and not document.problems else None
+    return document if isinstance(document.data, dict) and not document.issues else None
 
 
 def _lines_of(document: Document, name: str) -> tuple[int, int]:

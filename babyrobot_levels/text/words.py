@@ -1,74 +1,158 @@
-"""The YAML parser's complaints in the words of people who write levels."""
+"""Words for messages: what the YAML parser means, the nearest known name, shortened values."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+import difflib
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
 
 SHORT = 40
 """How many characters of a text from a file a message repeats."""
 
 
-@dataclass(frozen=True, slots=True)
-class Words:
-    """What to say of a fault, what to do, and whether it is shown where the part begins.
+LINES_BACK = 100
+"""So many lines above an error are searched for its cause."""
 
-    The parser notices some faults only at the end of the text or a line later; what is not closed
-    is better shown where it opens.
+
+class Words(NamedTuple):
+    """What a syntax error means.
+
+    Attributes:
+        message: what is wrong.
+        help: what to do about it.
+        at_beginning: whether it is shown where the part begins. The parser notices some errors
+            only at the end of the text; what is not closed is better shown where it opens.
+        place: line and column (from 1) of the cause, if it is somewhere else.
     """
 
     message: str
     help: str | None = None
     at_beginning: bool = False
+    place: tuple[int, int] | None = None
 
 
-def plain_words(problem: str, context: str, line: str, column: int) -> Words:
-    """Say a parser's complaint as a person would.
+_NO_SPACE = re.compile(r"\s*[a-z_]+:(?=[^\s:/])")
+_DRAWING = re.compile(r"[+|]")
+_BLOCK_MAP = re.compile(r"\s*map:\s*\|[-+]?\s*(#.*)?")
+_COMMENT_COLOR = re.compile(r"[:,\[{]\s+(#[0-9a-fA-F]{3,8}\b)")
+
+
+def plain_words(problem: str, context: str, lines: Sequence[str], line: int, column: int) -> Words:
+    """Return what a syntax error means.
 
     Args:
         problem: what the parser says is wrong.
         context: what it was doing.
-        line: the line on which it noticed.
+        lines: the lines of the text.
+        line: the line on which it noticed, from 1.
         column: the place in the line, from 1.
     """
+    text = lines[line - 1] if line <= len(lines) else ""
+    here, before = text[column - 1 : column], text[: column - 1].strip()
+    if here == "\t" or ("\t" in text[: column - 1] and not before):
+        return Words("tabs cannot be used for indentation", "indent with spaces")
+    return (
+        _unindented_drawing(lines, line)
+        or _comment_for_color(lines, line)
+        or _missing_space(problem, lines, line)
+        or _by_problem(problem, context, text, column)
+    )
+
+
+def _unindented_drawing(lines: Sequence[str], line: int) -> Words | None:
+    """Recognise a drawing that is not indented below its `map: |`."""
+    for number in range(min(line, len(lines)), 1, -1):
+        if not _DRAWING.match(lines[number - 1]):
+            continue
+        if _BLOCK_MAP.fullmatch(lines[number - 2]):
+            help_text = "indent the drawing below `map: |`, for example by two spaces"
+            return Words("the drawing is not indented", help_text, place=(number, 1))
+    return None
+
+
+def _comment_for_color(lines: Sequence[str], line: int) -> Words | None:
+    """Recognise a colour without quotes in flow style, which YAML takes for a comment."""
+    for number in range(min(line, len(lines)), max(line - LINES_BACK, 0), -1):
+        text = lines[number - 1]
+        found = _COMMENT_COLOR.search(text)
+        if found is not None and re.search(r"[\[{]", text[: found.start() + 1]):
+            help_text = f'put quotes around the colour: `"{found[1]}"`'
+            return Words("`#` begins a comment here", help_text, place=(number, found.start(1) + 1))
+    return None
+
+
+def _missing_space(problem: str, lines: Sequence[str], line: int) -> Words | None:
+    """Recognise `field:value`, of which the parser complains on a line below."""
+    if "mapping values are not allowed" not in problem and "expected ':'" not in problem:
+        return None
+    for number in (line, line - 1):
+        text = lines[number - 1] if 0 < number <= len(lines) else ""
+        found = _NO_SPACE.match(text)
+        if found is not None:
+            message = "missing space after `:`"
+            return Words(message, "add a space after `:`", place=(number, found.end()))
+    return None
+
+
+def _by_problem(problem: str, context: str, line: str, column: int) -> Words:
     here, before = line[column - 1 : column], line[: column - 1].strip()
-    if here == "\t" or ("\t" in line[: column - 1] and not before):
-        return Words("a tab cannot indent YAML", "indent with spaces")
     if "mapping values are not allowed" in problem:
         return Words(
-            "a `:` cannot stand here",
-            "check the indentation, or put quotes around a text that holds `: `",
+            "unexpected `:`",
+            "check the indentation, or put quotes around text that contains `: `",
         )
     if "could not find expected ':'" in problem:
-        return Words("a field's name must be followed by `: ` and a value", None, True)
+        return Words("expected `: ` and a value after the field name", None, True)
     if "',' or ']'" in problem:
-        return Words("this `[` is not closed, or a `,` is missing", "close the list with `]`", True)
+        return Words("`[` is not closed, or a `,` is missing", "close the list with `]`", True)
     if "',' or '}'" in problem:
-        return Words(
-            "this `{` is not closed, or a `,` is missing", "close the mapping with `}`", True
-        )
+        return Words("`{` is not closed, or a `,` is missing", "close the mapping with `}`", True)
     if "unexpected end of stream" in problem and "quoted" in context:
-        return Words("this quote is not closed", "end the text with the same quote", True)
+        return Words("the quote is not closed", "end the text with the same quote", True)
     if "unknown escape" in problem:
         return Words(
-            f"`\\{line[column : column + 1]}` means nothing between double quotes",
+            f"`\\{line[column : column + 1]}` is not a valid escape in double quotes",
             "write `\\\\` for a backslash, or use single quotes",
         )
     if "cannot start any token" in problem:
-        return Words(f"a text cannot begin with `{here}`", "put quotes around it")
+        return Words(f"text cannot begin with `{here}`", "put quotes around it")
     if "document start" in problem:
-        return Words("a level file holds one document, and this one has ended above")
+        return Words("content after the end of the document", "a file contains one document")
     if "expected key" in problem or "'-' indicator" in problem:
         if before and before != "-":
-            return Words("the value is complete before this", "put quotes around the whole text")
+            return Words("unexpected text after the value", "put quotes around the whole text")
         return Words(
-            "this line does not fit the indentation above it",
-            "fields of one mapping, and entries of one list, begin in one column",
+            "the indentation does not match the lines above",
+            "start the fields of a mapping, and the entries of a list, in the same column",
         )
-    return Words(f"this is not YAML: {problem}" + (f" {context}" if context else ""))
+    return Words(f"invalid YAML: {problem}" + (f" {context}" if context else ""))
 
 
 def shortened(value: Any) -> str:
     """Return a text or a number as a message repeats it: on one line, and not too long."""
     text = str(value).replace("\n", " ")
     return text if len(text) <= SHORT else text[: SHORT - 3] + "…"
+
+
+MAX_LENGTH = 64
+"""Longer texts are not compared, which would take long."""
+
+
+def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
+    """Return up to `count` of the known names that look like `name`, the likeliest first."""
+    if len(name) > MAX_LENGTH:
+        return []
+    by_folded = {candidate.casefold(): candidate for candidate in known}
+    folded = name.casefold()
+    matches = difflib.get_close_matches(folded, list(by_folded), n=count, cutoff=0.6)
+    if not matches and len(folded) > 2:
+        # Abbreviations are unlike the whole word.
+        matches = [candidate for candidate in by_folded if candidate.startswith(folded)][:count]
+    return [by_folded[match] for match in matches]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return `; did you mean …?` with the nearest known name, or an empty text."""
+    found = nearest(name, known, 1)
+    return f"; did you mean `{found[0]}`?" if found else ""

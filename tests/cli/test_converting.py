@@ -30,7 +30,7 @@ def test_strict_writes_nothing_if_anything_is_lost() -> None:
     Path("grid.txt").write_text(sample("minigrid")["KeyCorridorS3R2"], encoding="utf-8")
     result = babyrobot("import", "grid.txt", "-o", "level.yaml", "--strict")
     assert (result.status, result.out) == (1, "")
-    assert result.err.startswith("error: K: keys are left out")
+    assert "error: objects: 3 doors, 1 locked door, 1 key, 1 ball left out" in result.err
     assert not Path("level.yaml").exists()
     assert babyrobot("import", "grid.txt", "-o", "level.yaml").status == 0
     assert brl.load("level.yaml").starts == ((2, 2),)
@@ -74,11 +74,19 @@ def test_a_level_file_is_no_world_of_another_program() -> None:
     )
 
 
+def test_a_map_with_dots_and_an_exit_has_one_exit() -> None:
+    Path("map.txt").write_text("######\n#S...#\n#..#E#\n######\n", encoding="utf-8")
+    result = babyrobot("import", "map.txt")
+    assert result.status == 0
+    assert brl.loads(result.out).exits == ((3, 1),)
+    assert result.err.startswith("warning: `.`: read as free, because `E` marks the exit")
+
+
 def test_a_map_that_has_no_room_in_a_file_is_told_what_has() -> None:
     Path("lake.txt").write_text("\n".join(["S" + "F" * 499] * 500), encoding="utf-8")
     result = babyrobot("import", "lake.txt")
     assert (result.status, result.out) == (1, "")
-    assert result.err.startswith("lake.txt: error: the level would be too much for one file")
+    assert result.err.startswith("lake.txt: error: the level would be too large for one file")
     assert "360 by 360" in result.err
 
 

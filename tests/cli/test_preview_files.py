@@ -19,7 +19,7 @@ from support.sessions import Result, environment, run_here
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.cli.pictures import MAX_STEPS
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.render.animation import Step, to_gif
+from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
 

@@ -14,13 +14,12 @@ from support.packs import write_files, zoo
 from support.places import ROOT
 from support.sessions import environment, run_here
 
-from babyrobot_levels.cli.commands import COMMANDS as LINES
 from babyrobot_levels.cli.commands import app
 from babyrobot_levels.cli.reference import reference
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
 GROUP: Any = typer.main.get_command(app)
-COMMANDS: dict[str, Any] = {name: GROUP.get_command(None, name) for name in LINES}
+COMMANDS: dict[str, Any] = dict(GROUP.commands)
 
 
 def section(name: str) -> str:

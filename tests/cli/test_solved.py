@@ -46,7 +46,7 @@ def test_a_picture_shows_policy_and_values_only_as_asked(tmp_path: Path) -> None
     def picture(*options: str) -> str:
         return babyrobot(tmp_path, "preview", "frozen-lake", "--format", "svg", *options).out
 
-    arrows = f'stroke="{load("frozen-lake").colors_and_widths.colors.arrows}"'
+    arrows = f'stroke="{load("frozen-lake").resolved_theme.colors.arrows}"'
     assert arrows not in picture("--values")
     assert arrows in picture("--policy")
     assert sorted(texts(picture("--policy"))) == ["EXIT", "START"]

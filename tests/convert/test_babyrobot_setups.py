@@ -1,4 +1,4 @@
-"""Setups of PyPI babyrobot: they become the games that the package plays, and setups again."""
+"""Setups of PyPI babyrobot: they become the MDPs that the package plays, and setups again."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from support.places import TESTS
 from support.worlds import level_of
 
 import babyrobot_levels as brl
+from babyrobot_levels.convert.babyrobot import reading, toggles
 from babyrobot_levels.convert.babyrobot.reading import read_setup
 from babyrobot_levels.convert.babyrobot.writing import setup_of, write_setup
 from babyrobot_levels.convert.conversion import ConversionError
@@ -25,11 +26,9 @@ RECORD = json.loads((TESTS / "oracles" / "babyrobot.json").read_text(encoding="u
 
 Setup = dict[str, Any]
 
-each_record = pytest.mark.parametrize("number", range(200))
-
 
 def lost(setup: Setup) -> dict[str, str]:
-    """Return what a setup says that a level cannot, by name."""
+    """Return the messages of what a level does not keep of a setup, by name."""
     return {each.field: each.message for each in read_setup(setup).lost}
 
 
@@ -37,47 +36,49 @@ def fields(setup: Setup) -> dict[str, Any]:
     return read_setup(setup).fields
 
 
-# -- the recorded worlds of the package ------------------------------------------------------
+# -- recorded worlds of the package ----------------------------------------------------------
 
 
-@each_record
-def test_a_recorded_setup_is_the_recorded_level(number: int) -> None:
-    record = RECORD[number]
-    level = brl.from_setup(record["setup"])
-    assert level.digest == level_of(record["level"]).digest
+def test_recorded_setups_are_the_recorded_levels() -> None:
+    assert len(RECORD) == 200
+    for number, record in enumerate(RECORD):
+        level = brl.from_setup(record["setup"])
+        assert level.digest == level_of(record["level"]).digest, number
 
 
-@each_record
-def test_a_recorded_setup_has_the_recorded_transitions(number: int) -> None:
-    record = RECORD[number]
-    mdp = brl.from_setup(record["setup"]).compile()
-    for key, transitions in record["transitions"].items():
-        x, y, action = map(int, key.split(","))
-        expected: dict[tuple[int, float], float] = {}
-        for probability, (to_x, to_y), reward in transitions:
-            outcome = (to_y * mdp.width + to_x, reward)
-            expected[outcome] = expected.get(outcome, 0) + probability
-        found = {
-            (state, reward): probability
-            for probability, state, reward, _ in mdp.outcomes(y * mdp.width + x, action)
-        }
-        assert found == pytest.approx({o: p for o, p in expected.items() if p > 1e-12}, abs=1e-9)
+def test_recorded_setups_have_the_recorded_transitions() -> None:
+    for number, record in enumerate(RECORD):
+        mdp = brl.from_setup(record["setup"]).compile()
+        for key, transitions in record["transitions"].items():
+            x, y, action = map(int, key.split(","))
+            expected: dict[tuple[int, float], float] = {}
+            for probability, (to_x, to_y), reward in transitions:
+                outcome = (to_y * mdp.width + to_x, reward)
+                expected[outcome] = expected.get(outcome, 0) + probability
+            found = {
+                (state, reward): probability
+                for probability, state, reward, _ in mdp.outcomes(y * mdp.width + x, action)
+            }
+            expected = {outcome: p for outcome, p in expected.items() if p > 1e-12}
+            assert found.keys() == expected.keys(), (number, key)
+            for outcome, p in expected.items():
+                assert abs(found[outcome] - p) < 1e-9, (number, key)
 
 
-@each_record
-def test_a_recorded_setup_comes_back(number: int) -> None:
-    setup = RECORD[number]["setup"]
-    level = brl.from_setup(setup)
-    written = write_setup(level)
-    assert written.warnings == ()
-    again = ast.literal_eval(written.text)
-    assert brl.from_setup(again).digest == level.digest
-    # What does not touch the game comes back as well.
-    assert fields(again).get("areas") == fields(setup).get("areas")
-    assert fields(again).get("theme") == fields(setup).get("theme")
+def test_recorded_setups_come_back() -> None:
+    for number, record in enumerate(RECORD):
+        setup = record["setup"]
+        level = brl.from_setup(setup)
+        written = write_setup(level)
+        assert written.warnings == (), number
+        again = ast.literal_eval(written.text)
+        assert brl.from_setup(again).digest == level.digest, number
+        # Fields that do not change the MDP come back as well.
+        assert fields(again).get("areas") == fields(setup).get("areas"), number
+        assert fields(again).get("theme") == fields(setup).get("theme"), number
 
 
-def test_the_gallerys_final_maze_is_the_setup_that_it_was() -> None:
+def test_final_maze_of_the_gallery_is_the_setup_of_the_package() -> None:
     setup, lost_ones = setup_of(brl.load("final-maze"))
     assert setup == {
         "width": 8,
@@ -114,28 +115,28 @@ def test_walls_of_glass_in_a_maze_are_toggled_twice() -> None:
 # -- keyword by keyword ----------------------------------------------------------------------
 
 
-def test_nothing_said_is_the_packages_grid_of_three_by_three() -> None:
+def test_an_empty_setup_is_a_grid_of_three_by_three() -> None:
     level = brl.from_setup({})
     assert (level.size, level.starts, level.exits) == ((3, 3), ((0, 0),), ((2, 2),))
     assert level.rewards.exit == -1
 
 
-def test_numpys_values_and_tuples_are_taken() -> None:
+def test_numpy_values_and_tuples_are_accepted() -> None:
     setup = {"width": np.int64(4), "start": (np.int32(1), 0), "puddles": [((2, 2), np.int8(2))]}
     assert brl.from_setup(setup).puddles[0].size == "large"
 
 
-@pytest.mark.parametrize("stands", [True, False])
-def test_a_wall_toggles_what_is_there(stands: bool) -> None:
+@pytest.mark.parametrize("is_there", [True, False])
+def test_an_entry_toggles_a_wall(is_there: bool) -> None:
     maze = {"width": 8, "height": 5, "end": [5, 4], "add_maze": True, "maze_seed": 42}
-    side = ((2, 0), "E") if stands else ((5, 2), "E")
+    side = ((2, 0), "E") if is_there else ((5, 2), "E")
     found = fields({**maze, "walls": [side]})
     entry = {"at": [*side[0]], "side": "E"}
-    assert found.get("openings") == ([entry] if stands else None)
-    assert found.get("walls") == (None if stands else [entry])
+    assert found.get("openings") == ([entry] if is_there else None)
+    assert found.get("walls") == (None if is_there else [entry])
 
 
-def test_toggling_twice_changes_nothing_but_what_the_wall_is_like() -> None:
+def test_toggling_twice_changes_only_the_properties_of_a_wall() -> None:
     maze = {"width": 8, "height": 5, "add_maze": True, "maze_seed": 42}
     twice = [((2, 0), "E"), ((3, 0), "W")]
     assert brl.from_setup({**maze, "walls": twice}).digest == brl.from_setup(maze).digest
@@ -144,7 +145,7 @@ def test_toggling_twice_changes_nothing_but_what_the_wall_is_like() -> None:
     assert found["walls"] == [{"at": [3, 0], "side": "W", "pass": 0.3}]
 
 
-def test_one_bounces_off_glass_that_lets_nobody_through() -> None:
+def test_the_robot_bounces_off_glass_of_probability_zero() -> None:
     # The level of the article on Monte Carlo methods, with the values that the package prints.
     look = {"color": "#00a9ff", "width": 10, "fit": True}
     setup = {
@@ -163,7 +164,7 @@ def test_one_bounces_off_glass_that_lets_nobody_through() -> None:
     assert ast.literal_eval(written.text)["walls"] == [((1, 1), "S", {**look, "prob": 0})]
 
 
-def test_one_entry_may_put_walls_and_take_some_away() -> None:
+def test_one_entry_may_add_and_remove_walls() -> None:
     walls = [((1, 1), "S"), ((0, 1, 3), "S", {"color": "Blue", "width": 6, "fit": False})]
     found = fields({"walls": walls})
     look = {"color": "blue", "width": 6, "fit": True}
@@ -174,14 +175,14 @@ def test_one_entry_may_put_walls_and_take_some_away() -> None:
     assert "openings" not in found
 
 
-def test_the_outer_wall_stays_and_what_is_off_the_grid_does_nothing() -> None:
+def test_the_outer_wall_and_edges_off_the_grid_are_not_toggled() -> None:
     setup = {"walls": [((0, 0), "W"), ((1, 2, 9), "N"), ((7, 7), "N")]}
     assert brl.load(fields(setup)).grid().open[0, 0].tolist() == [False, True, True, False]
     assert list(lost(setup)) == ["walls[0]", "walls[1]", "walls[2]"]
 
 
 @pytest.mark.parametrize("blocked", [True, False])
-def test_a_maze_that_the_language_would_grow_otherwise_is_written_out(blocked: bool) -> None:
+def test_a_maze_that_a_level_would_generate_differently_becomes_walls(blocked: bool) -> None:
     # The package grows its maze through cells that are off the grid, and from `start`.
     maze: Setup = {"width": 6, "height": 5, "add_maze": True, "maze_seed": 3, "start": [2, 2]}
     other: Setup = {"base_areas": [(4, 1)]} if blocked else {"initial_pos": [0, 0]}
@@ -227,20 +228,38 @@ def test_of_two_puddles_in_a_cell_the_first_one_counts() -> None:
     assert [*lost(setup)] == ["puddles[2]"]
 
 
-def test_puddle_properties_are_the_chances_of_not_skidding() -> None:
+def test_puddle_properties_are_probabilities_of_not_skidding() -> None:
     props = {"large_reward": -10, "large_prob": 0.1, "small_reward": -5, "small_prob": 0.2}
     types = brl.from_setup({"puddle_props": props}).puddle_types
     assert (types.large.reward, types.large.skid) == (-10, 0.9)
     assert (types.small.reward, types.small.skid) == (-5, 0.8)
 
 
-def test_rewards_are_counted_without_their_fractions_as_the_package_does() -> None:
+def test_rewards_lose_their_fractions_as_in_the_package() -> None:
     setup = {"grid_areas": [((1, 1), "Red", -2.7)], "puddle_props": {"large_reward": -0.5}}
     assert fields(setup)["areas"] == [{"at": [1, 1], "color": "red", "reward": -2}]
     assert lost(setup) == {
         "puddle_props large_reward": "the package counts -0.5 as 0",
         "grid_areas[0]": "the package counts -2.7 as -2",
     }
+
+
+@pytest.mark.parametrize(
+    ("limit", "setup", "message"),
+    [
+        ("MAX_TOGGLES", {"walls": [((0, 0, 3), "S"), ((0, 1, 2), "S")]}, "walls toggle more than"),
+        ("MAX_BLOCKED", {"base_areas": [(0, 0, 2, 2), (1, 0)]}, "base_areas cover more than"),
+    ],
+)
+def test_the_work_for_a_setup_is_bounded(
+    limit: str, setup: Setup, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    module = toggles if limit == "MAX_TOGGLES" else reading
+    monkeypatch.setattr(module, limit, 5)
+    read_setup(setup)
+    monkeypatch.setattr(module, limit, 4)
+    with pytest.raises(ConversionError, match=message):
+        read_setup(setup)
 
 
 def test_areas_are_cut_at_the_edge_of_the_grid() -> None:
@@ -268,8 +287,8 @@ def test_base_areas_are_blocked_in_all_their_forms() -> None:
     assert list(lost(setup)) == ["base_areas[2] borders"]
 
 
-def test_blocked_areas_that_overlap_are_written_row_by_row() -> None:
-    # The package stumbles over a cell that is taken away twice.
+def test_overlapping_blocked_areas_are_written_without_overlaps() -> None:
+    # The package fails on a cell that is removed twice.
     blocked = [{"at": [0, 1], "size": [2, 2]}, {"at": [1, 1], "size": [2, 1]}]
     level = level_of({"version": 1, "size": [4, 4], "blocked": blocked, "rewards": {"exit": -1}})
     setup, _ = setup_of(level)
@@ -277,7 +296,7 @@ def test_blocked_areas_that_overlap_are_written_row_by_row() -> None:
     assert level_of_world(read_setup(setup)).digest == level.digest
 
 
-def test_what_it_looks_like_is_kept() -> None:
+def test_looks_are_kept() -> None:
     setup = {
         "add_compass": True,
         "show_start_text": False,
@@ -323,7 +342,7 @@ def test_themes_are_kept_by_their_names(theme: str) -> None:
     assert setup_of(level)[0]["grid"] == {"theme": theme}
 
 
-def test_another_theme_is_a_file_that_is_not_here() -> None:
+def test_an_unknown_theme_is_lost() -> None:
     assert list(lost({"grid": {"theme": "mine"}})) == ["grid theme"]
 
 
@@ -335,14 +354,14 @@ def test_an_end_off_the_grid_is_no_exit(end: list[int]) -> None:
     assert setup_of(level)[0]["end"] == (-1, -1)
 
 
-def test_what_is_about_playing_is_told_where_it_goes_now() -> None:
+def test_keywords_about_playing_name_their_replacements() -> None:
     told = lost({"seed": 3, "render_mode": "human", "action_space": "discrete"})
     assert "env.reset" in told["seed"]
     assert "level.make" in told["render_mode"]
     assert "level.make" in told["action_space"]
 
 
-def test_an_unknown_keyword_is_told_with_the_nearest_known_one() -> None:
+def test_an_unknown_keyword_suggests_a_known_one() -> None:
     assert "did you mean `puddles`?" in lost({"puddels": []})["puddels"]
 
 
@@ -351,7 +370,7 @@ def test_from_setup_warns_of_what_it_cannot_keep() -> None:
         brl.from_setup({"seed": 1})
 
 
-FAULTS: dict[str, Setup] = {
+INVALID: dict[str, Setup] = {
     "width": {"width": "3"},
     "width and height": {"width": 2000},
     "start": {"start": [3, 0]},
@@ -371,14 +390,14 @@ FAULTS: dict[str, Setup] = {
 }
 
 
-@pytest.mark.parametrize("name", FAULTS)
-def test_faults_are_told_by_the_name_that_they_have_in_the_setup(name: str) -> None:
+@pytest.mark.parametrize("name", INVALID)
+def test_errors_name_the_value_in_the_setup(name: str) -> None:
     with pytest.raises(ConversionError) as caught:
-        brl.from_setup(FAULTS[name])
+        brl.from_setup(INVALID[name])
     assert str(caught.value).startswith(name)
 
 
-def test_a_setup_that_is_no_level_is_an_error() -> None:
+def test_a_setup_that_is_not_a_valid_level_is_an_error() -> None:
     with pytest.raises(brl.LevelError, match="start"):
         brl.from_setup({"start": [2, 2]})
 
@@ -423,7 +442,7 @@ anything: st.SearchStrategy[Any] = st.recursive(
 
 
 @given(st.dictionaries(keywords, anything, max_size=6))
-def test_whatever_is_in_a_setup_is_a_level_or_a_clear_error(setup: Setup) -> None:
-    # Anything but a `LevelError` would be a fault of ours.
+def test_any_setup_is_a_level_or_a_level_error(setup: Setup) -> None:
+    # Any other exception is a bug.
     with suppress(brl.LevelError):
         assert brl.load(fields(setup)).digest.startswith("sha256:")

@@ -1,4 +1,4 @@
-"""The document about formats says what is so: its examples run, and its table has all formats."""
+"""The examples of the document about formats run, and its tables are complete."""
 
 from __future__ import annotations
 
@@ -41,10 +41,10 @@ def test_the_keywords_are_all_explained() -> None:
     assert KEYWORDS - set(_PLAYING) <= explained
 
 
-def test_the_session_is_what_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_session_shows_what_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     call = ["export", "final-maze", "--to", "sokoban", "--strict"]
-    told = run_here(call, environment(tmp_path)).err.splitlines()
+    printed = run_here(call, environment(tmp_path)).err.splitlines()
     shown = re.findall(r"^error: .*$", TEXT, re.MULTILINE)
     assert len(shown) == 3
-    assert set(shown) <= set(told)
+    assert set(shown) <= set(printed)

@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 from support.places import DOCS, ROOT
+from support.reading import read_level
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import Colors, Theme, Widths
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.diagnostics import Diagnostic
@@ -27,7 +27,9 @@ LINES = TEXT.splitlines()
 
 OUTCOMES = re.compile(r"outcomes of (\w+) at \[(\d+), (\d+)\]")
 ERROR = re.compile(r"error (BR\d{3})")
-KINDS = re.compile(rf"draws|fragment|report|same digest|skid rules|theme|{ERROR.pattern}")
+KINDS = re.compile(
+    rf"draws|fragment|report|same digest|skid rules|theme|{ERROR.pattern}|lint( BR\d{{3}})+"
+)
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,7 @@ def test_the_outcomes_are_those_of_the_level_before(block: Block) -> None:
     mdp = level_of(yaml_before(block)).compile()
     state = int(match[3]) * mdp.width + int(match[2])
     outcomes = mdp.outcomes(state, Action[match[1].upper()])
-    assert block.text.startswith("| stands on | probability | reward |")
+    assert block.text.startswith("| next cell | probability | reward |")
     assert [
         [f"[{there % mdp.width}, {there // mdp.width}]", pytest.approx(chance), reward]
         for chance, there, reward, _ in outcomes
@@ -192,6 +194,13 @@ def test_the_skid_rules_are_as_in_the_table(block: Block) -> None:
         assert [float(value) for value in told] == [
             pytest.approx(chances.get(cell, 0)) for cell in around
         ]
+
+
+def test_a_start_can_be_hidden_as_shown() -> None:
+    block = next(block for block in YAML if "start_text: transparent" in block.text)
+    level = level_of(block)
+    pictures = [level.replace(start=cell).to_png() for cell in ([0, 0], [1, 1])]
+    assert pictures[0] == pictures[1]
 
 
 @of_kind("same digest")
@@ -229,7 +238,7 @@ def test_every_field_is_described(model: type[BaseModel]) -> None:
 
 def test_the_table_of_all_fields_is_complete_and_in_order() -> None:
     begin = LINES.index("## All fields")
-    end = LINES.index("## Texts for people")
+    end = LINES.index("## Metadata")
     rows = [cells_of(line)[0] for line in LINES[begin:end] if line.startswith("| `")]
     assert rows == list(LevelFields.model_fields)
 

@@ -6,8 +6,9 @@ import re
 from pathlib import Path
 
 import pytest
-from support.places import DOCS, GALLERY_FOLDER, ROOT
+from support.places import DOCS, EXAMPLES, GALLERY_FOLDER, ROOT
 from support.sessions import environment, run_here
+from support.subprocesses import python
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.scene.build import build_scene
@@ -84,13 +85,37 @@ def test_the_commands_of_the_readme_name_scripts_that_are_there(script: str) -> 
     assert (ROOT / "scripts" / script).is_file()
 
 
+def test_the_demo_shows_the_robot_at_the_exit_in_a_few_lines(tmp_path: Path) -> None:
+    level = GALLERY_FOLDER / "final-maze.yaml"
+    done = python(EXAMPLES / "play.py", str(level), cwd=tmp_path, timeout=120)
+    assert (done.returncode, done.stderr) == (0, "")
+    lines = done.stdout.splitlines()
+    assert len(lines) < 25
+    assert re.fullmatch(r"final-maze: at the exit \[5, 4\] after \d+ steps, return -\d+", lines[-2])
+    assert lines[-1].endswith("optimal: -36.58")
+
+
+def test_the_demo_plays_every_kind_of_level(tmp_path: Path) -> None:
+    for level in ("random-maze", "gridworld-3-5", "treasure-chests"):
+        done = python(EXAMPLES / "play.py", level, cwd=tmp_path, timeout=120)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_demo_names_its_files_and_git_ignores_them() -> None:
+    script = (ROOT / "scripts" / "demo.sh").read_text(encoding="utf-8")
+    written = re.findall(r"--output (\S+)", script)
+    assert written == ["demo.png", "demo.gif"]
+    ignored = (ROOT / ".gitignore").read_text(encoding="utf-8").splitlines()
+    assert all(name in ignored and name in script.splitlines()[-1] for name in written)
+
+
 def test_the_readme_counts_the_gallery() -> None:
     files = [path for path in GALLERY_FOLDER.rglob("*.yaml") if path.parent.name != "suites"]
     assert f"the gallery: {len(files)} levels" in README
 
 
 def test_links_lead_somewhere() -> None:
-    pages = [ROOT / "README.md", *(DOCS).glob("*.md"), ROOT / "benchmarks" / "README.md"]
+    pages = [*ROOT.glob("*.md"), *DOCS.glob("*.md"), ROOT / "benchmarks" / "README.md"]
     for page in pages:
         for target in re.findall(r"\]\(([^)#:]+)[^):]*\)", page.read_text(encoding="utf-8")):
             assert (page.parent / target).exists(), f"{page.name}: {target}"

@@ -12,8 +12,8 @@ from support.places import DOCS
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.share_code import load_code
 from babyrobot_levels.language.share_dictionary import DICTIONARY_1
+from babyrobot_levels.library.reading import load_code
 
 TEXT = (DOCS / "sharing.md").read_text("utf-8")
 

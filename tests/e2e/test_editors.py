@@ -85,7 +85,7 @@ def test_the_task_understands_what_is_printed(project: Path) -> None:
         "column": "11",
         "severity": "error",
         "code": "BR203",
-        "message": "`size[1]` must be a whole number, not the text `x`",
+        "message": "`size[1]` must be an integer, not the text `x`",
     }
     assert {each["file"] for each in told} == {"levels/bad.yaml", "levels/shut.yaml"}
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel
 from support.places import GALLERY_FOLDER, ROOT
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
@@ -43,7 +43,6 @@ ARTICLE_WORLDS = {
     "areas",
     "blocked-shapes",
     "glass-wall",
-    "image-maze",
 }
 
 each_level = pytest.mark.parametrize("name", FILES)
@@ -401,6 +400,10 @@ def test_image_maze() -> None:
     assert level.max_steps == 200
     assert level.description is not None
     assert 'observation="image"' in level.description
+    # It is not one of the Baby Robot articles' worlds.
+    assert level.source is not None
+    assert "Thanakorn Panyapiang" in level.source
+    assert "baby-robot" not in level.tags
 
 
 # -- the other worlds ------------------------------------------------------------------------

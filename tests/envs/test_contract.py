@@ -30,8 +30,8 @@ from support.playing import (
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.registration import register_levels
 from babyrobot_levels.envs.spaces import ACTION_SETS
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.text.files import user_folder
 
 LEVEL_ID = "babyrobot/Level-v0"
 MAX_WAY = 20_000

@@ -229,7 +229,7 @@ def test_what_was_made_before_is_there(jobs: str, babyrobot: Babyrobot) -> None:
         (["--count", "2", "--split", "a=0.5,b=0.6"], "--split: the shares add up to 1.1"),
         (["--count", "2", "--split", "a=0.9,b=0.1"], "--split: of 2 levels, none is left for `b`"),
         (["--count", "2", "--split", "../x=1"], "--split: "),
-        (["--count", "2", "--theme", "pink"], "there is no theme `pink`"),
+        (["--count", "2", "--theme", "pink"], "unknown theme `pink`"),
         (["--count", "2", "--name", "level"], "--name: invalid pattern 'level'"),
         (["--count", "2", "--name", "../{index}"], "--name: invalid pattern '../{index}'"),
         (["--count", "2", "--name", "{index.real}"], "--name: invalid pattern '{index.real}'"),

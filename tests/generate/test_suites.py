@@ -256,7 +256,7 @@ def test_faults_are_told_where_they_stand(tmp_path: Path, monkeypatch: pytest.Mo
     for command in ("validate", "lint", "format"):
         done = run_here([command, str(path)], environment(tmp_path))
         assert done.status == 1
-        assert "faulty.yaml:4:8: error BR401: there is no theme `pink`" in done.out
+        assert "faulty.yaml:4:8: error BR401: unknown theme `pink`" in done.out
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from support.worlds import LEGEND, World, drawings, level_of, level_of_text, wor
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.validation import parse as load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Mark
 from babyrobot_levels.text.source import SourceFile
 
 MAX_SIZE = 1024
@@ -25,8 +25,14 @@ SHOWN = """\
 """
 
 
-def parse(text: str, known: str = "~x9") -> tuple[d.Drawing | None, list[d.DrawingProblem]]:
+def parse(text: str, known: str = "~x9") -> tuple[d.Drawing | None, list[Issue]]:
     return d.parse(text, lambda character: character in known, MAX_SIZE)
+
+
+def mark(issue: Issue) -> tuple[int, int, int]:
+    """Return row, column and length of what an issue points to."""
+    assert isinstance(issue.location, Mark)
+    return issue.location.row, issue.location.column, issue.location.length
 
 
 def drawn(text: str, **fields: Any) -> Level:
@@ -185,9 +191,10 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
         assert problems
         lines = changed.split("\n")
         for problem in problems:
-            assert 0 <= problem.row < len(lines)
-            assert 0 <= problem.column <= len(lines[problem.row])
-            assert problem.length >= 1
+            row, column, length = mark(problem)
+            assert 0 <= row < len(lines)
+            assert 0 <= column <= len(lines[row])
+            assert length >= 1
     else:
         assert not problems
         assert parse(d.compose(other)) == (other, [])
@@ -206,35 +213,35 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
         ("+---+", 0, 0, 5, "ends in the middle"),
         ("+---+\n| S |", 1, 0, 5, "ends in the middle"),
         ("+---+\n| S |\n+---+\n| S |", 3, 0, 5, "ends in the middle"),
-        ("+---+\n| S  |\n+---+", 1, 5, 1, "has 6 characters, the first has 5"),
-        ("+---+\n| S\n+---+", 1, 3, 1, "has 3 characters, the first has 5"),
+        ("+---+\n| S  |\n+---+", 1, 5, 1, "has 6 characters, the first one has 5"),
+        ("+---+\n| S\n+---+", 1, 3, 1, "has 3 characters, the first one has 5"),
         ("+---+\n\n+---+", 1, 0, 1, "has 0 characters"),
-        ("*---+\n| S |\n+---+", 0, 0, 1, "a corner is `+`, not `*`"),
-        ("+---+\n| S |\n+---*", 2, 4, 1, "a corner is `+`, not `*`"),
-        ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is no wall"),
-        ("+---+\n| S |\n+-- +\n|   |\n+---+", 2, 1, 3, "`-- ` is no wall"),
-        ("+   +\n| S |\n+---+", 0, 1, 3, "the wall around the level"),
-        ("+---+\n| S |\n+- -+", 2, 1, 3, "the wall around the level"),
-        ("+---+\n: S |\n+---+", 1, 0, 1, "the wall around the level"),
-        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` stands between two cells"),
-        ("+---+\n|SS |\n+---+", 1, 1, 3, "`SS ` is no cell"),
-        ("+---+\n|## |\n+---+", 1, 1, 3, "`## ` is no cell"),
-        ("+---+\n| ? |\n+---+", 1, 2, 1, "the legend does not say what `?` is"),
-        ("+---+\n| s |\n+---+", 1, 2, 1, "the legend does not say what `s` is"),
-        ("\n  +---+\n  | ? |\n  +---+", 2, 4, 1, "the legend does not say"),
+        ("*---+\n| S |\n+---+", 0, 0, 1, "expected the corner `+`, found `*`"),
+        ("+---+\n| S |\n+---*", 2, 4, 1, "expected the corner `+`, found `*`"),
+        ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is not a wall"),
+        ("+---+\n| S |\n+-- +\n|   |\n+---+", 2, 1, 3, "`-- ` is not a wall"),
+        ("+   +\n| S |\n+---+", 0, 1, 3, "the outer wall must be solid"),
+        ("+---+\n| S |\n+- -+", 2, 1, 3, "the outer wall must be solid"),
+        ("+---+\n: S |\n+---+", 1, 0, 1, "the outer wall must be solid"),
+        ("+---+---+\n| S ;   |\n+---+---+", 1, 4, 1, "`;` cannot be between two cells"),
+        ("+---+\n|SS |\n+---+", 1, 1, 3, "`SS ` is not a cell"),
+        ("+---+\n|## |\n+---+", 1, 1, 3, "`## ` is not a cell"),
+        ("+---+\n| ? |\n+---+", 1, 2, 1, "`?` is not in the legend"),
+        ("+---+\n| s |\n+---+", 1, 2, 1, "`s` is not in the legend"),
+        ("\n  +---+\n  | ? |\n  +---+", 2, 4, 1, "is not in the legend"),
     ],
 )
 def test_faults(text: str, row: int, column: int, length: int, message: str) -> None:
     drawing, problems = parse(text)
     assert drawing is None
-    assert (row, column, length) in [(p.row, p.column, p.length) for p in problems]
-    (fault,) = [p for p in problems if (p.row, p.column) == (row, column)]
+    assert (row, column, length) in map(mark, problems)
+    (fault,) = [p for p in problems if mark(p)[:2] == (row, column)]
     assert message in fault.message
 
 
 def test_all_faults_are_told_at_once() -> None:
     _, problems = parse("+---+---+\n| ?   ! |\n+ - + - +\n|SS     ;\n+---+---*\n")
-    assert [(p.row, p.column) for p in problems] == [
+    assert [mark(p)[:2] for p in problems] == [
         (1, 2),
         (1, 6),
         (2, 1),
@@ -250,7 +257,7 @@ def test_a_drawing_can_be_too_large() -> None:
     assert d.parse(cells, lambda _: False, 5)[0] is not None
     drawing, problems = d.parse(cells, lambda _: False, 4)
     assert drawing is None
-    assert "at most 4 cells" in problems[0].message
+    assert "more than 4 columns or rows" in problems[0].message
 
 
 # -- faults in a file --------------------------------------------------------------------------

@@ -20,8 +20,9 @@ from support.sessions import environment, run_here
 from support.worlds import decorated_worlds
 
 from babyrobot_levels.cli.schema import schema_text
+from babyrobot_levels.language.fields import LevelFields, Role
 from babyrobot_levels.language.json_schema import level_schema, theme_schema
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.validation import validate
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
@@ -93,7 +94,7 @@ def shape_faults(data: dict[str, Any], model: type[BaseModel]) -> list[str]:
     """Return what the loader says against the shape of the data, and not against its meaning."""
     _, problems = validate(data, model)
     return [
-        f"{problem.code} {problem.route}: {problem.message}"
+        f"{problem.code} {problem.location}: {problem.message}"
         for problem in problems
         if problem.code.startswith("BR2") or problem.code in ("BR401", "BR403")
     ]
@@ -101,7 +102,7 @@ def shape_faults(data: dict[str, Any], model: type[BaseModel]) -> list[str]:
 
 def assert_agreed(data: dict[str, Any]) -> None:
     """Check that the schema accepts exactly the shape that the loader accepts."""
-    against = shape_faults(data, LevelFields)
+    against = shape_faults(data, LevelSpec)
     errors = [f"{list(error.path)}: {error.message}" for error in LEVEL.iter_errors(data)]
     assert bool(against) == bool(errors), f"\n{data}\nloader: {against}\nschema: {errors}"
 
@@ -190,7 +191,7 @@ def _bend(draw: DrawFn, here: Any) -> None:
 @settings(max_examples=60, deadline=None)
 @given(decorated_worlds())
 def test_good_levels_are_accepted(world: dict[str, Any]) -> None:
-    assert shape_faults(world, LevelFields) == []
+    assert shape_faults(world, LevelSpec) == []
     LEVEL.validate(world)
 
 
@@ -265,7 +266,7 @@ def test_they_agree_on_corners(fields: dict[str, Any]) -> None:
 @pytest.mark.parametrize("fields", [{"map": None}, {"map": None, "size": [2, 2]}], ids=str)
 def test_they_agree_on_a_drawing_that_is_not_there(fields: dict[str, Any]) -> None:
     assert_agreed({"version": 1, **fields})
-    assert shape_faults({"version": 1, **fields}, LevelFields) == []
+    assert shape_faults({"version": 1, **fields}, LevelSpec) == []
 
 
 @settings(max_examples=200, deadline=None)
@@ -309,3 +310,8 @@ def test_other_checkers_accept_a_new_level(
     assert checked() == 0
     path.write_text(path.read_text(encoding="utf-8") + "colour: red\n", encoding="utf-8")
     assert checked() == 1
+
+
+def test_every_field_has_one_role() -> None:
+    for name, info in LevelFields.model_fields.items():
+        assert sum(isinstance(mark, Role) for mark in info.metadata) == 1, name

@@ -19,13 +19,13 @@ from support.worlds import LEGEND, World, decorated_worlds, drawings, level_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.drawing import compose
-from babyrobot_levels.language.share_code import MAX_CHARACTERS, is_code, load_code
+from babyrobot_levels.language.share_code import MAX_CHARACTERS, is_code
 from babyrobot_levels.language.share_dictionary import DICTIONARY_1
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_file
+from babyrobot_levels.library.reading import load_code, load_file
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
-from babyrobot_levels.text.reader import MAX_BYTES
+from babyrobot_levels.text.source import MAX_BYTES
 
 NAMES = [info.name for info in brl.levels()]
 
@@ -39,7 +39,7 @@ MAZE = (
 
 def assert_same(other: Level, level: Level) -> None:
     assert other.to_dict(whole=True) == level.to_dict(whole=True)
-    assert other.colors_and_widths == level.colors_and_widths
+    assert other.resolved_theme == level.resolved_theme
     assert other.name == level.name
 
 
@@ -100,7 +100,7 @@ def test_a_code_carries_a_theme_of_its_own(tmp_path: Path) -> None:
     (tmp_path / "level.yaml").write_text("version: 1\ntheme: mine\n", "utf-8")
     level = load_file(tmp_path / "level.yaml")
     other = load(level.share_code())
-    assert other.colors_and_widths.colors.base == "red"
+    assert other.resolved_theme.colors.base == "red"
     assert (other.name, other.to_svg()) == ("level", level.to_svg())
 
 
@@ -120,7 +120,7 @@ def test_old_codes_are_read_for_ever() -> None:
 
 def test_a_level_that_no_file_could_hold_has_no_code() -> None:
     level = Level(version=1, description="x" * MAX_BYTES)
-    with pytest.raises(LevelError, match="too large to be shared as a code"):
+    with pytest.raises(LevelError, match="too large for a share code"):
         level.share_code()
 
 

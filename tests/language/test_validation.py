@@ -15,7 +15,8 @@ from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.files import ReadFault, decode
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import SourceFile
 
 IN_TEXTS = {
@@ -363,8 +364,8 @@ def mutations(draw: st.DrawFn) -> bytes:
 @example(b"version: 1\nmap: ''\nlegend: {}\n")
 def test_any_file_gives_a_level_or_diagnostics(data: bytes) -> None:
     try:
-        source = decode(data, "x.yaml")
-    except ReadFault:
+        source = source_of(data, "x.yaml")
+    except LevelError:
         return
     level, diagnostics = parse(source, Level)
     assert (level is None) == bool(diagnostics)

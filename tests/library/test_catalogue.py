@@ -21,8 +21,8 @@ from support.subprocesses import run
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.catalogue import catalogue, find, level_files
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.search_path import places, yaml_files
+from babyrobot_levels.text.files import user_folder
 
 LEVEL = "version: 1\nsize: [4, 3]\n"
 
@@ -105,7 +105,7 @@ def test_a_mapping_and_a_level() -> None:
 def test_a_mapping_that_is_no_level_is_told_by_its_fields() -> None:
     with pytest.raises(brl.LevelError, match=r"`size` must be `\[width, height\]`, not `\[4\]`"):
         brl.load({"version": 1, "size": [4]})
-    with pytest.raises(brl.LevelError, match="the field `version` is missing"):
+    with pytest.raises(brl.LevelError, match="missing field `version`"):
         brl.load({})
 
 
@@ -190,7 +190,7 @@ def test_paths_that_cannot_be_are_not_found(asked: str) -> None:
 
 
 def test_a_folder_is_no_level(here: Path) -> None:
-    with pytest.raises(brl.LevelError, match="this is a folder"):
+    with pytest.raises(brl.LevelError, match="this is a directory"):
         brl.load(here)
 
 
@@ -459,19 +459,19 @@ def test_a_theme_beside_the_level_is_used() -> None:
     write("worlds/themes/sea.yaml", "colors: {base: '#123456'}\nwidths: {walls: 7}\n")
     level = brl.load(write("worlds/mine.yaml", f"{LEVEL}theme: sea\n"))
     assert level.theme == "sea"
-    assert level.colors_and_widths.colors.base == "#123456"
-    assert level.colors_and_widths.widths.walls == 7
+    assert level.resolved_theme.colors.base == "#123456"
+    assert level.resolved_theme.widths.walls == 7
     assert brl.check("worlds/mine.yaml") == []
     # It goes with the level, wherever that goes.
-    assert level.replace(size=(5, 5)).colors_and_widths == level.colors_and_widths
+    assert level.replace(size=(5, 5)).resolved_theme == level.resolved_theme
     whole = brl.load(level.to_dict(whole=True))
-    assert whole.colors_and_widths.colors.base == "#123456"
+    assert whole.resolved_theme.colors.base == "#123456"
 
 
 def test_a_builtin_theme_wins_over_a_file() -> None:
     write("themes/green.yaml", "colors: {base: '#123456'}\n")
     level = brl.load(write("mine.yaml", f"{LEVEL}theme: green\n"))
-    assert level.colors_and_widths.colors.base != "#123456"
+    assert level.resolved_theme.colors.base != "#123456"
 
 
 def test_an_unknown_theme_is_told_with_those_that_are_known() -> None:
@@ -490,7 +490,7 @@ def test_an_unknown_theme_is_told_with_those_that_are_known() -> None:
 
 
 def test_a_mappings_unknown_theme_is_told_too() -> None:
-    with pytest.raises(brl.LevelError, match="there is no theme `gren`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `gren`"):
         brl.load({"version": 1, "theme": "gren"})
 
 
@@ -537,9 +537,9 @@ def test_check_finds_a_file_in_the_home_folder(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("told", "message"),
     [
-        ("nowhere.yaml", "there is no such file"),
-        (Path("nowhere/mine.yaml"), "there is no such file"),
-        (".", "this is a folder"),
+        ("nowhere.yaml", "no such file"),
+        (Path("nowhere/mine.yaml"), "no such file"),
+        (".", "this is a directory"),
         ("a\0b.yaml", "cannot be read"),
         ("x" * 300, "cannot be read"),
     ],

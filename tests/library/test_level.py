@@ -28,8 +28,8 @@ from support.worlds import (
 
 import babyrobot_levels as brl
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.library.level import Level, slug
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.language.documents import slug
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.text import files
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
@@ -77,7 +77,7 @@ def test_what_is_emitted_reads_back(text: str, mapping: dict[str, str]) -> None:
     data = {"text": text, "list": [text, 1, 0.5, None, True], "mapping": mapping}
     document = read(SourceFile("x.yaml", emit(data)))
     assert document.data == data
-    assert not document.problems
+    assert not document.issues
 
 
 trees = st.recursive(
@@ -111,7 +111,7 @@ def test_what_is_emitted_reads_back_however_deep_it_is(tree: Any, ways: list[str
     data = {"walls": wrapped(tree, ways)}
     document = read(SourceFile("x.yaml", emit(data)))
     assert document.data == data
-    assert not document.problems
+    assert not document.issues
 
 
 @pytest.mark.parametrize(
@@ -228,9 +228,9 @@ def test_a_seed_is_a_whole_number(seed: Any) -> None:
 
 def test_mappings_tell_what_is_wrong_with_them() -> None:
     with pytest.raises(LevelError) as caught:
-        from_mapping({"version": 1, "walls": [{"at": [0, 0]}, {"at": [9, 9], "side": "E"}]})
+        Level.from_fields({"version": 1, "walls": [{"at": [0, 0]}, {"at": [9, 9], "side": "E"}]})
     first, second = caught.value.diagnostics
-    assert (first.code, first.message) == ("BR202", "the field `side` is missing")
+    assert (first.code, first.message) == ("BR202", "missing field `side`")
     assert second.message.startswith("the cell [9, 9] is off the grid")
     # They point into the mapping as a file would hold it.
     assert "- {at: [0, 0]}" in str(caught.value)
@@ -241,7 +241,7 @@ def test_a_mapping_is_not_changed() -> None:
     data = {"version": 1, "walls": [{"at": [0, 0], "side": "E"}, 5]}
     before = copy.deepcopy(data)
     with pytest.raises(LevelError):
-        from_mapping(data)
+        Level.from_fields(data)
     assert data == before
 
 

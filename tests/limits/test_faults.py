@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from babyrobot_levels.language.rules import MAX_PROBLEMS
+from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.lint.check import check
 from babyrobot_levels.text.diagnostics import Diagnostic
@@ -41,7 +41,7 @@ def test_too_many_values_are_not_laid_on_aliases_that_are_not_there() -> None:
 @pytest.mark.parametrize("field", ["start", "exit"])
 def test_a_list_of_faulty_cells_is_not_called_empty(field: str) -> None:
     found = only(f"version: 1\n{field}: [[x, 1]]\n")
-    assert found.message == f"`{field}[0][0]` must be a whole number, not the text `x`"
+    assert found.message == f"`{field}[0][0]` must be an integer, not the text `x`"
     assert [each.code for each in check(f"version: 1\n{field}: []\n")] == ["BR203"]
 
 

@@ -74,7 +74,7 @@ def test_ways_through_large_levels_are_found_soon(maze: Any) -> None:
     # With a list for each cell and a loop over them it took more than ten times as long.
     assert time.process_time() - begin < 5 * usual + 1
     assert ways.steps[-1] == ways.to_exit[0] >= 2 * (SIDE - 1)
-    assert all(ways.steps[other] == 1 for other in ways.ahead[0])
+    assert all(ways.steps[other] == 1 for other in ways.successors[0])
 
 
 @given(

@@ -236,5 +236,5 @@ def test_changes_and_suites_are_looked_at_as_well() -> None:
 
 def test_what_is_missing_is_told_of_large_mappings_too() -> None:
     data = {**WHOLE, "theme": "nobody", "description": "x" * (1 << 21)}
-    with pytest.raises(brl.LevelError, match="there is no theme `nobody`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `nobody`"):
         brl.load(data)

@@ -11,13 +11,15 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from support.mutants import BROKEN, WHOLE, mutants
+from support.reading import read_level
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import loads, read_level
+from babyrobot_levels.library.reading import loads
 from babyrobot_levels.lint.check import check
 from babyrobot_levels.lint.reporters import render
 from babyrobot_levels.text.diagnostics import Diagnostic
-from babyrobot_levels.text.files import ReadFault, decode
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import SourceFile
 
 CHUNKS, IN_A_CHUNK = 10, 600
@@ -28,10 +30,10 @@ SMALL = 100
 def hold(data: bytes) -> bool:
     """Check that a file is answered well, and tell whether it is a level."""
     try:
-        source = decode(data, "x.yaml")
-    except ReadFault as fault:
+        source = source_of(data, "x.yaml")
+    except LevelError as fault:
         text = data.decode("utf-8", "replace").removeprefix("\ufeff")
-        assert_can_be_told(fault.diagnostic, text)
+        assert_can_be_told(fault.diagnostics[0], text)
         return False
     level, diagnostics = read_level(source)
     assert (level is None) == bool(diagnostics)

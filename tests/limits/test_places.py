@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.language.themes import read_theme, theme_names
+from babyrobot_levels.language.documents import read_theme, theme_names
 from babyrobot_levels.lint.check import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
@@ -38,12 +38,12 @@ def fault(path: str | Path) -> Diagnostic:
 
 def test_a_missing_file() -> None:
     found = fault("nowhere.yaml")
-    assert (found.code, found.message) == ("BR101", "there is no such file")
+    assert (found.code, found.message) == ("BR101", "no such file")
 
 
 def test_a_folder(folder: Path) -> None:
     (folder / "folder.yaml").mkdir()
-    assert fault("folder.yaml").message == "this is a folder, not a level file"
+    assert fault("folder.yaml").message == "this is a directory, not a level file"
 
 
 def test_a_file_that_may_not_be_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -76,7 +76,7 @@ def test_a_pipe_and_a_socket(folder: Path) -> None:
 @needs_posix
 def test_links_that_lead_nowhere() -> None:
     Path("broken.yaml").symlink_to("nowhere.yaml")
-    assert fault("broken.yaml").message == "there is no such file"
+    assert fault("broken.yaml").message == "no such file"
     Path("circle.yaml").symlink_to("circle.yaml")
     assert fault("circle.yaml").message.startswith("the file cannot be read (")
 
@@ -159,4 +159,4 @@ def test_a_folder_that_windows_refuses_to_open(
 
     (folder / "folder.yaml").mkdir()
     monkeypatch.setattr(os, "open", refuse)
-    assert fault("folder.yaml").message == "this is a folder, not a level file"
+    assert fault("folder.yaml").message == "this is a directory, not a level file"

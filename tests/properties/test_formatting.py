@@ -18,11 +18,13 @@ from support.worlds import decorated_worlds, level_of_text, worlds
 from babyrobot_levels.generate.starter import TEMPLATES, StarterOptions, starter
 from babyrobot_levels.language.formatting.formatter import format_source, format_text
 from babyrobot_levels.language.formatting.tree import tidy
-from babyrobot_levels.library.reading import from_mapping, load_file
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import load_file
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 from babyrobot_levels.text.comments import comments
-from babyrobot_levels.text.document import Document, YamlFault
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import scalar
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
@@ -56,7 +58,7 @@ def handwritten(scribe: Scribe, world: dict[str, Any]) -> tuple[str, Document]:
     text = scribe.write(world)
     try:
         read_back = document(text)
-    except YamlFault:
+    except LevelError:
         assume(False)
     assume(read_back.data == world)
     return text, read_back
@@ -101,13 +103,13 @@ class Copyist(Scribe):
 @given(worlds(4), st.randoms(use_true_random=False))
 def test_lists_and_mappings_come_to_one_form(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Copyist(rng, chatty=0.0), world)
-    assert formatted(text).replace("\r\n", "\n") == from_mapping(world).to_yaml()
+    assert formatted(text).replace("\r\n", "\n") == Level.from_fields(world).to_yaml()
 
 
 @settings(deadline=None, max_examples=150)
 @given(decorated_worlds())
 def test_what_levels_write_is_canonical(world: dict[str, Any]) -> None:
-    text = from_mapping(world).to_yaml()
+    text = Level.from_fields(world).to_yaml()
     assert formatted(text) == text
 
 

@@ -9,6 +9,7 @@ from unittest.mock import patch
 import pytest
 from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
+from support.reading import read_level
 from support.reference import Reference
 from support.worlds import LEGEND, World, drawings, inside, level_of, sometimes, worlds
 
@@ -16,13 +17,12 @@ from babyrobot_levels.analysis.solver import graphs
 from babyrobot_levels.analysis.solver.simulation import success_within
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.lint.best import best_of, is_in_time, lingering, surely_leaves
 from babyrobot_levels.lint.fixer import apply, fix
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.runner import lint_source
 from babyrobot_levels.lint.variants import gives
-from babyrobot_levels.mdp import reachability as counting
+from babyrobot_levels.mdp import graph as counting
 from babyrobot_levels.mdp.reachability import Reach, reach_of
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.emitter import emit
@@ -227,7 +227,7 @@ def test_many_ways_are_counted_like_few(world: World) -> None:
         many = reach(world)
         starts = [state for state, steps in enumerate(few.steps) if steps == 0]
         assert many.from_some([*starts, *starts]) == few.steps
-        assert [*map(list, many.ahead)] == [*map(list, few.ahead)]
+        assert [*map(list, many.successors)] == [*map(list, few.successors)]
     assert (many.steps, many.on) == (few.steps, few.on)
     assert (many.to_exit, many.to_end) == (few.to_exit, few.to_end)
 

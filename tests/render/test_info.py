@@ -11,16 +11,16 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.learning import value_iteration
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Text
 
 N, E, S, W, STAY = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST, Action.STAY
 
-LEVEL: Any = from_mapping({"version": 1, "size": [3, 2]})
+LEVEL: Any = Level.from_fields({"version": 1, "size": [3, 2]})
 
 
 def read(**info: Any) -> Overlay:
@@ -65,10 +65,14 @@ def test_values_of_the_moves_alone_are_values_of_actions_without_stay() -> None:
 @pytest.mark.parametrize(
     ("key", "told", "message"),
     [
-        ("values", np.zeros((3, 3)), r"shape \(3, 3\), and on this level it must be \(2, 3\)$"),
-        ("values", np.zeros((3, 2)), r"\(3, 2\).* must be \(2, 3\); arrays are told by \[y, x\]"),
+        ("values", np.zeros((3, 3)), r"shape \(3, 3\); for this level it must be \(2, 3\)$"),
+        (
+            "values",
+            np.zeros((3, 2)),
+            r"\(3, 2\).* must be \(2, 3\); arrays are indexed by \[y, x\]",
+        ),
         ("values", np.zeros(6), r"\(6,\).* must be \(2, 3\); reshape it with `.reshape\(2, 3\)`"),
-        ("values", np.zeros((2, 3, 5)), r"values of actions go to `action_values`"),
+        ("values", np.zeros((2, 3, 5)), r"use `action_values` for values of actions"),
         ("values", [[1, 2, 3], [4, 5]], r"has the shape \(2,\)"),
         ("values", 7.0, r"has the shape \(\)"),
         ("values", [["a", 1, 2], [3, 4, 5]], "`values` must be numbers, not 'a'"),
@@ -153,7 +157,7 @@ def test_what_is_no_action_is_refused(wrong: Any) -> None:
 
 
 def test_probabilities_are_not_negative() -> None:
-    with pytest.raises(ValueError, match="none below 0"):
+    with pytest.raises(ValueError, match="must not be negative"):
         read(policy=np.full((2, 3, 4), -1.0))
 
 
@@ -192,12 +196,12 @@ def test_texts_have_their_places_and_perhaps_colours() -> None:
         ([((3, 0), "off")], r"'off' is at \[3, 0\], which is not on the level"),
         ([((0, -1), "off")], "not on the level"),
         ([((math.nan, 0), "off")], "not on the level"),
-        ([((0, 0), "a", "reddish")], "colour that is none of CSS: 'reddish'"),
+        ([((0, 0), "a", "reddish")], "invalid CSS colour: 'reddish'"),
         ([((0, 0), "a", "red\n")], "colour"),
         ([((0, 0), "a", "red", 7)], r"list of \(\(x, y\), text\)"),
         ([(0, 0, "a")], r"list of \(\(x, y\), text\)"),
         ("hello", r"list of \(\(x, y\), text\)"),
-        (np.zeros((2, 3)), "an array of numbers goes to `values`"),
+        (np.zeros((2, 3)), "use `values` for an array of numbers"),
         (7, "`text` must be a list, not 7"),
     ],
 )
@@ -209,8 +213,14 @@ def test_texts_that_are_none_are_refused(told: Any, message: str) -> None:
 def test_panels_hold_a_text_or_lines() -> None:
     overlay = read(side_panel="one", bottom_panel=["two", "three"])
     assert (overlay.side_panel, overlay.bottom_panel) == (("one",), ("two", "three"))
-    with pytest.raises(ValueError, match="`side_panel` must be a list of texts, and 7 is none"):
+    with pytest.raises(ValueError, match="`side_panel` must be a list of texts, not of 7"):
         read(side_panel=["one", 7])
+
+
+@pytest.mark.parametrize("key", ["side_panel", "bottom_panel", "text"])
+def test_a_mapping_is_refused_where_texts_are_expected(key: str) -> None:
+    with pytest.raises(ValueError, match=f"`{key}` must be a"):
+        read(**{key: {"text": "lost", "width": 200}})
 
 
 # -- keys ----------------------------------------------------------------------------------
@@ -222,11 +232,11 @@ def test_panels_hold_a_text_or_lines() -> None:
         ("value", "did you mean `values`"),
         ("Policy", "did you mean `policy`"),
         ("sidepanel", "did you mean `side_panel`"),
-        ("coords", "here it is `coordinates`"),
-        ("directions", "here it is `policy`"),
-        ("side_info", "here it is `side_panel`"),
-        ("xyzzy", "there are values, policy"),
-        (7, "there are values, policy"),
+        ("coords", "use `coordinates`"),
+        ("directions", "use `policy`"),
+        ("side_info", "use `side_panel`"),
+        ("xyzzy", "the keys are values, policy"),
+        (7, "the keys are values, policy"),
     ],
 )
 def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:
@@ -236,5 +246,5 @@ def test_unknown_keys_are_told_of_known_ones(key: Any, hint: str) -> None:
 
 @pytest.mark.parametrize("told", [5, "values", [("values", 1)]])
 def test_what_is_no_mapping_is_refused(told: Any) -> None:
-    with pytest.raises(ValueError, match="given as a mapping"):
+    with pytest.raises(ValueError, match="must be a mapping"):
         overlay_from(told, brl.load("default"))

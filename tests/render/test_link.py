@@ -18,9 +18,8 @@ from babyrobot_levels.cli.pictures import guide_of
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
-from babyrobot_levels.render.link import MAX_LINK, link_fragment
-from babyrobot_levels.render.pagedata import TooLargeError, page_data
+from babyrobot_levels.render.page import MAX_LINK, link_fragment
+from babyrobot_levels.render.page_data import TooLargeError, page_data
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 
 NAMES = [info.name for info in levels()]
@@ -113,23 +112,23 @@ def test_the_dictionary_of_version_1_stays_as_it_is() -> None:
 
 
 def test_a_level_that_is_too_large_for_a_link_says_so() -> None:
-    large = from_mapping({"version": 1, "size": [128, 128], "maze": {"seed": 1}})
-    with pytest.raises(TooLargeError, match=rf"too large for a link: .* of at most {MAX_LINK:,}"):
+    large = Level.from_fields({"version": 1, "size": [128, 128], "maze": {"seed": 1}})
+    with pytest.raises(TooLargeError, match=rf"too large for a link: .* limit is {MAX_LINK:,}"):
         link_fragment(large, large)
 
 
 def test_a_link_does_not_hold_more_than_a_page_unpacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    level = from_mapping({"version": 1, "description": "x" * 10_000})
+    level = Level.from_fields({"version": 1, "description": "x" * 10_000})
     data = json.dumps(page_data(level), ensure_ascii=False, separators=(",", ":"))
     size = len(data.encode())
-    monkeypatch.setattr("babyrobot_levels.render.link.MAX_UNPACKED", size)
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size)
     assert len(link_fragment(level, level)) < MAX_LINK
-    monkeypatch.setattr("babyrobot_levels.render.link.MAX_UNPACKED", size - 1)
-    with pytest.raises(TooLargeError, match=f"would unpack .* and takes at most {size - 1:,}"):
+    monkeypatch.setattr("babyrobot_levels.render.page.MAX_UNPACKED", size - 1)
+    with pytest.raises(TooLargeError, match=f"its data has .* the limit is {size - 1:,}"):
         link_fragment(level, level)
 
 
 def test_a_level_with_more_cells_than_a_page_has_room_for_says_so() -> None:
-    large = from_mapping({"version": 1, "size": [129, 128]})
+    large = Level.from_fields({"version": 1, "size": [129, 128]})
     with pytest.raises(TooLargeError, match="too large for a page"):
         link_fragment(large, large)

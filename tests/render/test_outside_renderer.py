@@ -24,7 +24,6 @@ from support.places import GALLERY_FOLDER
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
@@ -86,7 +85,7 @@ def difference(scene: Scene, font: Font) -> float:
 
 
 def little_of_all(theme: str) -> Level:
-    return from_mapping(
+    return Level.from_fields(
         {
             "version": 1,
             "theme": theme,
@@ -143,7 +142,7 @@ def test_themes_and_overlays(theme: str, info: dict[str, Any], font: Font) -> No
 @pytest.mark.parametrize("facing", Action)
 def test_poses(theme: str, mood: Mood, facing: Action, font: Font) -> None:
     ends = {"start_text": False, "exit_text": False}
-    level = from_mapping({"version": 1, "size": [2, 1], "theme": theme, "display": ends})
+    level = Level.from_fields({"version": 1, "size": [2, 1], "theme": theme, "display": ends})
     for phase in (0.0, 0.25, 0.6):
         pose = Pose(facing, mood, phase)
         assert difference(build_scene(level, state=0, pose=pose, cells_only=True), font) < SHARE

@@ -9,15 +9,14 @@ from typing import Any
 import pytest
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, layout_of
-from babyrobot_levels.render.scene.overlays import Note, Overlay
-from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
-from babyrobot_levels.render.scene.overlays.numbers import short
+from babyrobot_levels.render.scene.number_labels import short
+from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 
@@ -27,7 +26,7 @@ Box = tuple[float, float, float, float]
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 def bare(*size: int) -> Any:
@@ -104,7 +103,7 @@ def test_values_are_written_in_their_cells_and_none_is_not() -> None:
 
 def test_each_value_lies_on_a_ground_of_its_own_in_the_colours_for_texts() -> None:
     world = level(size=[2, 1])
-    colors = world.colors_and_widths.colors
+    colors = world.resolved_theme.colors
     for value in (-99_999.0, -1.5e12, math.inf):
         ground, text = shapes_of(world, Overlay(values=[[None, value]]))
         assert isinstance(ground, Rect)
@@ -137,7 +136,7 @@ def test_infinite_values_are_drawn_with_their_signs() -> None:
 
 
 def heads(world: Any, actions: Any) -> list[Box]:
-    color = world.colors_and_widths.colors.arrows
+    color = world.resolved_theme.colors.arrows
     for shape in shapes_of(world, Overlay(actions=actions)):
         if isinstance(shape, Path) and shape.fill == color:
             return [box_of(points) for points, _ in polylines(shape.commands)]
@@ -328,7 +327,7 @@ def test_a_note_has_the_theme_s_colour_or_its_own() -> None:
     world = level(size=[3, 2])
     notes = [Note(0, 0, "a"), Note(1, 0, "b", "gold"), Note(2, 0, " ")]
     texts = [s for s in shapes_of(world, Overlay(notes=notes)) if isinstance(s, Text)]
-    assert [text.fill for text in texts] == [world.colors_and_widths.colors.text_fg, "gold"]
+    assert [text.fill for text in texts] == [world.resolved_theme.colors.text_fg, "gold"]
 
 
 def lines(world: Any, **panels: Any) -> list[Text]:
@@ -347,7 +346,7 @@ def test_lines_are_written_into_the_panels_in_their_colours() -> None:
     base = build_scene(world)
     assert (side.text, side.fill) == ("beside", "gold")
     assert side.x > 198
-    assert (bottom.text, bottom.fill) == ("below", world.colors_and_widths.colors.text_fg)
+    assert (bottom.text, bottom.fill) == ("below", world.resolved_theme.colors.text_fg)
     assert bottom.y > 198
     assert build_scene(world, overlay=Overlay(side_panel=["beside"])).width == base.width
 
@@ -368,7 +367,7 @@ def test_a_level_without_panels_is_given_those_that_are_written_into() -> None:
     scene = build_scene(world, overlay=Overlay(side_panel=["a"], bottom_panel=["b", "c"]))
     assert scene.width > plain.width + 100
     assert scene.height > plain.height + 30
-    ground = world.colors_and_widths.colors.text_bg
+    ground = world.resolved_theme.colors.text_bg
     panels = [s for s in scene.shapes if isinstance(s, Rect) and s.fill == ground]
     assert {(panel.x, panel.y) for panel in panels} == {(198, 0), (0, 198)}
     assert [text.text for text in lines(world, bottom_panel=["word " * 30])][-1] != "…"

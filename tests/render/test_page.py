@@ -13,12 +13,11 @@ import numpy as np
 import pytest
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import embedded_json, to_html
-from babyrobot_levels.render.pagedata import Guide, facts
-from babyrobot_levels.render.playable import CHEER, EVENTS, POSES, playable
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.page_data import CHEER, EVENTS, POSES, Guide, facts, playable
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 
@@ -27,7 +26,7 @@ EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 ROW = level(size=[3, 1], title="A row")
@@ -219,7 +218,7 @@ def test_its_tables_are_the_compiled_ones(name: str) -> None:
 
 def test_the_data_says_who_walks_and_how() -> None:
     world = level(size=[3, 1], max_steps=7, display={"robot": {"speed": 2}})
-    data = data_of(to_html(world, guide=GUIDE, walker="random", seed=2**70))
+    data = data_of(to_html(world, guide=GUIDE, policy="random", seed=2**70))
     assert (data["walker"], data["policy"], data["seed"]) == ("random", [2, 2, -1], str(2**70))
     assert (data["max_steps"], data["speed"], data["exits"]) == (7, 2, [2])
 
@@ -277,7 +276,7 @@ def test_every_outcome_has_the_pose_of_the_pictures() -> None:
 def test_every_pose_has_its_pictures() -> None:
     common = common_of(to_html(ROW))
     assert [len(phases) for phases in common["sprites"]] == [common["phases"]] * len(POSES)
-    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.colors_and_widths, 0, 0))
+    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.resolved_theme, 0, 0))
     assert common["palette"].count("robot") == common["palette"].count("puddle") == 1
 
 
@@ -300,7 +299,7 @@ def test_a_level_without_an_answer_has_nothing_of_it() -> None:
     data = data_of(to_html(ROW))
     assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
     assert data["picture"]["layers"]["policy"] == data["picture"]["layers"]["values"] == []
-    assert data_of(to_html(ROW, walker="random"))["walker"] == "random"
+    assert data_of(to_html(ROW, policy="random"))["walker"] == "random"
 
 
 def test_an_infinite_return_is_not_told_as_a_number() -> None:

@@ -10,21 +10,28 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from babyrobot_levels.language.color import NAMES
-from babyrobot_levels.language.looks import BUILTIN_THEMES
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.language.looks import BUILTIN_THEMES, NAMES
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render import raster
 from babyrobot_levels.render.colors import over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.paths import curve, polyline
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import (
+    Ellipse,
+    Path,
+    Rect,
+    Scene,
+    Shape,
+    Text,
+    curve,
+    polyline,
+)
 
 WHITE = (255, 255, 255)
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 def painted(*shapes: Shape, side: int = 40) -> np.ndarray[Any, np.dtype[np.uint8]]:
@@ -63,7 +70,7 @@ def test_every_name_of_the_language_is_a_colour() -> None:
 
 
 def test_a_word_that_is_no_colour_is_refused() -> None:
-    with pytest.raises(ValueError, match="not a colour"):
+    with pytest.raises(ValueError, match="invalid CSS colour"):
         rgba("reddish")
 
 

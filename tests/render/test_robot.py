@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
-from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
@@ -143,7 +142,7 @@ def test_he_bobs_on_the_way_and_stands_at_its_ends() -> None:
 @pytest.mark.parametrize("name", BUILTIN_THEMES)
 @pytest.mark.parametrize("facing", Action)
 def test_he_stands_out_from_every_ground_even_when_small(name: str, facing: Action) -> None:
-    world = from_mapping(
+    world = Level.from_fields(
         {
             "version": 1,
             "size": [3, 1],

@@ -8,14 +8,13 @@ from typing import Any
 
 import pytest
 
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.flatten import polylines
+from babyrobot_levels.render.raster import polylines
 from babyrobot_levels.render.scene.build import build_base, build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS
-from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.pose import Pose
-from babyrobot_levels.render.scene.runs import rectangles, runs
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
 from babyrobot_levels.text.errors import LevelError
 
@@ -24,7 +23,7 @@ MARGIN = 3
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 def corner(x: float, y: float) -> tuple[float, float]:
@@ -194,7 +193,7 @@ def test_labels_are_cut_where_they_have_no_room() -> None:
 
 def test_blocked_cells_are_one_shape_without_lines_inside() -> None:
     world = level(size=[4, 4], blocked=[{"at": [1, 1], "size": [2, 2]}])
-    colors = world.colors_and_widths.colors
+    colors = world.resolved_theme.colors
     shapes = build_base(world).shapes
     assert Rect(*corner(1, 1), 2 * CELL, 2 * CELL, colors.blocked) in shapes
     (grid_lines,) = strokes(world, colors.lines)
@@ -207,7 +206,7 @@ def test_blocked_cells_are_one_shape_without_lines_inside() -> None:
 def test_blocked_cells_that_are_no_rectangle_are_one_shape() -> None:
     # As several, there would be hairlines between them wherever pixels do not fit to cells.
     world = level(size=[4, 4], blocked=[{"at": [1, 1]}, {"at": [1, 2], "size": [2, 1]}])
-    color = world.colors_and_widths.colors.blocked
+    color = world.resolved_theme.colors.blocked
     (block,) = [
         shape
         for shape in build_base(world).shapes
@@ -225,7 +224,7 @@ def test_puddles_differ_by_cell_and_not_by_level() -> None:
         world = level(size=[5, 5], **fields)
         found = {}
         for shape in build_base(world).shapes:
-            water = world.colors_and_widths.colors.puddle
+            water = world.resolved_theme.colors.puddle
             if isinstance(shape, Path) and shape.fill == water:
                 ((points, _),) = polylines(shape.commands)
                 x, y = int(points[0][0] // CELL), int(points[0][1] // CELL)
@@ -247,7 +246,7 @@ def test_puddles_differ_by_cell_and_not_by_level() -> None:
 
 def test_walls_in_a_row_are_one_line() -> None:
     world = level(size=[4, 3], walls=[{"at": [0, 0], "side": "S", "length": 3}])
-    theme = world.colors_and_widths
+    theme = world.resolved_theme
     (inner,) = (p for p in strokes(world, theme.colors.walls) if p.width == theme.widths.walls)
     assert lines(inner) == {(corner(0, 1), corner(3, 1))}
 
@@ -262,7 +261,7 @@ def test_a_wall_can_have_a_look_of_its_own() -> None:
         ],
         openings=[{"at": [0, 0], "side": "S"}],
     )
-    theme = world.colors_and_widths
+    theme = world.resolved_theme
     (own,) = strokes(world, "crimson")
     assert (own.width, own.cap) == (9, "butt")
     assert lines(own) == {(corner(1, 1), corner(2, 1))}
@@ -297,7 +296,7 @@ def test_glass_looks_unlike_other_walls() -> None:
 
 
 def heads(world: Any) -> list[tuple[float, float, float, float]]:
-    arrows = world.colors_and_widths.colors.arrows
+    arrows = world.resolved_theme.colors.arrows
     shapes = build_base(world).shapes
     return [bounds(s) for s in shapes if isinstance(s, Path) and s.fill == arrows]
 
@@ -317,7 +316,7 @@ def test_a_warp_to_the_start_and_one_to_itself_stay_in_their_cell() -> None:
 
 def test_wind_is_as_many_chevrons_as_it_pushes_cells_at_most_three() -> None:
     world = level(size=[6, 2], start=[0, 1], exit=[5, 1], wind={"north": [0, 1, 2, 9, 1, 0]})
-    (path,) = strokes(world, world.colors_and_widths.colors.arrows)
+    (path,) = strokes(world, world.resolved_theme.colors.arrows)
     columns = [int(points[1][0] // CELL) for points, _ in polylines(path.commands)]
     assert [columns.count(x) for x in range(6)] == [0, 2, 4, 6, 2, 0]
     for points, _ in polylines(path.commands):
@@ -326,7 +325,7 @@ def test_wind_is_as_many_chevrons_as_it_pushes_cells_at_most_three() -> None:
 
 def test_winds_against_each_other_are_still() -> None:
     world = level(size=[2, 2], wind={"north": [1, 1], "south": [1, 1]})
-    assert not list(strokes(world, world.colors_and_widths.colors.arrows))
+    assert not list(strokes(world, world.resolved_theme.colors.arrows))
 
 
 # -- beside the grid -----------------------------------------------------------------------
@@ -336,7 +335,7 @@ def test_panels_take_their_room_and_the_theme_s_colour_or_their_own() -> None:
     display = {"side_panel": 120, "bottom_panel": {"width": 50, "color": "navy"}}
     world = level(display=display)
     scene = build_scene(world)
-    ground = world.colors_and_widths.colors.text_bg
+    ground = world.resolved_theme.colors.text_bg
     assert (scene.width, scene.height) == (198 + 120, 198 + 50)
     assert Rect(198, 0, 120, 198, ground) in scene.shapes
     assert Rect(0, 198, 318, 50, "navy") in scene.shapes
@@ -347,17 +346,3 @@ def test_a_compass_has_room_with_and_without_a_panel() -> None:
     both = level(display={"compass": True, "side_panel": 200})
     assert build_scene(both).width == 198 + 200
     assert {"N", "E", "S", "W"} <= set(texts(both))
-
-
-# -- runs ----------------------------------------------------------------------------------
-
-
-def test_runs_are_found_to_the_end() -> None:
-    assert list(runs([0, 1, 1, 0, 1])) == [(1, 2), (4, 1)]
-    assert list(runs([])) == []
-
-
-def test_rectangles_cover_each_mark_once() -> None:
-    marks = bytes([1, 1, 0, 1, 1, 1, 0, 0, 0, 1, 1, 1])
-    found = sorted(rectangles(marks, 4))
-    assert found == [(0, 0, 2, 2), (1, 2, 3, 1), (3, 0, 1, 1)]

@@ -14,7 +14,7 @@ from renew.golden import FOLDER, pictures, svg
 from support.places import GALLERY_FOLDER
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
 from babyrobot_levels.render.svg import number, to_svg
@@ -28,7 +28,7 @@ def parsed(scene: Scene) -> ET.Element:
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 @pytest.mark.parametrize("name", pictures())
@@ -126,10 +126,10 @@ def test_the_base_lacks_the_robot_and_nothing_else() -> None:
 def test_painting_svg_loads_neither_numpy_nor_pillow() -> None:
     code = (
         "import sys\n"
-        "from babyrobot_levels.library.reading import from_mapping\n"
+        "from babyrobot_levels.library.level import Level\n"
         "from babyrobot_levels.render.svg import to_svg\n"
         "from babyrobot_levels.render.scene.build import build_scene\n"
-        "to_svg(build_scene(from_mapping({'version': 1, 'maze': {'seed': 1}})))\n"
+        "to_svg(build_scene(Level.from_fields({'version': 1, 'maze': {'seed': 1}})))\n"
         "print(sorted({'numpy', 'PIL', 'gymnasium', 'ipycanvas'} & sys.modules.keys()))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -8,7 +8,6 @@ from typing import Any
 from babyrobot_levels.convert.conversion import World
 from babyrobot_levels.convert.formats import FORMATS
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.text.source import SourceFile
 from support.places import TESTS
 
@@ -28,7 +27,7 @@ def world_of(text: str, name: str) -> World:
 
 def level_of_world(world: World) -> Level:
     """Return the level of a world."""
-    return from_mapping(world.fields)
+    return Level.from_fields(world.fields)
 
 
 def lost_fields(world: World) -> list[str]:

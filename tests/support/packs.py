@@ -10,9 +10,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.packs.format import MANIFEST, LevelEntry, Manifest, file_entry
 from babyrobot_levels.library.reading import loads
+from babyrobot_levels.text.files import user_folder
 from support.sessions import Result, run_here
 
 Snapshot = dict[str, bytes | None]

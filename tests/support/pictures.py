@@ -65,7 +65,7 @@ def landmarks(level: Level) -> Iterator[Landmark]:
     They lie in the cells' ground where nothing else is, in the middles of puddles, and in the
     middles of the walls' sides. The robot covers none of them but a puddle's.
     """
-    layout, colors = layout_of(level), level.colors_and_widths.colors
+    layout, colors = layout_of(level), level.resolved_theme.colors
     grounds = dict.fromkeys(level.starts, colors.start) | dict.fromkeys(level.exits, colors.exit)
     for y in range(layout.rows):
         for x in range(layout.columns):
@@ -80,7 +80,7 @@ def landmarks(level: Level) -> Iterator[Landmark]:
 
 
 def _walls(level: Level, layout: Layout) -> Iterator[Landmark]:
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     is_open = level.grid().open
     for y in range(layout.rows):
         for x in range(layout.columns):

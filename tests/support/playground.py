@@ -9,8 +9,8 @@ from playwright.sync_api import Page, expect
 
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.render.page import to_html
-from babyrobot_levels.render.pagedata import Guide
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.page_data import Guide
+from babyrobot_levels.render.scene.overlay import Overlay
 
 KEYS = [" ", "ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft"]
 """The keys of the actions."""

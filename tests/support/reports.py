@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import read_level
 from babyrobot_levels.lint.registry import find
 from babyrobot_levels.lint.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
-from babyrobot_levels.text.files import ReadFault, read_source
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source
 from support.places import TESTS
+from support.reading import read_level
 
 LEVELS = TESTS / "levels"
 GOOD = sorted((LEVELS / "good").glob("*.yaml"))
@@ -24,8 +25,8 @@ def read(path: Path) -> tuple[Level | None, list[Diagnostic]]:
     """Read a level file under its bare name, so that reports do not speak of this machine."""
     try:
         return read_level(read_source(path, path.name))
-    except ReadFault as fault:
-        return None, [fault.diagnostic]
+    except LevelError as fault:
+        return None, [*fault.diagnostics]
 
 
 def report(path: Path) -> str:

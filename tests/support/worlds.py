@@ -10,7 +10,6 @@ from hypothesis.strategies import DrawFn, SearchStrategy
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.validation import parse as parse_text
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.text.source import SourceFile
 
 World = dict[str, Any]
@@ -30,7 +29,7 @@ skids = chances | st.fixed_dictionaries(
 
 def level_of(world: World) -> Level:
     """Return the level that the mapping says, which must be valid."""
-    level: Level = from_mapping(world)
+    level: Level = Level.from_fields(world)
     return level
 
 

@@ -12,11 +12,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from babyrobot_levels.text.document import Document, YamlFault
-from babyrobot_levels.text.files import ReadFault, decode, read_source
-from babyrobot_levels.text.reader import MAX_BYTES, MAX_DEPTH
+from babyrobot_levels.text.diagnostics import Key
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source, source_of
+from babyrobot_levels.text.reader import MAX_DEPTH
 from babyrobot_levels.text.reader import read as read_file
-from babyrobot_levels.text.source import Position, SourceFile
+from babyrobot_levels.text.source import MAX_BYTES, Position, SourceFile
 
 
 def read(text: str) -> Document:
@@ -25,14 +27,15 @@ def read(text: str) -> Document:
 
 def fault(text: str) -> tuple[str, Position]:
     """Return code and place of what keeps the text from being read."""
-    with pytest.raises(YamlFault) as caught:
+    with pytest.raises(LevelError) as caught:
         read(text)
-    return caught.value.problem.code, caught.value.problem.span.start
+    (found,) = caught.value.diagnostics
+    return found.code, found.span.start
 
 
 def value(scalar: str) -> Any:
     document = read(f"key: {scalar}\n")
-    assert not document.problems
+    assert not document.issues
     return document.data["key"]
 
 
@@ -166,7 +169,7 @@ def test_what_is_json_reads_as_json(data: object) -> None:
 
 
 def place(document: Document, *route: str | int, key: bool = False) -> tuple[int, int, int, int]:
-    start, end = document.span(route, key=key)
+    start, end = document.span(Key(route) if key else route)
     return (*start, *end)
 
 
@@ -258,7 +261,8 @@ def test_an_empty_value_stands_behind_its_key() -> None:
 
 
 def problems(text: str) -> list[tuple[str, Position]]:
-    return [(problem.code, problem.span.start) for problem in read(text).problems]
+    document = read(text)
+    return [(issue.code, document.span(issue.location).start) for issue in document.issues]
 
 
 def test_duplicate_keys() -> None:
@@ -402,9 +406,9 @@ def test_an_empty_text_is_nothing() -> None:
 
 
 def read_fault(path: Path) -> tuple[str, int, int]:
-    with pytest.raises(ReadFault) as caught:
+    with pytest.raises(LevelError) as caught:
         read_source(path)
-    found = caught.value.diagnostic
+    found = caught.value.diagnostics[0]
     return found.code, found.line, found.column
 
 
@@ -444,7 +448,7 @@ def test_a_file_may_hold_a_mebibyte_and_not_a_byte_more(tmp_path: Path) -> None:
 )
 def test_bytes_that_are_not_utf8(data: bytes, place: tuple[int, int]) -> None:
     """The column counts characters, here as everywhere."""
-    with pytest.raises(ReadFault) as caught:
-        decode(data, "x.yaml")
-    found = caught.value.diagnostic
+    with pytest.raises(LevelError) as caught:
+        source_of(data, "x.yaml")
+    found = caught.value.diagnostics[0]
     assert (found.code, (found.line, found.column)) == ("BR102", place)

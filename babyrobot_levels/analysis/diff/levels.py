@@ -10,6 +10,7 @@ from babyrobot_levels.analysis.diff.changes import Change, Changes
 from babyrobot_levels.analysis.diff.common import cell_changes, transition_changes, wall_changes
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.analysis.transition_tables import LevelLike
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -17,9 +18,7 @@ from babyrobot_levels.library.level import Level
 LIMIT = 10
 """How many changes of each kind are told, if nothing else is asked for."""
 
-_TEXTS = ("name", "title", "description", "author", "license", "source", "tags")
 _RULES = ("skid", "wind", "rewards")
-_LIMITS = ("discount", "max_steps")
 
 
 @dataclass(frozen=True)
@@ -142,13 +141,13 @@ def _whole(value: Any) -> Any:
 
 
 def _changes_beside(before: Level, after: Level) -> Iterator[Change]:
-    for name in (*_TEXTS, *_LIMITS):
+    for name in fields_with(Role.TEXT, Role.LIMIT):
         yield from _field_changes(name, plain(getattr(before, name)), plain(getattr(after, name)))
     names = (before.theme, after.theme)
     if isinstance(names[0], str) and isinstance(names[1], str) and names[0] != names[1]:
         yield Change(*names, name="theme")
     else:
-        themes = (_whole(level.colors_and_widths) for level in (before, after))
+        themes = (_whole(level.resolved_theme) for level in (before, after))
         yield from _field_changes("theme", *themes)
     yield from _field_changes("display", _whole(before.display), _whole(after.display))
     for name, looks in (("areas", ("color", "label")), ("walls", ("color", "width", "fit"))):

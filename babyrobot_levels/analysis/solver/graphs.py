@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections import deque
-
 import numpy as np
 
 from babyrobot_levels.analysis.solver.model import Flags, Ints, Model
+from babyrobot_levels.mdp.graph import Graph
 
 DENSE_STATES = 150
 """Up to so many states, components are found with plain NumPy: importing SciPy takes longer."""
@@ -27,59 +26,15 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
     size = model.size
     happens = (model.probability > 0) & rows[:, :, None]
     source = np.repeat(np.arange(size, dtype=np.int32), happens.sum(axis=(1, 2)))
-    distance = distances(size + 1, model.next_state[happens], source, np.flatnonzero(goals))
+    # Edges reversed: from each next state to the state before it.
+    graph = Graph(size + 1, model.next_state[happens], source)
+    distance = graph.distances(np.flatnonzero(goals).tolist())
+    distance[distance < 0] = size + 2
     nearer = distance[model.next_state] < distance[:-1, None, None]
     progress = np.einsum("sao,sao->sa", model.probability, nearer)
     progress[~rows] = -1.0
     reached = distance[:-1] <= size
     return reached, np.where(reached & ~goals[:-1], progress.argmax(axis=1), -1)
-
-
-def distances(size: int, source: Ints, target: Ints, roots: Ints) -> Ints:
-    """Return the fewest edges from one of the roots to each node, `[size]`.
-
-    Args:
-        size: the number of nodes; one that cannot be reached is at this number plus 1.
-        source: where each edge begins.
-        target: where it ends.
-        roots: where the ways begin.
-    """
-    distance = np.full(size, size + 1, np.int32)
-    if size <= DENSE_STATES:
-        ahead: list[list[int]] = [[] for _ in range(size)]
-        for begin, end in zip(source.tolist(), target.tolist(), strict=True):
-            ahead[begin].append(end)
-        found = dict.fromkeys(roots.tolist(), 0)
-        # A dict keeps the order in which nodes were found, which is that of their distances.
-        waiting = deque(found)
-        while waiting:
-            node = waiting.popleft()
-            for other in ahead[node]:
-                if other not in found:
-                    found[other] = found[node] + 1
-                    waiting.append(other)
-        distance[list(found)] = list(found.values())
-        return distance
-    from scipy.sparse import csr_array  # type: ignore[import-untyped]
-    from scipy.sparse.csgraph import breadth_first_order  # type: ignore[import-untyped]
-
-    # One more node, from which an edge leads to each root.
-    begins = np.append(source, np.full(roots.size, size, source.dtype))
-    weights = np.ones(begins.size, np.int8)
-    graph = csr_array(
-        (weights, (begins, np.append(target, roots.astype(target.dtype)))),
-        shape=(size + 1, size + 1),
-    )
-    order, before = breadth_first_order(graph, size)
-    # Each node knows the one before it: jumps of double length count the way in few rounds.
-    before[size] = size
-    count = np.zeros(size + 1, np.intp)
-    count[order[1:]] = 1
-    while (before[order] != size).any():
-        count[order] += count[before[order]]
-        before[order] = before[before[order]]
-    distance[order[1:]] = count[order[1:]] - 1
-    return distance
 
 
 def surely_ending(model: Model, rows: Flags) -> tuple[Flags, Ints, Flags]:
@@ -106,8 +61,8 @@ def strong_components(size: int, source: Ints, target: Ints) -> Ints:
             reach = np.minimum(reach @ reach, 1.0)
         label: Ints = ((reach > 0) & (reach.T > 0)).argmax(axis=1)
         return label
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
+    from scipy.sparse import csr_array  # type: ignore[import-untyped]
+    from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
 
     graph = csr_array((np.ones(source.size, np.int8), (source, target)), shape=(size, size))
     components: Ints = connected_components(graph, connection="strong")[1].astype(np.intp)

@@ -4,29 +4,16 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
+from babyrobot_levels.analysis.solver.model import Flags, Floats
 from babyrobot_levels.analysis.solver.results import num_actions
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.suggest import did_you_mean
-
-
-class HasPolicy(Protocol):
-    """An answer that holds a policy and knows how its actions are numbered: a `Solution`, say."""
-
-    @property
-    def policy(self) -> Ints:
-        """An action for each cell, `[height, width]`."""
-
-    @property
-    def first_action(self) -> int:
-        """The `brl.Action` that is number 0 there."""
-
+from babyrobot_levels.text.words import did_you_mean
 
 Policy = str | ArrayLike | Callable[[int, int], int] | HasPolicy
 """How a policy can be told; see `read_policy`."""
@@ -57,10 +44,9 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
     count = num_actions(actions)
     if isinstance(policy, str):
         return _in_words(policy, mdp, count)
-    first = 0
-    if hasattr(policy, "first_action"):
-        policy, first = policy.policy, policy.first_action - (NUM_ACTIONS - count)
-    elif callable(policy):
+    policy, first_action = unwrapped_policy(policy)
+    first = 0 if first_action is None else first_action - (NUM_ACTIONS - count)
+    if callable(policy):
         policy = _called(policy, mdp)
     table = np.asarray(policy)
     if table.shape == (mdp.height, mdp.width):

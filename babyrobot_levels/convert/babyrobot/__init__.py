@@ -1,1 +1,1 @@
-"""The keyword setups of PyPI babyrobot 1.0.40: the game is the one that the package plays."""
+"""The keyword setups of PyPI babyrobot 1.0.40, with the MDP that the package plays."""

@@ -1,14 +1,19 @@
-"""Setups to levels."""
+"""Setups to levels: `from_setup` and what it reads, keyword by keyword."""
 
 from __future__ import annotations
 
-import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
-from babyrobot_levels.convert.babyrobot.looks import blocked_color, read_display, read_theme
 from babyrobot_levels.convert.babyrobot.toggles import maze_edges, toggle
-from babyrobot_levels.convert.checked import (
+from babyrobot_levels.convert.conversion import (
+    ConversionError,
+    Lost,
+    World,
+    level_of,
+    shown,
+)
+from babyrobot_levels.convert.data import (
     color,
     integer,
     integers,
@@ -16,19 +21,12 @@ from babyrobot_levels.convert.checked import (
     number,
     probability,
     sequence,
-)
-from babyrobot_levels.convert.conversion import (
-    ConversionError,
-    ConversionWarning,
-    Lost,
-    World,
-    shown,
+    truncated,
 )
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 Cell = tuple[int, int]
 
@@ -37,7 +35,26 @@ MAX_BLOCKED = 2_000_000
 """More than the largest grid has cells."""
 
 NO_EXIT = (-1, -1)
-"""An `end` that nobody gets to: how a level without an exit is exported."""
+"""An unreachable `end`: how a level without an exit is exported."""
+
+THEMES = frozenset({"black_orange", "blue_green", "green"})
+"""The themes that the package and the language both have."""
+
+COLORS = (
+    *("base", "lines", "start", "start_text", "exit", "exit_text", "border", "walls"),
+    *("arrows", "text_bg", "text_fg"),
+)
+WIDTHS = ("padding", "walls", "border")
+
+USUAL_SLEEP = 0.07
+"""The default number of seconds that the package sleeps between two frames."""
+
+_FLAGS = {"add_compass": "compass", "show_start_text": "start_text", "show_end_text": "exit_text"}
+_FLAG_DEFAULTS = {"compass": False, "start_text": True, "exit_text": True}
+PANEL_SIDES = {"side_panel": ("width", "height"), "bottom_panel": ("height", "width")}
+"""For each panel, the keyword for its extent, and the one that the package ignores."""
+
+_DEFAULT_SIZES = {"side_panel": 100, "bottom_panel": 50}
 
 _PLAYING = {
     "seed": "give it to `env.reset(seed=…)`",
@@ -45,7 +62,7 @@ _PLAYING = {
     "action_space": 'give `actions="all"` to `level.make` for all five actions everywhere',
     "apply_api_compatibility": "a step returns five values",
     "drawmode": "pictures look the same everywhere",
-    "offset": "the robot is drawn where he stands",
+    "offset": "the robot is drawn in its cell",
 }
 KEYWORDS = {"width", "height", "start", "end", "initial_pos", "puddles", "puddle_props", "walls"}
 KEYWORDS |= {"base_areas", "grid_areas", "add_maze", "maze_seed", "max_steps", "grid", "robot"}
@@ -57,20 +74,17 @@ KEYWORDS |= set(_PLAYING)
 def from_setup(setup: Mapping[str, Any], *, name: str | None = None) -> Level:
     """Return the level that a keyword setup of PyPI babyrobot 1.0.40 describes.
 
-    The game is the one that the package plays, so coming to the exit gives -1. What a level has
-    no place for is told by a `ConversionWarning` each.
+    The MDP is the one that the package plays, so reaching the exit gives -1. Each keyword that a
+    level cannot hold is a `ConversionWarning`.
 
     Args:
         setup: the keywords: `{"width": 8, "add_maze": True, "walls": [((2, 0), "E")], …}`.
         name: the level's name.
 
     Raises:
-        LevelError: the setup has a value that the package could not play, or describes no level.
+        LevelError: a value is not valid in the package, or the setup is not a valid level.
     """
-    world = read_setup(setup)
-    for lost in world.lost:
-        warnings.warn(str(lost), ConversionWarning, stacklevel=2)
-    return from_mapping(world.fields, name=name)
+    return level_of(read_setup(setup), name=name, stacklevel=2)
 
 
 def read_setup(setup: Mapping[str, Any]) -> World:
@@ -130,7 +144,7 @@ class _Reader:
         first = integers(self.setup.pop("initial_pos", None) or [x, y], "initial_pos", 2)
         self.fields["start"] = first
         if first != [x, y]:
-            self._lose("start", "the red square stands where episodes begin, at initial_pos")
+            self._lose("start", "the start square is drawn at initial_pos, where episodes start")
         end = integers(self.setup.pop("end", [width - 1, height - 1]), "end", 2)
         self.end = end[0], end[1]
         self.fields["exit"] = end if self._inside(*end) else "none"
@@ -138,7 +152,7 @@ class _Reader:
         if not self._inside(*end):
             del self.fields["rewards"]
             if self.end != NO_EXIT:
-                self._lose("end", f"({end[0]}, {end[1]}) is off the grid: there is no exit")
+                self._lose("end", f"({end[0]}, {end[1]}) is off the grid, so there is no exit")
 
     def _walls(self) -> None:
         entries = sequence(self.setup.pop("walls", None) or [], "walls")
@@ -147,7 +161,9 @@ class _Reader:
         if has_maze and seed is None:
             self.fields["maze"] = {"seed": "random"}
             if entries:
-                raise ConversionError("walls cannot be toggled in a maze without a seed")
+                raise ConversionError(
+                    "walls cannot be toggled in a maze without a seed; add maze_seed"
+                )
             return
         maze = maze_edges(*self.size, self.start, integer(seed, "maze_seed")) if has_maze else set()
         # The package grows its maze from `start`, and through cells that are off the grid.
@@ -181,11 +197,11 @@ class _Reader:
             for cell, value in pairs:
                 size = integer(value, where)
                 if size not in (0, *SIZES):
-                    raise ConversionError(f"{where}: a size is 1 (small) or 2 (large), not {size}")
+                    raise ConversionError(f"{where}: size must be 1 or 2, not {size}")
                 if not self._inside(*cell) or (cell in self.blocked and size):
-                    self._lose(where, f"there is no cell {cell} on the grid")
+                    self._lose(where, f"cell {cell} is not a free cell of the grid")
                 elif cell in found and size != found[cell]:
-                    self._lose(where, f"{cell} is a puddle already, and the first one counts")
+                    self._lose(where, f"cell {cell} has a puddle already; the first one counts")
                 else:
                     found[cell] = size
         if found.get(self.end):
@@ -209,26 +225,26 @@ class _Reader:
             elif what == "reward":
                 types.setdefault(name, {})["reward"] = self._reward(value, where)
             else:
-                # The probability is that of not skidding; 1 - 0.9 is to be 0.1.
+                # The probability is that of not skidding. Rounded, so that 1 - 0.9 is 0.1.
                 types.setdefault(name, {})["skid"] = round(1 - probability(value, where), 12)
         if types:
             self.fields["puddle_types"] = types
 
-    def _reward(self, value: Any, where: str) -> int:
+    def _reward(self, value: Any, where: str) -> float:
         """Return a reward as the package counts it, without its fraction."""
         given = number(value, where)
         if int(given) != given:
             self._lose(where, f"the package counts {given:g} as {int(given)}")
-        return int(given)
+        return truncated(given)
 
     def _rectangle(self, value: Any, where: str) -> dict[str, Any] | None:
-        """Return the part of a rectangle that is on the grid, None if there is none."""
+        """Return the part of a rectangle that is on the grid, None if it is empty."""
         x, y, *size = integers(value, where, 2, 4)
         columns, rows = size or (1, 1)
         right, bottom = min(x + columns, self.size[0]), min(y + rows, self.size[1])
         x, y = max(x, 0), max(y, 0)
         if right <= x or bottom <= y:
-            self._lose(where, "no cell of it is on the grid")
+            self._lose(where, "none of its cells is on the grid")
             return None
         cells = {"at": [x, y]}
         return (
@@ -259,7 +275,7 @@ class _Reader:
             if rest and isinstance(rest[0], str):
                 self.blocked_colors.append(rest.pop(0))
             if rest:
-                self._lose(f"{where} borders", "blocked cells have the walls of the theme")
+                self._lose(f"{where} borders", "blocked cells have no borders of their own")
         if blocked:
             self.fields["blocked"] = blocked
 
@@ -276,7 +292,7 @@ class _Reader:
             if len(parts) > 1 and parts[1] is not None:
                 known = color(parts[1])
                 if known is None:
-                    self._lose(where, f"{shown(parts[1])} is no colour that a level can have")
+                    self._lose(where, f"{shown(parts[1])} is not a valid colour of a level")
                 else:
                     area["color"] = known
             if len(parts) > 2:
@@ -286,14 +302,117 @@ class _Reader:
             self.fields["areas"] = areas
 
     def _look(self) -> None:
-        theme = read_theme(mapping(self.setup.pop("grid", None) or {}, "grid"), self.lost)
-        theme = blocked_color(self.blocked_colors, theme, self.lost)
+        theme = _read_theme(mapping(self.setup.pop("grid", None) or {}, "grid"), self.lost)
+        theme = _with_blocked_color(self.blocked_colors, theme, self.lost)
         if theme:
             self.fields["theme"] = theme
-        display = read_display(self.setup, self.lost)
+        display = _read_display(self.setup, self.lost)
         if display:
             self.fields["display"] = display
 
 
 def _is_puddle(entry: list[Any]) -> bool:
     return bool(entry) and isinstance(entry[0], list)
+
+
+# -- looks -----------------------------------------------------------------------------------
+
+
+def _read_display(setup: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
+    """Return the field `display` of a setup."""
+    display: dict[str, Any] = {}
+    for keyword, name in _FLAGS.items():
+        given = bool(setup.pop(keyword, _FLAG_DEFAULTS[name]))
+        if given != _FLAG_DEFAULTS[name]:
+            display[name] = given
+    for keyword in PANEL_SIDES:
+        panel = setup.pop(keyword, None)
+        if panel is not None:
+            display[keyword] = _panel(keyword, panel, lost)
+    robot = _robot(mapping(setup.pop("robot", {}), "robot"), lost)
+    return display | ({"robot": robot} if robot else {})
+
+
+def _panel(keyword: str, panel: Any, lost: list[Lost]) -> Any:
+    if isinstance(panel, bool) or not isinstance(panel, int | float | dict):
+        # The package takes any other value for a panel of the default size.
+        return _DEFAULT_SIZES[keyword]
+    if not isinstance(panel, dict):
+        return _pixels(panel, keyword)
+    size, other = PANEL_SIDES[keyword]
+    room = panel.get(size, _DEFAULT_SIZES[keyword])
+    found: dict[str, Any] = {"width": _pixels(room, f"{keyword} {size}")}
+    for name, ours in (("color", "color"), ("text_fg", "text_color")):
+        if name in panel:
+            found |= _color(panel[name], ours, f"{keyword} {name}", lost)
+    if other in panel:
+        lost.append(Lost(f"{keyword} {other}", "a panel always spans its side of the grid"))
+    unknown = [name for name in panel if name not in (size, other, "color", "text_fg")]
+    lost += [Lost(f"{keyword} {name}", "unknown to the package as well") for name in unknown]
+    return found if len(found) > 1 else found["width"]
+
+
+def _pixels(value: Any, where: str) -> float:
+    return min(max(number(value, where), 0), 1000)
+
+
+def _robot(robot: dict[str, Any], lost: list[Lost]) -> dict[str, Any]:
+    found: dict[str, Any] = {}
+    if not robot.pop("show", True):
+        found["show"] = False
+    sleep = number(robot.pop("sleep", USUAL_SLEEP), "robot sleep")
+    # A robot that never sleeps gets the largest speed.
+    speed = round(min(max(USUAL_SLEEP / sleep, 0.01), 100.0), 4) if sleep > 0 else 100.0
+    if speed != 1:
+        found["speed"] = speed
+    lost += [Lost(f"robot {name}", "a level has no such setting of the robot") for name in robot]
+    return found
+
+
+def _read_theme(grid: dict[str, Any], lost: list[Lost]) -> Any:
+    """Return the field `theme` of a setup's `grid`, None if there is nothing to set."""
+    name = grid.get("theme")
+    if name in THEMES:
+        # The package ignores the rest of `grid` beside a theme that it knows.
+        return name
+    if name is not None:
+        lost.append(Lost("grid theme", f"{shown(name)} is unknown; write it as colours"))
+    colors: dict[str, Any] = {}
+    for key, value in mapping(grid.get("colors") or {}, "grid colors").items():
+        if key in COLORS:
+            colors |= _color(value, key, f"grid colors {key}", lost)
+        else:
+            lost.append(Lost(f"grid colors {key}", "a theme has no such colour"))
+    widths: dict[str, Any] = {}
+    for key, value in mapping(grid.get("widths") or {}, "grid widths").items():
+        if key in WIDTHS and 0 <= number(value, f"grid widths {key}") <= 100:
+            widths[key] = value
+        else:
+            lost.append(Lost(f"grid widths {key}", f"a theme cannot have {shown(value)} for it"))
+    unknown = [key for key in grid if key not in ("theme", "colors", "widths")]
+    lost += [Lost(f"grid {key}", "unknown to the package as well") for key in unknown]
+    theme = {"colors": colors} if colors else {}
+    return theme | ({"widths": widths} if widths else {}) or None
+
+
+def _color(value: Any, name: str, where: str, lost: list[Lost]) -> dict[str, str]:
+    known = color(value)
+    if known is None:
+        lost.append(Lost(where, f"{shown(value)} is not a valid colour of a level"))
+        return {}
+    return {name: known}
+
+
+def _with_blocked_color(colors: Iterable[Any], theme: Any, lost: list[Lost]) -> Any:
+    """Return the theme with the colour of the blocked cells, if they all share one."""
+    given = list(colors)
+    known = {color(each) for each in given}
+    if not given:
+        return theme
+    (first, *others) = known
+    if others or first is None or isinstance(theme, str):
+        message = "blocked cells share one colour, and a named theme sets it"
+        lost.append(Lost("base_areas", message))
+        return theme
+    theme = dict(theme or {})
+    return {"colors": {**theme.pop("colors", {}), "blocked": first}, **theme}

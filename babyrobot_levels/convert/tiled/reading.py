@@ -3,31 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import groupby, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.convert.checked import integer, mapping, sequence
 from babyrobot_levels.convert.conversion import ConversionError, Lost, World, shown
-from babyrobot_levels.convert.data import read_data
-from babyrobot_levels.convert.edges import Edge, edge_of, in_rows
-from babyrobot_levels.convert.tiled.tiles import FAR, MAX_TILES, TileLayer, tile_layer
-from babyrobot_levels.convert.tiled.tilesets import CLASSES, Tilesets
+from babyrobot_levels.convert.data import integer, mapping, read_data, sequence
+from babyrobot_levels.convert.edges import Edge, edge_of, edge_runs
+from babyrobot_levels.convert.tiled.tiles import (
+    CLASSES,
+    FAR,
+    MAX_TILES,
+    TileLayer,
+    Tilesets,
+    tile_layer,
+)
 from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.language.level import LevelFields
-from babyrobot_levels.text.document import YamlFault
-from babyrobot_levels.text.reader import MAX_BYTES, read
-from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.language.fields import DRAWN, LevelFields, Role, fields_with
+from babyrobot_levels.language.runs import rectangles
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 
 TEXTS = ("title", "description", "author", "license", "source")
-SPATIAL = frozenset(
-    {"size", "start", "exit", "walls", "openings", "maze", "puddles", "blocked", "map", "legend"}
-)
+SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN))
 MAX_LENGTH = 4_000_000
 """More than the largest grid has sides of cells."""
 
 MAX_THINGS = MAX_BYTES // len("[0, 0]")
-"""Of more starts, exits, walls and so on, no level file has room for the places."""
+"""A level file is too small for more starts, exits, walls and other entries."""
 
 _WALL_PROPERTIES = ("pass", "color", "width", "fit")
 _HINT = "give a tile of its tileset the class " + ", ".join(CLASSES[:-1]) + " or blocked"
@@ -38,11 +42,11 @@ def read_tiled(source: SourceFile, folder: Path | None = None) -> World:
 
     Args:
         source: the map.
-        folder: where it lies: tilesets that are files in it, or below it, are read. None to read
-            no other file.
+        folder: the folder of the map: tilesets that are files in it, or below it, are read. None
+            to read no other file.
 
     Raises:
-        ConversionError: it is no such map, malformed, or larger than a level may be.
+        ConversionError: it is not such a map, malformed, or larger than a level may be.
     """
     return _Reader(mapping(read_data(source), "the map"), folder).world()
 
@@ -59,7 +63,9 @@ class _Reader:
     def world(self) -> World:
         data = self.data
         if data.get("orientation", "orthogonal") != "orthogonal":
-            raise ConversionError(f"a level is orthogonal, not {shown(data['orientation'])}")
+            raise ConversionError(
+                f"orientation must be orthogonal, not {shown(data['orientation'])}"
+            )
         size = None if data.get("infinite") else self._size()
         self.tile = tuple(integer(data.get(n), n) for n in ("tilewidth", "tileheight"))
         if min(self.tile) < 1:
@@ -83,7 +89,7 @@ class _Reader:
                 self._layer(layer)
         properties = self._properties()
         if not self.found["start"]:
-            self.lost.append(Lost("start", f"no tile is one, so it is the top-left cell; {_HINT}"))
+            self.lost.append(Lost("start", f"not found, so it is the top-left cell; {_HINT}"))
         fields = {"version": 1, "size": [self.width, self.height], **self._cells(), **properties}
         return World(fields, "A map of Tiled.", {}, tuple(self.lost))
 
@@ -101,15 +107,15 @@ class _Reader:
             else:
                 yield layer
             if layer.get("offsetx") or layer.get("offsety"):
-                self.lost.append(Lost(f"layer {shown(layer.get('name'))}", "it is not offset"))
+                self.lost.append(Lost(f"layer {shown(layer.get('name'))}", "its offset is ignored"))
 
     def _layer(self, layer: dict[str, Any]) -> None:
         name = shown(layer.get("name"))
         if layer.get("type") == "objectgroup":
             for thing in sequence(layer.get("objects"), f"layer {name}"):
-                self._thing(mapping(thing, f"layer {name}"), f"layer {name}")
+                self._object(mapping(thing, f"layer {name}"), f"layer {name}")
         else:
-            self.lost.append(Lost(f"layer {name}", "it is no layer of tiles or of objects"))
+            self.lost.append(Lost(f"layer {name}", "neither a tile layer nor an object layer"))
 
     def _tiles(self, layer: TileLayer, tilesets: Tilesets) -> None:
         unknown = 0
@@ -120,14 +126,14 @@ class _Reader:
             else:
                 self.found[name].append((x - self.left, y - self.top))
         if unknown:
-            told = f"{unknown} tiles do not say what they are, and are plain cells; {_HINT}"
-            self.lost.append(Lost(layer.where, told))
+            message = f"{unknown} tiles without a known class become plain cells; {_HINT}"
+            self.lost.append(Lost(layer.where, message))
 
-    def _thing(self, thing: dict[str, Any], where: str) -> None:
+    def _object(self, thing: dict[str, Any], where: str) -> None:
         label = f"{where}, object {shown(thing.get('id'))}"
         corners = list(self._corners(thing))
         if len(corners) < 2:
-            self.lost.append(Lost(label, "only polylines along the sides of cells count, as walls"))
+            self.lost.append(Lost(label, "only polylines along edges of cells become walls"))
             return
         properties = self._wall_properties(thing, label)
         for start, end in pairwise(corners):
@@ -136,11 +142,11 @@ class _Reader:
             if self.length > MAX_LENGTH:
                 raise ConversionError(f"{where} has walls along more than {MAX_LENGTH:,} cells")
             if not edges:
-                self.lost.append(Lost(label, "a part of it is not along sides of cells of the map"))
+                self.lost.append(Lost(label, "a part of it is not along edges of cells of the map"))
             self.walls |= dict.fromkeys(edges, properties)
 
     def _corners(self, thing: dict[str, Any]) -> Iterator[tuple[int, int]]:
-        """Yield the corners of a polyline in cells; none if one of them is no corner of cells."""
+        """Yield the corners of a polyline in cells; none if one is not a corner of a cell."""
         line = thing.get("polyline")
         places = []
         for point in line if isinstance(line, list) else []:
@@ -167,27 +173,29 @@ class _Reader:
     def _wall_properties(self, thing: dict[str, Any], where: str) -> dict[str, Any]:
         given = {}
         for entry in sequence(thing.get("properties", []), where):
-            told = mapping(entry, where)
-            if told.get("name") in _WALL_PROPERTIES:
-                given[str(told["name"])] = told.get("value")
+            found = mapping(entry, where)
+            if found.get("name") in _WALL_PROPERTIES:
+                given[str(found["name"])] = found.get("value")
             else:
-                self.lost.append(Lost(where, f"a wall has no property {shown(told.get('name'))}"))
+                self.lost.append(Lost(where, f"a wall has no property {shown(found.get('name'))}"))
         return given
 
     def _properties(self) -> dict[str, Any]:
-        """Return the fields that stand in the map's properties, as in a level file."""
+        """Return the fields in the map's properties, which are written as in a level file."""
         fields: dict[str, Any] = {}
         known = LevelFields.model_fields.keys() - SPATIAL - {"version"}
         for entry in sequence(self.data.get("properties", []), "properties"):
-            told = mapping(entry, "properties")
-            name, value = told.get("name"), told.get("value")
+            found = mapping(entry, "properties")
+            name, value = found.get("name"), found.get("value")
             if not isinstance(name, str) or name not in known:
                 self.lost.append(Lost(f"property {shown(name)}", "a level has no such field"))
             elif isinstance(value, str) and name not in TEXTS:
                 try:
                     fields[name] = read(SourceFile(f"property {name}", value)).data
-                except YamlFault as fault:
-                    raise ConversionError(f"property {name}: {fault}") from None
+                except LevelError as fault:
+                    raise ConversionError(
+                        f"property {name}: {fault.diagnostics[0].message}"
+                    ) from None
             else:
                 fields[name] = value
         return fields
@@ -199,19 +207,20 @@ class _Reader:
             fields["start"] = _one_or_all(found["start"])
         fields["exit"] = _one_or_all(found["exit"]) if found["exit"] else "none"
         walls = []
-        for (x, y, side), length, given in in_rows(self.walls):
+        for (x, y, side), length, given in edge_runs(self.walls):
             if x < 0 or y < 0:
                 x, y, side = (x, 0, "N") if side == "S" else (0, y, "W")
-            told = {"at": [x, y], "side": side}
-            walls.append(told | ({"length": length} if length > 1 else {}) | given)
+            wall = {"at": [x, y], "side": side}
+            walls.append(wall | ({"length": length} if length > 1 else {}) | given)
         puddles = [{"at": [*c], "size": "small"} for c in found["small-puddle"]]
         puddles += [{"at": [*c], "size": "large"} for c in found["large-puddle"]]
-        lists = {"walls": walls, "puddles": puddles, "blocked": list(_rows(found["blocked"]))}
+        blocked = _rectangles(found["blocked"], self.width, self.height)
+        lists = {"walls": walls, "puddles": puddles, "blocked": list(blocked)}
         things = len(found["start"]) + len(found["exit"]) + sum(map(len, lists.values()))
         if things > MAX_THINGS:
             raise ConversionError(
-                f"its {things:,} starts, exits, walls, puddles and blocked stretches "
-                "would be too much for one file"
+                f"{things:,} starts, exits, walls, puddles and blocked rectangles "
+                "are too many for one file"
             )
         return fields | {name: entries for name, entries in lists.items() if entries}
 
@@ -223,7 +232,7 @@ def _box(layers: Iterable[TileLayer]) -> tuple[int, int, int, int]:
         for x, y, _ in layer.placed():
             left, right, top, bottom = min(left, x), max(right, x), min(top, y), max(bottom, y)
     if left > right:
-        raise ConversionError("the map is infinite and has no tiles", "untick Infinite in it")
+        raise ConversionError("the map is infinite and has no tiles", "clear Infinite in Tiled")
     width, height = right - left + 1, bottom - top + 1
     if max(width, height) > MAX_SIZE:
         raise ConversionError(
@@ -237,14 +246,15 @@ def _one_or_all(cells: list[tuple[int, int]]) -> list[Any]:
     return [*cells[0]] if len(cells) == 1 else [[*cell] for cell in cells]
 
 
-def _rows(cells: list[tuple[int, int]]) -> Iterator[dict[str, Any]]:
-    """Yield cells as rectangles, one for those side by side."""
-    ordered = enumerate(sorted(cells, key=lambda cell: (cell[1], cell[0])))
-    for _, run in groupby(ordered, lambda told: (told[1][1], told[1][0] - told[0])):
-        (_, (x, y)), *more = run
-        yield {"at": [x, y]} | ({"size": [1 + len(more), 1]} if more else {})
+def _rectangles(cells: list[tuple[int, int]], width: int, height: int) -> Iterator[dict[str, Any]]:
+    """Yield rectangles that cover the cells, as entries of `blocked`."""
+    marks = bytearray(width * height)
+    for x, y in cells:
+        marks[y * width + x] = True
+    for x, y, columns, rows in rectangles(marks, width):
+        yield {"at": [x, y]} | ({} if columns == rows == 1 else {"size": [columns, rows]})
 
 
 def is_tiled(data: Any) -> bool:
-    """Tell whether data looks like a map of Tiled."""
+    """Return whether data looks like a map of Tiled."""
     return isinstance(data, dict) and "layers" in data and "tilewidth" in data

@@ -7,12 +7,11 @@ from collections.abc import Iterable
 from typing import Any
 
 from babyrobot_levels.convert.conversion import Conversion, Lost
-from babyrobot_levels.convert.edges import Edge, free_edges, in_rows, wall_at, wall_looks
+from babyrobot_levels.convert.edges import Edge, edge_runs, free_edges, wall_at, wall_looks
 from babyrobot_levels.convert.tiled.reading import SPATIAL, TEXTS
-from babyrobot_levels.convert.tiled.tilesets import CLASSES
+from babyrobot_levels.convert.tiled.tiles import CLASSES
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
@@ -25,7 +24,7 @@ _NOT_PROPERTIES = SPATIAL | {"version", "name"}
 
 
 def write_tiled(level: Level) -> Conversion:
-    """Return a level as a map with one tileset embedded; its picture is to lie beside the map."""
+    """Return a level as a map with an embedded tileset, whose picture belongs beside the map."""
     width, height = level.size
     grid = level.grid()
     image = f"{level.name or 'level'}-tiles.png"
@@ -50,7 +49,7 @@ def write_tiled(level: Level) -> Conversion:
         _tile_layer(2, "starts and exits", ends, level.size),
         _wall_layer(3, walls),
     ]
-    red, green, blue, _ = rgba(level.colors_and_widths.colors.base)
+    red, green, blue, _ = rgba(level.resolved_theme.colors.base)
     data = {
         "backgroundcolor": f"#{red:02x}{green:02x}{blue:02x}",
         "compressionlevel": -1,
@@ -70,7 +69,7 @@ def write_tiled(level: Level) -> Conversion:
         "version": "1.10",
         "width": width,
     }
-    lost = () if level.maze is None else (Lost("maze", "it is written out as walls"),)
+    lost = () if level.maze is None else (Lost("maze", "it becomes walls"),)
     return Conversion(dumped(data) + "\n", lost, {image: _picture(level)})
 
 
@@ -100,11 +99,11 @@ def _tile_layer(
 
 def _wall_layer(number: int, walls: dict[Edge, dict[str, Any]]) -> dict[str, Any]:
     objects: list[dict[str, Any]] = []
-    for (x, y, side), length, given in in_rows(walls):
+    for (x, y, side), length, given in edge_runs(walls):
         down = side == "E"
         left, top = (x + 1, y) if down else (x, y + 1)
         end = (0, length) if down else (length, 0)
-        told: dict[str, Any] = {
+        wall: dict[str, Any] = {
             "height": 0,
             "id": len(objects) + 1,
             "name": "",
@@ -117,8 +116,8 @@ def _wall_layer(number: int, walls: dict[Edge, dict[str, Any]]) -> dict[str, Any
             "y": top * PIXELS,
         }
         if given:
-            told["properties"] = [_property(name, given[name]) for name in sorted(given)]
-        objects.append(told)
+            wall["properties"] = [_property(name, given[name]) for name in sorted(given)]
+        objects.append(wall)
     return {
         "draworder": "topdown",
         "id": number,
@@ -138,13 +137,13 @@ def _property(name: str, value: Any) -> dict[str, Any]:
 
 
 def _properties(level: Level) -> Iterable[dict[str, Any]]:
-    """Yield the fields that have no place on the map, sorted as Tiled sorts them."""
-    said = plain(level.model_dump(by_alias=True, exclude_defaults=True))
-    if "theme" in said:
-        # A theme of a name may lie beside the level's file only.
-        said["theme"] = level.to_dict(whole=True).get("theme", said["theme"])
-    for name in sorted(said.keys() - _NOT_PROPERTIES):
-        yield _property(name, said[name] if name in TEXTS else flow(said[name]))
+    """Yield the fields that are not drawn on the map, in Tiled's order."""
+    given = plain(level.model_dump(by_alias=True, exclude_defaults=True))
+    if "theme" in given:
+        # A named theme may be a file beside the level's.
+        given["theme"] = level.to_dict(whole=True).get("theme", given["theme"])
+    for name in sorted(given.keys() - _NOT_PROPERTIES):
+        yield _property(name, given[name] if name in TEXTS else flow(given[name]))
 
 
 def _tileset(image: str) -> dict[str, Any]:
@@ -165,9 +164,9 @@ def _tileset(image: str) -> dict[str, Any]:
 
 
 def _picture(level: Level) -> bytes:
-    """Return the picture of the tiles: that of a level which has one of each, side by side."""
-    theme = plain(level.colors_and_widths)
-    tiles = from_mapping(
+    """Return the picture of the tiles, drawn as a level with one of each."""
+    theme = plain(level.resolved_theme)
+    tiles = Level.from_fields(
         {
             "version": 1,
             "size": [len(CLASSES), 1],

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.engine.plain import PlainEngine
 from babyrobot_levels.envs.engine.robots import Engine
 from babyrobot_levels.envs.engine.tables import Tables
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.text.words import did_you_mean
 
 ENGINES = ("numpy", "compiled")
 

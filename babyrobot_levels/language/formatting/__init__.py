@@ -1,1 +1,1 @@
-"""Level files in their canonical form: one way of writing each, comments kept."""
+"""Level files in their canonical form: each in one form, comments kept."""

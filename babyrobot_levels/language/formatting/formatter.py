@@ -1,4 +1,4 @@
-"""Texts to their canonical form: the same data and the same comments, written in one way."""
+"""Texts to their canonical form: the same data and the same comments, in one form."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.language.formatting.fields import fields_of
-from babyrobot_levels.language.formatting.kept import KeptAsIs
-from babyrobot_levels.language.formatting.tree import tidy, tree_of
+from babyrobot_levels.language.documents import check_document, is_suite
+from babyrobot_levels.language.formatting.scalars import KeptAsIs
+from babyrobot_levels.language.formatting.tree import fields_of, tidy, tree_of
+from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.validation import from_yaml, parse_document
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import is_suite, read_document, read_suite
+from babyrobot_levels.language.validation import check
 from babyrobot_levels.text.comments import comments
-from babyrobot_levels.text.document import Document, YamlFault
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.emitter import lines_of
 from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.layout import lines_of
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
@@ -39,7 +38,7 @@ class Formatted:
 def format_text(text: str, *, name: str = "<text>") -> str:
     """Return a level's text in its canonical form, comments kept.
 
-    What the level says stays the same, and so does its digest. Formatting twice changes nothing.
+    The data of the level stay the same, and so does its digest. Formatting twice changes nothing.
 
     Args:
         text: the text of a level file.
@@ -62,23 +61,16 @@ def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     Raises:
         LevelError: the text is not valid.
     """
-    try:
-        document = read(source)
-    except YamlFault as fault:
-        raise LevelError([from_yaml(fault.problem, source)]) from None
+    document = read(source)
     is_theme = path is not None and path.absolute().parent.name == "themes"
-    model: type[Level | SuiteFields | Theme] = Level
+    model: type[LevelSpec | SuiteFields | Theme] = LevelSpec
     if is_theme or is_suite(document):
         model = Theme if is_theme else SuiteFields
     if is_theme or path is None:
         # Whether a theme that the level names is there, only a file's folder tells.
-        valid, diagnostics = parse_document(document, model)
-    elif model is SuiteFields:
-        valid, diagnostics = read_suite(document, path)
+        check(document, model).valid()
     else:
-        valid, diagnostics = read_document(document, path)
-    if valid is None:
-        raise LevelError(diagnostics)
+        check_document(document, LevelSpec, path).valid()
     try:
         lines = lines_of(tree_of(document, fields_of(model)))
     except KeptAsIs as reason:
@@ -87,7 +79,7 @@ def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     is_dos = source.text.find("\r\n") == source.text.find("\n") - 1 >= 0
     text = text.replace("\n", "\r\n") if is_dos else text
     if text != source.text and not _says_the_same(text, document):
-        return Formatted(source.text, "another way of writing it would not say the same")
+        return Formatted(source.text, "any other form would change its meaning")
     return Formatted(text)
 
 
@@ -95,9 +87,9 @@ def _says_the_same(text: str, before: Document) -> bool:
     """Tell whether a text has the data and the comments of a document."""
     try:
         after = read(SourceFile("", text))
-    except YamlFault:
+    except LevelError:
         return False
-    return not after.problems and _content(after) == _content(before)
+    return not after.issues and _content(after) == _content(before)
 
 
 def _content(document: Document) -> tuple[str, Counter[str]]:

@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 
-from babyrobot_levels.language.formatting.kept import KeptAsIs
 from babyrobot_levels.text.document import Node
-from babyrobot_levels.text.emitter import scalar
-from babyrobot_levels.text.layout import Scalar
+from babyrobot_levels.text.emitter import Scalar, scalar
 
 BRACKETS = ",[]{}"
 """What a text without quotes cannot hold inside brackets."""
@@ -16,6 +14,10 @@ _NUMBER = re.compile(r"([-+]?)0*([0-9]*)(?:\.([0-9]*))?(?:[eE]([-+]?[0-9]+))?")
 _LINE_END = re.compile(r"\r\n|\r|\n")
 # Other readers take these for booleans, dates, times or numbers of their own.
 _BETTER_QUOTED = re.compile(r"[0-9].*|yes|no|on|off", re.IGNORECASE | re.DOTALL)
+
+
+class KeptAsIs(Exception):
+    """A text is written in a way that the formatter leaves alone; the message says which."""
 
 
 def canonical(node: Node) -> Scalar:
@@ -99,12 +101,12 @@ def _block(raw: str, data: str) -> Scalar:
     if raw[0] == "|":
         lines = body.split("\n")
         begin = next(line for line in lines if line)
-        # Where the first line is indented itself, YAML wants to be told what is not part of it.
+        # Where the first line is indented itself, YAML needs the indentation stated.
         step = "2" if begin[0] in " \t" else ""
         return Scalar(f"|{step}{chomp}", None, tuple(lines))
     header, *lines = _LINE_END.split(raw)
     if re.match(r">[-+]?[0-9]", header):
-        raise KeptAsIs("a folded text says by how much it is indented")
+        raise KeptAsIs("a folded text states its indentation")
     if chomp == "+":
         # The last line end is that of the last line.
         lines = lines[:-1] if not lines[-1] else lines

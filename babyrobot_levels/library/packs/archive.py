@@ -25,7 +25,7 @@ from babyrobot_levels.library.packs.format import (
     read_manifest,
 )
 from babyrobot_levels.text.files import read_bytes
-from babyrobot_levels.text.reader import MAX_BYTES
+from babyrobot_levels.text.source import MAX_BYTES
 
 SUFFIX = ".brlpack"
 

@@ -25,8 +25,7 @@ from babyrobot_levels.lint.runner import lint_file
 from babyrobot_levels.lint.settings import settings_for
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, NotRegularError, read_bytes
-from babyrobot_levels.text.reader import MAX_BYTES
-from babyrobot_levels.text.source import START, SourceFile
+from babyrobot_levels.text.source import MAX_BYTES, START, SourceFile
 
 _LOCAL_SCHEMA = re.compile(rb"^#.*\$schema=(?:file:|/|~|[A-Za-z]:[/\\])", re.MULTILINE)
 """A schema line that leads to a file of this machine."""

@@ -6,18 +6,19 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.pack import PackFields
-from babyrobot_levels.language.problem import Problem
 from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.language.validation import diagnostic, from_yaml, parse
-from babyrobot_levels.library.level import Level, slug
+from babyrobot_levels.language.validation import check
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.packs.format import TEXTS, LevelEntry, Manifest, PackError, is_theme
-from babyrobot_levels.library.reading import is_suite, read_document, read_suite
-from babyrobot_levels.text.diagnostics import Diagnostic
-from babyrobot_levels.text.document import Document, YamlFault
-from babyrobot_levels.text.files import PACK_FILE, ReadFault, read_source
-from babyrobot_levels.text.reader import read
+from babyrobot_levels.library.reading import check_document
+from babyrobot_levels.text.diagnostics import Diagnostic, Issue
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import PACK_FILE
+from babyrobot_levels.text.reader import open_document
 
 MAX_CELLS = 2 << 20
 """The limit of cells of all levels together: each level is compiled."""
@@ -70,29 +71,24 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
         if path.rpartition("/")[2] in TEXTS:
             continue
         try:
-            source = read_source(folder / path, str(shown / path))
-        except ReadFault as fault:
-            found.diagnostics.append(fault.diagnostic)
+            document = open_document(folder / path, str(shown / path))
+        except LevelError as error:
+            found.diagnostics += error.diagnostics
             continue
         if path == PACK_FILE:
-            found.fields, errors = parse(source, PackFields)
+            found.fields, errors = check(document, PackFields)
             found.diagnostics += errors
         elif is_theme(path):
             found.themes.append(path)
-            found.diagnostics += parse(source, Theme)[1]
+            found.diagnostics += check(document, Theme).diagnostics
         else:
-            try:
-                document = read(source)
-            except YamlFault as fault:
-                found.diagnostics.append(from_yaml(fault.problem, source))
-                continue
-            world, errors = _world(document, folder / path)
+            world, errors = check_document(document, folder / path)
             found.diagnostics += errors
             if world is None:
                 continue
             problem = _taken(world, path, document, names)
             if problem is not None:
-                found.diagnostics.append(diagnostic(problem, document))
+                found.diagnostics.append(document.diagnostic(problem))
             if isinstance(world, SuiteFields):
                 found.suites[str(world.name)] = path
                 continue
@@ -140,22 +136,18 @@ def _compare(levels: Mapping[str, LevelEntry], stated: Mapping[str, LevelEntry])
             )
 
 
-def _world(document: Document, path: Path) -> tuple[Level | SuiteFields | None, list[Diagnostic]]:
-    return read_suite(document, path) if is_suite(document) else read_document(document, path)
-
-
 def _taken(
     world: Level | SuiteFields, path: str, document: Document, names: dict[str, str]
-) -> Problem | None:
+) -> Issue | None:
     """Return the problem with the names of a level, its own and that of its file, if any."""
     stem = slug(path.rpartition("/")[2].rpartition(".")[0])
     if stem is None or world.name is None:
         message = "the file's name has no letters or digits for a level's name"
-        return Problem("BR701", (), message, "rename the file")
+        return Issue("BR701", (), message, "rename the file")
     for name in dict.fromkeys((world.name, stem)):
         other = names.setdefault(name, path)
         if other != path:
             own = ("name",) if name == world.name and "name" in document.data else ()
             advice = "in a pack, the names of levels and suites and of their files are unique"
-            return Problem("BR701", own, f"`{name}` is already the name of {other}", advice)
+            return Issue("BR701", own, f"`{name}` is already the name of {other}", advice)
     return None

@@ -14,9 +14,10 @@ from pathlib import Path
 
 from babyrobot_levels.language.base import SLUG
 from babyrobot_levels.language.pack import VERSION, PackFields
-from babyrobot_levels.language.validation import parse
-from babyrobot_levels.library.folders import user_folder
-from babyrobot_levels.text.files import PACK_FILE, ReadFault, is_folder, read_source
+from babyrobot_levels.language.validation import check
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import PACK_FILE, is_folder, user_folder
+from babyrobot_levels.text.reader import open_document
 
 CURRENT = "current"
 MAX_LINE = 100
@@ -103,8 +104,8 @@ def version_of(folder: str) -> str | None:
 def fields(folder: Path) -> PackFields | None:
     """Return the fields of a pack's `pack.yaml`, None if it is missing or invalid."""
     try:
-        return parse(read_source(folder / PACK_FILE), PackFields)[0]
-    except ReadFault:
+        return check(open_document(folder / PACK_FILE), PackFields).value
+    except LevelError:
         return None
 
 

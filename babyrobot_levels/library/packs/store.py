@@ -28,7 +28,7 @@ from babyrobot_levels.library.packs.known import (
     version_of,
 )
 from babyrobot_levels.text.files import is_folder, write_text
-from babyrobot_levels.text.suggest import nearest
+from babyrobot_levels.text.words import nearest
 
 LOCK = ".lock"
 

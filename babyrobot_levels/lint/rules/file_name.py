@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.library.level import slug
+from babyrobot_levels.language.documents import slug
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs
 from babyrobot_levels.text.diagnostics import Severity

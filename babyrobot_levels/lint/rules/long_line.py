@@ -38,7 +38,7 @@ from collections.abc import Iterator
 from babyrobot_levels.lint.case import Case
 from babyrobot_levels.lint.rule import Finding, Needs
 from babyrobot_levels.text.diagnostics import Severity
-from babyrobot_levels.text.layout import WIDTH
+from babyrobot_levels.text.emitter import WIDTH
 from babyrobot_levels.text.source import Position, Span
 
 CODE, SEVERITY, NEEDS = "BR603", Severity.INFO, Needs.LEVEL

@@ -56,7 +56,7 @@ def check(case: Case) -> Iterator[Finding]:
         return
     from babyrobot_levels.render.colors import contrast
 
-    colors = case.level.colors_and_widths.colors
+    colors = case.level.resolved_theme.colors
     given = colors.model_fields_set
     for name in _SEEN:
         if not given & {name, "base"}:

@@ -94,7 +94,7 @@ def _other_rewards(case: Case, name: str) -> set[float | None]:
 
 def _is_surely_given(case: Case, name: str) -> bool:
     """Tell whether some move gives a reward, in levels where little else could have a say."""
-    level, ahead = case.level, case.reach.ahead
+    level, ahead = case.level, case.reach.successors
     if name == "exit":
         # Only a warp has a say before the exit.
         exits = {case.state(cell) for cell in level.exits}

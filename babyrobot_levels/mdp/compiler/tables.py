@@ -13,20 +13,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
-from babyrobot_levels.mdp.compiler.arrivals import Arrivals
-from babyrobot_levels.mdp.compiler.branches import (
+from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
+from babyrobot_levels.mdp.compiler.outcomes import (
+    Arrivals,
     Branches,
     Floats,
     Ints,
-    chancy_branches,
-    chancy_rows,
     plain_branches,
+    stochastic_branches,
+    stochastic_rows,
 )
-from babyrobot_levels.mdp.compiler.moves import Moves, build_moves
 from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
-from babyrobot_levels.mdp.compiler.warps import Warps, build_warps
 from babyrobot_levels.mdp.grid import Grid, build_grid
 from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
 
@@ -48,8 +47,11 @@ def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
     next_state = arrivals.next_states(plain)
     # A plain row that leads to one of several starts is a chance too.
     lost = next_state == terrain.over.size
-    chancy = chancy_rows(moves, terrain, warps)
-    by_chance = [*chancy_branches(moves, terrain, chancy), plain.select(lost & ~chancy.ravel())]
+    stochastic = stochastic_rows(moves, terrain, warps)
+    by_chance = [
+        *stochastic_branches(moves, terrain, stochastic),
+        plain.select(lost & ~stochastic.ravel()),
+    ]
     branches = by_chance[0].joined(*by_chance[1:])
     branches = branches.select(branches.probability > 0)
     next_state[lost] = 0

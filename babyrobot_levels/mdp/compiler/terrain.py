@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.cells import SkidLike, SkidRule, as_skid
-from babyrobot_levels.language.level import LevelFields
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.grid import Grid
 
 RULES = tuple(SkidRule)

@@ -1,4 +1,4 @@
-"""Mazes grown from a seed. `carve` chooses the algorithm; each family has a file of its own."""
+"""Mazes grown from a seed. `carve` chooses the algorithm; the algorithms are in one file."""
 
 from __future__ import annotations
 
@@ -6,14 +6,20 @@ import random
 from collections.abc import Callable, Sequence
 
 from babyrobot_levels.mdp.mazes import compiled
-from babyrobot_levels.mdp.mazes.depth_first import depth_first
-from babyrobot_levels.mdp.mazes.division import recursive_division
-from babyrobot_levels.mdp.mazes.growth import growing_tree, hunt_and_kill, prim
-from babyrobot_levels.mdp.mazes.kruskal import kruskal
-from babyrobot_levels.mdp.mazes.lattice import Lattice
-from babyrobot_levels.mdp.mazes.loops import open_dead_ends
-from babyrobot_levels.mdp.mazes.random_walks import aldous_broder, wilson
-from babyrobot_levels.mdp.mazes.rows import binary_tree, eller, sidewinder
+from babyrobot_levels.mdp.mazes.algorithms import (
+    aldous_broder,
+    binary_tree,
+    depth_first,
+    eller,
+    growing_tree,
+    hunt_and_kill,
+    kruskal,
+    prim,
+    recursive_division,
+    sidewinder,
+    wilson,
+)
+from babyrobot_levels.mdp.mazes.lattice import Lattice, open_dead_ends
 
 ALGORITHMS: dict[str, Callable[[Lattice, int, random.Random], None]] = {
     "depth-first": depth_first,
@@ -30,7 +36,7 @@ ALGORITHMS: dict[str, Callable[[Lattice, int, random.Random], None]] = {
 }
 """Each carves a lattice from a cell on, drawing only from the generator that it is given.
 
-It carves the cells that hang together with that cell, and no others.
+It carves the cells that are connected with that cell, and no others.
 """
 
 
@@ -39,14 +45,14 @@ def carve(
 ) -> bytes:
     """Return the open sides of a maze's cells.
 
-    Between any two cells that hang together with the start there is exactly one path, before
+    Between any two cells connected with the start there is exactly one path, before
     `loops` opens some more. Cells that blocked ones cut off from it stay walled in on all sides.
 
     Args:
         width: the number of columns.
         height: the number of rows.
         blocked: 1 for each blocked cell, row by row, else 0. Not every algorithm can do with
-            them, see `spec.walls.RECTANGULAR`.
+            them, see `language.walls.RECTANGULAR`.
         start: the number of the cell to begin with, which is not blocked.
         seed: what the maze is grown from.
         algorithm: a name in `ALGORITHMS`.

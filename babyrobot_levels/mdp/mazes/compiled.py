@@ -1,4 +1,4 @@
-"""When depth-first mazes are carved by machine code: where Numba is there, and it is worth it."""
+"""Depth-first mazes as machine code, where Numba is installed and gains more than it costs."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def depth_first_many(
 
 
 def _kernel_for(cells: int) -> ModuleType | None:
-    """Return the kernel if so many more cells make it worth loading."""
+    """Return the kernel if so many more cells justify loading it."""
     global _asked_for
     if _asked_for < WORTH_LOADING:
         _asked_for += cells

@@ -1,4 +1,4 @@
-"""Depth-first mazes as machine code. Imports Numba; `compiled` decides whether it is worth it.
+"""Depth-first mazes as machine code. Imports Numba; `compiled` decides whether to use it.
 
 The Mersenne Twister is here a second time, as Python seeds it and draws from it.
 """

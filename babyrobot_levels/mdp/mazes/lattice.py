@@ -1,11 +1,50 @@
-"""The board that mazes are carved on: one padded byte array, so that no neighbour needs a check."""
+"""What the algorithms share: a padded board, draws from a generator, and braiding."""
 
 from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+from itertools import chain
+
+BLOCK = 1024
+"""So many bytes are drawn at a time. What is left of a block at the end is not used."""
+
+_QUARTERS = bytes(byte & 3 for byte in range(256))
+
+
+def below(rng: random.Random, count: int) -> int:
+    """Draw a number from 0 to count - 1, as `Random.choice` does it, on every Python version.
+
+    It draws also when there is one choice: the mazes of PyPI `babyrobot` depend on it.
+    """
+    bits = count.bit_length()
+    number = rng.getrandbits(bits)
+    while number >= count:
+        number = rng.getrandbits(bits)
+    return number
+
+
+def shuffle(rng: random.Random, items: list[int]) -> None:
+    """Bring a list into an order that is drawn: every order is equally likely."""
+    for last in range(len(items) - 1, 0, -1):
+        chosen = below(rng, last + 1)
+        items[last], items[chosen] = items[chosen], items[last]
+
+
+def quarters(rng: random.Random) -> Iterator[int]:
+    """Draw numbers from 0 to 3 without end, one from each byte: faster than one by one."""
+    return chain.from_iterable(_blocks(rng))
+
+
+def _blocks(rng: random.Random) -> Iterator[bytes]:
+    while True:
+        yield rng.getrandbits(8 * BLOCK).to_bytes(BLOCK, "little").translate(_QUARTERS)
+
 
 NORTH, EAST, SOUTH, WEST = 1, 2, 4, 8
 
 THERE = (WEST, EAST, SOUTH, NORTH)
-"""The side that is opened for each way. Their order is the ancestor's: its mazes depend on it."""
+"""The side that is opened for each way, in the order on which PyPI `babyrobot`'s mazes depend."""
 
 BACK = (EAST, WEST, NORTH, SOUTH)
 """The side of the neighbour that is opened with it."""
@@ -61,7 +100,7 @@ class Lattice:
         return [cell for row in rows for cell in row if not blocked[cell]]
 
     def component(self, start: int) -> list[int]:
-        """Return the cells that hang together with a cell, row by row."""
+        """Return the cells that are connected with a cell, row by row."""
         found = bytearray(self.blocked)
         found[start] = 1
         waiting, members = [start], [start]
@@ -82,3 +121,28 @@ class Lattice:
         """Take over open sides, as `sides` returns them."""
         for y, row in enumerate(self.rows()):
             self.open[row] = sides[y * self.width : (y + 1) * self.width]
+
+
+def open_dead_ends(lattice: Lattice, share: float, rng: random.Random) -> None:
+    """Open a share of the dead ends, each towards a neighbour that it has a wall to.
+
+    The dead ends are taken in an order that the generator draws. One that another's opening
+    has already joined counts as opened; one without a neighbour behind a wall is passed over.
+    """
+    dead_ends = [cell for cell in lattice.cells() if _is_dead_end(lattice, cell)]
+    wanted = int(share * len(dead_ends) + 0.5)
+    shuffle(rng, dead_ends)
+    for cell in dead_ends[:wanted]:
+        if not _is_dead_end(lattice, cell):
+            continue
+        walled = [
+            way
+            for way in lattice.ways(cell, lattice.blocked)
+            if not lattice.open[cell] & THERE[way]
+        ]
+        if walled:
+            lattice.join(cell, walled[below(rng, len(walled))])
+
+
+def _is_dead_end(lattice: Lattice, cell: int) -> bool:
+    return lattice.open[cell].bit_count() == 1

@@ -1,1 +1,1 @@
-"""What notebooks show: levels and environments as pictures, and the robot as he walks."""
+"""What notebooks show: levels and environments as pictures, and the robot as it moves."""

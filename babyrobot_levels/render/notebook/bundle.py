@@ -1,4 +1,4 @@
-"""Pictures as notebooks store them: in forms of which every front end shows one."""
+"""Pictures as MIME bundles, of which every front end shows one type."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.screen import screen_scale
+from babyrobot_levels.render.scene.shapes import screen_scale
 from babyrobot_levels.render.svg import to_svg
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.scene.shapes import Scene
 
 Bundle = dict[str, Any]
-"""Contents by their MIME types, all of the same thing; a front end shows the one it likes best."""
+"""The same content by MIME types; a front end shows the one that it prefers."""
 
 HTML = "text/html"
 MARKDOWN = "text/markdown"
@@ -26,20 +26,19 @@ TEXT = "text/plain"
 WIDGET = "application/vnd.jupyter.widget-view+json"
 
 MAX_PIXELS = 1_000_000
-"""A PNG is made smaller until it has no more: it is only a substitute."""
+"""The most pixels of a PNG, which is only a substitute; larger pictures are scaled down."""
 
 PNG_COLORS = 128
-"""So few colours make it a third as large, and are hardly seen."""
+"""The colours of a PNG; the reduction is hardly visible and saves two thirds of the size."""
 
 MAX_CELLS = 40_000
-"""Notebooks would grow by megabytes for the pictures of levels that have more."""
+"""The largest level that is shown as a picture; others would add megabytes to a notebook."""
 
 
 def picture_mimebundle(scene: Scene, text: str) -> Bundle:
-    """Return a picture as an SVG, as a PNG, and as a text.
+    """Return a picture as SVG, PNG and text.
 
-    JupyterLab shows SVG only in notebooks that it trusts: not in one from somebody else. Where
-    nothing can be shown, the text is.
+    JupyterLab shows SVG only in trusted notebooks. The text is shown where pictures cannot be.
     """
     scale = min(1.0, math.sqrt(MAX_PIXELS / (scene.width * scene.height)))
     size = max(1, int(scale * scene.width)), max(1, int(scale * scene.height))
@@ -50,10 +49,10 @@ def picture_mimebundle(scene: Scene, text: str) -> Bundle:
     }
 
 
-def level_mimebundle(level: Level) -> Bundle:
-    """Return what a level shows as the last line of a cell: its picture and its drawing.
+def level_mimebundle(level: GridWorld) -> Bundle:
+    """Return the bundle of a level as the last line of a cell: its picture and its drawing.
 
-    Of a level that grows another maze at each reset, the one of seed 0 is shown.
+    A random maze is shown with seed 0.
     """
     if is_too_large(level):
         return in_words(level)
@@ -62,14 +61,14 @@ def level_mimebundle(level: Level) -> Bundle:
     return picture_mimebundle(build_scene(level), level.draw())
 
 
-def is_too_large(level: Level) -> bool:
+def is_too_large(level: GridWorld) -> bool:
     """Return whether a level has more than `MAX_CELLS` cells."""
     columns, rows = level.size
     return columns * rows > MAX_CELLS
 
 
-def in_words(level: Level) -> Bundle:
-    """Return what stands for the picture of a level that is too large."""
+def in_words(level: GridWorld) -> Bundle:
+    """Return the substitute for the picture of a level that is too large."""
     columns, rows = level.size
     name = level.title or level.name or "a level"
     return {TEXT: f"{name}: {columns} × {rows} cells, too many for a notebook"}

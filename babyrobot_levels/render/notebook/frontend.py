@@ -1,4 +1,4 @@
-"""Who looks at what Python shows: a notebook with a person before it, a program, or nobody."""
+"""The front end of a kernel: a notebook with a person, a program that runs it, or none."""
 
 from __future__ import annotations
 
@@ -9,25 +9,25 @@ from typing import Any
 
 
 class Frontend(Enum):
-    """What becomes of what is displayed."""
+    """What happens to displayed output."""
 
     NONE = auto()
     """There is no notebook."""
     PROGRAM = auto()
-    """A program runs the notebook, as nbconvert and Papermill do: only what stays counts."""
+    """A program runs the notebook, as nbconvert and Papermill do: only the final output counts."""
     PICTURES = auto()
-    """A person sees pictures, but no ipycanvas."""
+    """A person sees pictures, but not ipycanvas."""
     CANVAS = auto()
-    """A person sees pictures, and ipycanvas if it is installed where the browser's files are."""
+    """A person sees pictures, and ipycanvas if the front end has its extension."""
 
 
 def in_notebook() -> bool:
-    """Return whether this is a Jupyter kernel; IPython in a terminal is none."""
+    """Return whether this is a Jupyter kernel; IPython in a terminal is not."""
     return _kernel() is not None
 
 
 def frontend() -> Frontend:
-    """Return who looks at what is displayed now."""
+    """Return the current front end."""
     kernel = _kernel()
     if kernel is None:
         return Frontend.NONE
@@ -40,19 +40,19 @@ def frontend() -> Frontend:
 
 
 def _kernel() -> Any:
-    # Where there is a kernel, it has imported IPython.
+    # A kernel has imported IPython.
     ipython = sys.modules.get("IPython")
     shell = ipython.get_ipython() if ipython is not None else None
     return getattr(shell, "kernel", None)
 
 
 def _takes_input(kernel: Any) -> bool:
-    """Return whether who runs the cell would answer `input()`. Programs say that they do not."""
+    """Return whether `input()` would be answered; programs report that they do not."""
     parent = kernel.get_parent() if hasattr(kernel, "get_parent") else {}
     return bool(parent.get("content", {}).get("allow_stdin", True))
 
 
 def _colab_shows_widgets() -> bool:
-    """Return whether widgets that are not Colab's own have been allowed."""
+    """Return whether custom widgets have been enabled."""
     widgets = sys.modules.get("google.colab.output._widgets")
     return getattr(widgets, "_installed_url", None) is not None

@@ -1,10 +1,9 @@
-"""The place in a notebook where a view is shown, and the picture that stays there when it ends.
+"""The output of a view in a notebook cell, and the picture that stays there.
 
-A notebook stores what a cell put out in every form that it came in, and whoever opens it later
-shows the form that it likes best. JupyterLab, Notebook and VS Code like widgets best, also where
-the kernel is gone: an error is then all that is seen. So a picture is put out beside the widget,
-not as another form of it, and a style sheet shows whichever of the two there is something to see
-of.
+A notebook stores every MIME type of a cell's output, and a program that opens it later shows the
+one it prefers. JupyterLab, Notebook and VS Code prefer widgets, even without a kernel, and then
+show only an error. So the picture is displayed as an output of its own beside the widget, and a
+style sheet shows the one of the two that has something to show.
 """
 
 from __future__ import annotations
@@ -24,12 +23,12 @@ body:has(canvas.{name}) svg.{name},
 :not(:has(> .lm-Panel > *)),
 .jp-OutputArea-child:has(style.{name}) {{ display: none }}
 </style>"""
-"""Hides the picture where the widget's canvas is: in JupyterLab and Notebook its whole output,
-elsewhere its SVG. Hides a widget's output that has nothing in it but words, and itself."""
+"""Hides the picture if the widget's canvas is shown: in JupyterLab and Notebook its whole output,
+elsewhere its SVG. Hides a widget's output that contains only an error, and itself."""
 
 
-def put_out(bundle: Bundle) -> DisplayHandle:
-    """Show something in the running cell; return what can replace it."""
+def display_bundle(bundle: Bundle) -> DisplayHandle:
+    """Display a bundle in the running cell; return a handle to replace it."""
     handle: DisplayHandle = display(  # type: ignore[no-untyped-call]
         bundle, raw=True, display_id=True
     )
@@ -45,18 +44,18 @@ class Output:
 
     def __init__(self, still: Callable[[], Bundle]) -> None:
         self._still = still
-        self._handle = put_out(still())
+        self._handle = display_bundle(still())
 
     def refresh(self) -> None:
-        """Take note that the picture has changed."""
+        """Show the changed picture."""
         self._handle.update(self._still(), raw=True)  # type: ignore[no-untyped-call]
 
     def close(self) -> None:
-        """Leave the picture as it is now."""
+        """Stop updating the picture."""
 
 
 class CellOutput(Output):
-    """A picture that is renewed when a cell is done, whatever happens in between."""
+    """A picture that is updated once, when a cell has finished."""
 
     def __init__(self, still: Callable[[], Bundle]) -> None:
         super().__init__(still)
@@ -64,25 +63,25 @@ class CellOutput(Output):
         shell = get_ipython()
         assert shell is not None
         self._events = shell.events
-        self._events.register("post_run_cell", self._renew)
+        self._events.register("post_run_cell", self._update)
 
     def refresh(self) -> None:
-        """Take note that the picture has changed; it is renewed when the cell is done."""
+        """Note that the picture has changed; it is updated when the cell has finished."""
         self._is_stale = True
 
-    def _renew(self, _: object = None) -> None:
+    def _update(self, _: object = None) -> None:
         if self._is_stale:
             super().refresh()
         self._is_stale = False
 
     def close(self) -> None:
-        """Leave the picture as it is now."""
-        self._renew()
-        self._events.unregister("post_run_cell", self._renew)
+        """Stop updating the picture."""
+        self._update()
+        self._events.unregister("post_run_cell", self._update)
 
 
 class HiddenOutput(CellOutput):
-    """A picture that is seen only where the widget that is put out after it is not.
+    """A picture that is shown only if the widget that is displayed after it is not.
 
     Args:
         still: returns the picture as it is now.
@@ -90,5 +89,5 @@ class HiddenOutput(CellOutput):
     """
 
     def __init__(self, still: Callable[[], Bundle], name: str) -> None:
-        put_out({HTML: _STYLE.format(name=name), TEXT: ""})
+        display_bundle({HTML: _STYLE.format(name=name), TEXT: ""})
         super().__init__(still)

@@ -1,4 +1,4 @@
-"""What moves the robot besides his own wheels: warps as arrows, wind as chevrons."""
+"""What moves the robot besides its own actions: warps as arrows, wind as chevrons."""
 
 from __future__ import annotations
 
@@ -9,11 +9,20 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.moves import shifts
 from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.paths import QUARTER, Point, curve, polygon, polyline
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Shape
+from babyrobot_levels.render.scene.shapes import (
+    QUARTER,
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Shape,
+    curve,
+    polygon,
+    polyline,
+)
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WIDTH = 3.0
 _HEAD = 11.0
@@ -24,12 +33,12 @@ _MAX_CHEVRONS = 3
 Dash = tuple[float, float] | None
 
 
-def warp_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the warps: an arrow from ring to cell, or a round one to the start.
+def warp_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the warps: an arrow from a ring to a cell, or a turning one for the start.
 
     A warp that acts on entering is drawn solid, one that acts on leaving dashed.
     """
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     rings = {warp.at for warp in level.warps}
     for warp in level.warps:
         centre = layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5)
@@ -46,7 +55,7 @@ def warp_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
 
 
 def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield an arrow that goes round, by the clock."""
+    """Yield an arrow that turns clockwise."""
     x, y = centre[0], centre[1] + 4
     r, k = 11.0, 11.0 * QUARTER
     shaft: tuple[Command, ...] = (
@@ -91,12 +100,12 @@ def _arrow(start: Point, end: Point, gap: float, colors: Colors, dash: Dash) -> 
 
 
 def _halo(shaft: tuple[Command, ...], head: tuple[Command, ...], color: str) -> Iterator[Shape]:
-    """Yield what sets an arrow off where it crosses puddles and areas."""
+    """Yield the outline that sets an arrow off where it crosses puddles and areas."""
     yield Path(shaft, stroke=color, width=_WIDTH + 2 * _HALO, opacity=0.6)
     yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)
 
 
-def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def wind_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield chevrons where the wind blows: one for each cell that it pushes, at most three."""
     if level.wind is None:
         return
@@ -113,7 +122,7 @@ def wind_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
     if commands:
         yield Path(
             tuple(commands),
-            stroke=level.colors_and_widths.colors.arrows,
+            stroke=level.resolved_theme.colors.arrows,
             width=2.5,
             cap="round",
             opacity=0.55,

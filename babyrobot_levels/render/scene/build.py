@@ -1,4 +1,4 @@
-"""The scene of a level: everything that its picture shows, in painting order."""
+"""The scene of a level: all shapes of its picture, in painting order."""
 
 from __future__ import annotations
 
@@ -7,28 +7,26 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.ground import ground_shapes
+from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
-from babyrobot_levels.render.scene.overlays import Overlay
-from babyrobot_levels.render.scene.overlays.draw import overlay_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
-from babyrobot_levels.render.scene.puddles import puddle_shapes
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
-
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
 """The layers of a picture, from the bottom up."""
 
 
 def build_scene(
-    level: Level,
+    level: GridWorld,
     *,
     state: int | None = None,
     pose: Pose = STANDING,
@@ -40,16 +38,16 @@ def build_scene(
 
     Args:
         level: the level; a maze needs a seed.
-        state: the cell of the robot, `y * width + x`. None shows him on the first start, if the
-            level's `display` shows him at all.
-        pose: how he holds himself.
+        state: the cell of the robot, `y * width + x`. None shows it on the first start, if the
+            level's `display` shows it at all.
+        pose: the robot's pose.
         robot: whether the robot is in the picture.
-        cells_only: whether to leave out the free space around the grid, panels and compass.
-        overlay: values, arrows and texts that are written over the cells and into the panels.
+        cells_only: whether to leave out the margin around the grid, panels and compass.
+        overlay: values, arrows and texts shown over the cells and in the panels.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
-        ValueError: the level has no such state, or the overlay is not as large as the level.
+        ValueError: the level has no such state, or the overlay has another size than the level.
     """
     layers = build_layers(
         level, state=state, pose=pose, robot=robot, cells_only=cells_only, overlay=overlay
@@ -59,7 +57,7 @@ def build_scene(
 
 
 def build_layers(
-    level: Level,
+    level: GridWorld,
     *,
     state: int | None = None,
     pose: Pose = STANDING,
@@ -67,13 +65,13 @@ def build_layers(
     cells_only: bool = False,
     overlay: Overlay | None = None,
 ) -> dict[str, Scene]:
-    """Return the same picture in layers; painted one over the other they are `build_scene`'s.
+    """Return the same picture as layers: painted in this order, they give that of `build_scene`.
 
     All are as large as the picture. What changes from step to step has layers of its own:
 
     - `base`: the ground, puddles, panels and the compass;
-    - `grid`: walls, arrows and texts that are the level's own;
-    - `underlay`: what of an overlay lies below the robot;
+    - `grid`: walls, and the arrows and texts of the level itself;
+    - `underlay`: the part of an overlay that is below the robot;
     - `robot`: the robot;
     - `overlay`: arrows over the cells;
     - `text`: numbers and texts over the cells and in the panels.
@@ -89,19 +87,21 @@ def build_layers(
     }
     if robot and (state is not None or level.display.robot.show):
         corner = _robot_corner(level, layout, state)
-        layers["robot"] = robot_shapes(level.colors_and_widths, *corner, pose)
+        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose)
     layers |= overlay_shapes(level, overlay, layout)._asdict()
     title = level.title or level.name or "Level"
     return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
 
 
-def build_base(level: Level, *, cells_only: bool = False, overlay: Overlay | None = None) -> Scene:
+def build_base(
+    level: GridWorld, *, cells_only: bool = False, overlay: Overlay | None = None
+) -> Scene:
     """Return the picture of a level without the robot; see `build_scene`."""
     return build_scene(level, robot=False, cells_only=cells_only, overlay=overlay)
 
 
 def _base_shapes(
-    level: Level, overlay: Overlay, layout: Layout, *, cells_only: bool
+    level: GridWorld, overlay: Overlay, layout: Layout, *, cells_only: bool
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
     yield from puddle_shapes(level, layout)
@@ -110,7 +110,7 @@ def _base_shapes(
         yield from compass_shapes(level, layout)
 
 
-def _grid_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def _grid_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     yield from wind_shapes(level, layout)
     yield from warp_shapes(level, layout)
     yield from end_texts(level, layout)
@@ -120,7 +120,7 @@ def _grid_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         yield from coordinate_texts(level, layout)
 
 
-def _robot_corner(level: Level, layout: Layout, state: int | None) -> tuple[float, float]:
+def _robot_corner(level: GridWorld, layout: Layout, state: int | None) -> tuple[float, float]:
     if state is None:
         return layout.corner(*level.starts[0])
     if not 0 <= state < layout.columns * layout.rows:

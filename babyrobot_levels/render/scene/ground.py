@@ -1,27 +1,39 @@
-"""The ground of the cells: base, areas, blocked cells, the lines between cells, starts, exits."""
+"""The ground of the cells: base, areas, blocked cells, grid lines, starts, exits, puddles."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from operator import gt, or_
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.runs import rectangles, runs
 from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.paths import polygon, polyline
-from babyrobot_levels.render.scene.runs import rectangles, runs
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Shape
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Shape,
+    curve,
+    polygon,
+    polyline,
+    smooth,
+)
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _DASH = 4.0
 _LINE_WIDTH = 1.0
 _EDGE = 3.0
-"""How high blocked cells seem to stand above the ground."""
+"""How far blocked cells seem to rise above the ground, in pixels."""
 
 
-def ground_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the ground, from the bottom up."""
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     blocked = level.grid().blocked_cells
     yield Rect(layout.margin, layout.margin, layout.grid_width, layout.grid_height, colors.base)
     for area in level.areas:
@@ -43,7 +55,7 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
 
 
 def _pad(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
-    """Yield the pad that the robot starts from."""
+    """Yield the pad of a start."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
     for radius, opacity in ((20, 0.25), (12, 0.35)):
         yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
@@ -65,7 +77,7 @@ def _flag(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
 
 
 def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
-    """Yield the blocked cells as blocks that stand a little above the ground."""
+    """Yield the blocked cells as blocks that rise a little above the ground."""
     columns = layout.columns
     blocks = [
         _cells(layout, (x, y), (width, height), fill)
@@ -80,10 +92,10 @@ def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
         row = blocked[y * columns : (y + 1) * columns]
         above = blocked[(y - 1) * columns : y * columns] if y else b"\1" * columns
         below = blocked[(y + 1) * columns : (y + 2) * columns] or b"\1" * columns
-        for x, length in runs(here and not there for here, there in zip(row, above, strict=True)):
+        for x, length in runs(map(gt, row, above), True):
             left, top = layout.corner(x, y)
             yield Rect(left, top, length * CELL, _EDGE, "#ffffff", opacity=0.22)
-        for x, length in runs(here and not there for here, there in zip(row, below, strict=True)):
+        for x, length in runs(map(gt, row, below), True):
             left, bottom = layout.corner(x, y + 1)
             yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, "#000000", opacity=0.3)
 
@@ -100,11 +112,11 @@ def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
     for y in range(1, rows):
         above = blocked[(y - 1) * columns : y * columns]
         below = blocked[y * columns : (y + 1) * columns]
-        for x, length in runs(not (a or b) for a, b in zip(above, below, strict=True)):
+        for x, length in runs(map(or_, above, below), 0):
             yield from _line(layout, (x + inset, y), (x + length - inset, y))
     for x in range(1, columns):
         left, right = blocked[x - 1 :: columns], blocked[x::columns]
-        for y, length in runs(not (a or b) for a, b in zip(left, right, strict=True)):
+        for y, length in runs(map(or_, left, right), 0):
             yield from _line(layout, (x, y + inset), (x, y + length - inset))
 
 
@@ -112,3 +124,84 @@ def _line(
     layout: Layout, start: tuple[float, float], end: tuple[float, float]
 ) -> tuple[Command, ...]:
     return polyline([layout.corner(*start), layout.corner(*end)])
+
+
+_POINTS = 12
+_FLATTEN = 0.84
+_RADIUS = {"small": 14.0, "large": 23.5}
+_WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
+"""The waves of the outline: how many in one turn, and their height as a share of the radius."""
+_WHITE = "#ffffff"
+_SHORE = "#000000"
+
+
+def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the puddles: water, a lighter middle, a highlight, and drops beside small ones."""
+    fill = level.resolved_theme.colors.puddle
+    for puddle in level.puddles:
+        x, y = puddle.at
+        centre_x, centre_y = layout.corner(x + 0.5, y + 0.5)
+        radius = _RADIUS[puddle.size]
+        outline = _puddle_outline(x, y, radius)
+        if puddle.size == "small":
+            yield from _drops(x, y, centre_x, centre_y, radius, fill)
+        for scale, colour, opacity in (
+            (1.06, _SHORE, 0.22),
+            (1.0, fill, 1.0),
+            (0.74, _WHITE, 0.16),
+        ):
+            points = [(centre_x + scale * dx, centre_y + scale * dy) for dx, dy in outline]
+            yield Path(smooth(points), fill=colour, opacity=opacity)
+        yield _highlight(centre_x, centre_y, radius)
+        yield Ellipse(
+            centre_x + 0.36 * radius,
+            centre_y + 0.3 * radius,
+            0.09 * radius,
+            0.07 * radius,
+            _WHITE,
+            0.7,
+        )
+
+
+def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
+    """Return points around (0, 0): a wavy circle, flattened a little."""
+    phases = [2 * math.pi * _noise(x, y, waves) for waves, _ in _WAVES]
+    points = []
+    for index in range(_POINTS):
+        angle = 2 * math.pi * index / _POINTS
+        reach = radius * (
+            1
+            + sum(
+                share * math.cos(waves * angle + phase)
+                for (waves, share), phase in zip(_WAVES, phases, strict=True)
+            )
+        )
+        points.append((reach * math.cos(angle), _FLATTEN * reach * math.sin(angle)))
+    return points
+
+
+def _drops(
+    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str
+) -> Iterator[Shape]:
+    angle = 2 * math.pi * _noise(x, y, 200)
+    for turn, size, distance in ((0.0, 3.4, 1.55), (0.75, 2.2, 1.5)):
+        drop_x = centre_x + distance * radius * math.cos(angle + turn)
+        drop_y = centre_y + _FLATTEN * distance * radius * math.sin(angle + turn)
+        yield Ellipse(drop_x, drop_y, size, _FLATTEN * size, fill)
+
+
+def _highlight(centre_x: float, centre_y: float, radius: float) -> Path:
+    start = (centre_x - 0.56 * radius, centre_y + 0.02 * radius)
+    end = (centre_x - 0.02 * radius, centre_y - 0.47 * radius)
+    control = (centre_x - 0.5 * radius, centre_y - 0.42 * radius)
+    return Path(
+        curve(start, control, end), stroke=_WHITE, width=0.1 * radius, cap="round", opacity=0.75
+    )
+
+
+def _noise(x: int, y: int, salt: int) -> float:
+    """Return a pseudo-random number in 0..1 that depends on the arguments only."""
+    mixed = (x * 0x9E3779B1 ^ y * 0x85EBCA77 ^ salt * 0xC2B2AE3D) & 0xFFFFFFFF
+    for factor in (0x7FEB352D, 0x846CA68B):
+        mixed = ((mixed ^ mixed >> 15) * factor) & 0xFFFFFFFF
+    return (mixed ^ mixed >> 16) / 2**32

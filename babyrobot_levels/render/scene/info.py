@@ -1,22 +1,20 @@
-"""What users ask to be shown, as a mapping, read into an `Overlay`."""
+"""Reading the mapping of `show_info` into an `Overlay`."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.language.color import PATTERN
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.render.scene.overlays import Note, Overlay
-from babyrobot_levels.render.scene.overlays.numbers import short
-from babyrobot_levels.render.scene.told_policy import read_policy
-from babyrobot_levels.render.scene.told_rows import cells_of, number_of
-from babyrobot_levels.text.suggest import did_you_mean
+from babyrobot_levels.language.looks import PATTERN
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, unwrapped_policy
+from babyrobot_levels.render.scene.number_labels import short
+from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 KEYS = (
     "values",
@@ -29,9 +27,14 @@ KEYS = (
     "bottom_panel",
     "precision",
 )
-"""What can be shown."""
+"""The keys of the mapping."""
 
 MAX_PRECISION = 6
+
+_NAMES = {name: action for action in Action for name in (action.name, action.name[0])}
+_NAMES["S"] = Action.SOUTH
+_TIE = 1e-9
+"""The relative difference up to which two probabilities count as equal."""
 
 _ELSEWHERE = {
     "coords": "coordinates",
@@ -39,112 +42,112 @@ _ELSEWHERE = {
     "side_info": "side_panel",
     "bottom_info": "bottom_panel",
 }
-"""What PyPI's babyrobot calls the same things."""
+"""The names of the same keys in PyPI `babyrobot`."""
 
 
-def overlay_from(info: Mapping[str, Any], level: Level) -> Overlay:
-    """Return what a mapping asks to be shown on a level.
+def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
+    """Return the overlay that a mapping describes.
 
-    All keys may be left out. Arrays are NumPy's, or lists; where they hold nan or None nothing is
-    shown, and ±inf is shown as such. A `Solution` or a `Sweep` stands for its array of that name.
+    All keys are optional. Arrays are NumPy arrays or lists; nan and None are not shown, and ±inf is
+    shown as such. A `Solution` or a `Sweep` stands for its array of that name.
 
     Args:
         info: with these keys:
 
-            - `values`: what each cell is worth, `[height, width]`;
-            - `policy`: where arrows lead, `[height, width]`: in each cell an action, its name
-              (`"north"`, `"N"`), a list or set of actions, or nothing; a negative number is
-              nothing. Or `[height, width, actions]`, probabilities or flags, of which the largest
-              count: of 5 actions, or of the 4 moves;
-            - `action_values`: what each action is worth, `[height, width, actions]`, likewise;
-            - `visits`: how often the robot was in each cell, `[height, width]`;
+            - `values`: the value of each cell, `[height, width]`;
+            - `policy`: the arrows, `[height, width]`: for each cell an action, its name (`"north"`,
+              `"N"`), a list or set of actions, or nothing; negative numbers are nothing. Or
+              `[height, width, actions]`, probabilities or flags of 5 actions or of the 4 moves, of
+              which the largest are shown;
+            - `action_values`: the value of each action, `[height, width, actions]`, likewise;
+            - `visits`: the number of visits to each cell, `[height, width]`;
             - `coordinates`: whether cells show their coordinates;
-            - `text`: a list of `((x, y), text)` or `((x, y), text, colour)`; whole numbers are the
-              middle of a cell, fractions lie between cells;
+            - `text`: a list of `((x, y), text)` or `((x, y), text, colour)`; integers are the
+              centre of a cell, fractions are between cells;
             - `side_panel`, `bottom_panel`: a text, or a list of lines;
-            - `precision`: how many decimals numbers have at most, 0 to 6; by default 2.
+            - `precision`: the largest number of decimals, 0 to 6; by default 2.
         level: the level.
 
     Raises:
-        ValueError: a key is unknown, or what it says cannot be shown on the level.
+        ValueError: a key is unknown, or its value does not fit the level.
     """
     if not isinstance(info, Mapping):
-        raise ValueError(f"what is shown is given as a mapping, not as {type(info).__name__}")
+        raise ValueError(f"info must be a mapping, not {type(info).__name__}")
     for key in info:
         if key not in KEYS:
-            raise ValueError(f"nothing called `{key}` can be shown{_hint(str(key))}")
-    told = {key: value for key, value in info.items() if value is not None}
-    precision = told.get("precision", 2)
+            raise ValueError(f"unknown key `{key}`{_hint(str(key))}")
+    given = {key: value for key, value in info.items() if value is not None}
+    precision = given.get("precision", 2)
     if isinstance(precision, bool) or precision not in range(MAX_PRECISION + 1):
         raise ValueError(f"`precision` must be 0 to {MAX_PRECISION}, not {precision!r}")
     return Overlay(
-        values=_values(told["values"], level) if "values" in told else None,
-        actions=read_policy(told["policy"], level) if "policy" in told else None,
+        values=_values(given["values"], level) if "values" in given else None,
+        actions=policy_actions(given["policy"], level) if "policy" in given else None,
         action_values=(
-            _action_values(told["action_values"], level) if "action_values" in told else None
+            _action_values(given["action_values"], level) if "action_values" in given else None
         ),
-        visits=_visits(told["visits"], level) if "visits" in told else None,
-        coordinates=bool(told.get("coordinates", False)),
-        notes=tuple(_note(item, precision, level) for item in _items(told, "text")),
-        side_panel=_lines(told, "side_panel"),
-        bottom_panel=_lines(told, "bottom_panel"),
+        visits=_visits(given["visits"], level) if "visits" in given else None,
+        coordinates=bool(given.get("coordinates", False)),
+        notes=tuple(_note(item, precision, level) for item in _items(given, "text")),
+        side_panel=_lines(given, "side_panel"),
+        bottom_panel=_lines(given, "bottom_panel"),
         precision=int(precision),
     )
 
 
 def _hint(key: str) -> str:
     if key in _ELSEWHERE:
-        return f"; here it is `{_ELSEWHERE[key]}`"
-    return did_you_mean(key, KEYS) or f"; there are {', '.join(KEYS)}"
+        return f"; use `{_ELSEWHERE[key]}`"
+    return did_you_mean(key, KEYS) or f"; the keys are {', '.join(KEYS)}"
 
 
-def _values(told: Any, level: Level) -> list[list[float | None]]:
-    rows = cells_of(told, "values", level)
+def _values(given: Any, level: GridWorld) -> list[list[float | None]]:
+    rows = cells_of(given, "values", level)
     return [[number_of(cell, "values") for cell in row] for row in rows]
 
 
-def _visits(told: Any, level: Level) -> list[list[float | None]]:
-    rows = [[number_of(cell, "visits") for cell in row] for row in cells_of(told, "visits", level)]
+def _visits(given: Any, level: GridWorld) -> list[list[float | None]]:
+    rows = [[number_of(cell, "visits") for cell in row] for row in cells_of(given, "visits", level)]
     for count in (count for row in rows for count in row if count is not None):
         if not 0 <= count < math.inf:
             raise ValueError(f"`visits` must be counts, not {count:g}")
     return rows
 
 
-def _action_values(told: Any, level: Level) -> list[list[list[float | None]]]:
-    rows = cells_of(told, "action_values", level, deep=True)
+def _action_values(given: Any, level: GridWorld) -> list[list[list[float | None]]]:
+    rows = cells_of(given, "action_values", level, deep=True)
     numbers = [
         [[number_of(value, "action_values") for value in cell] for cell in row] for row in rows
     ]
-    # Of the moves alone, staying has no value.
+    # Values of the 4 moves: `stay` has none.
     return [
         [cell if len(cell) == NUM_ACTIONS else [None, *cell] for cell in row] for row in numbers
     ]
 
 
-def _note(item: Any, precision: int, level: Level) -> Note:
+def _note(item: Any, precision: int, level: GridWorld) -> Note:
     try:
         (x, y), text, color = item if len(item) == 3 else (*item, None)
         x, y = float(x), float(y)
     except (TypeError, ValueError):
         raise ValueError(
-            f"`text` must be a list of ((x, y), text), and {item!r} is none of them; an array of "
-            "numbers goes to `values`"
+            f"`text` must be a list of ((x, y), text), not of {item!r}; "
+            "use `values` for an array of numbers"
         ) from None
     width, height = level.size
     if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
         raise ValueError(f"the text {text!r} is at [{x:g}, {y:g}], which is not on the level")
     if color is not None and not (isinstance(color, str) and re.fullmatch(PATTERN, color)):
-        raise ValueError(f"the text {text!r} has a colour that is none of CSS: {color!r}")
+        raise ValueError(f"the text {text!r} has an invalid CSS colour: {color!r}")
     shown = short(text, precision) if isinstance(text, float) and math.isfinite(text) else text
     return Note(x, y, str(shown), color)
 
 
-def _lines(told: Mapping[str, Any], key: str) -> tuple[str, ...]:
-    lines = _items(told, key)
+def _lines(given: Mapping[str, Any], key: str) -> tuple[str, ...]:
+    lines = _items(given, key)
     for line in lines:
         if not isinstance(line, str):
-            raise ValueError(f"`{key}` must be a list of texts, and {line!r} is none")
+            raise ValueError(f"`{key}` must be a list of texts, not of {line!r}")
     return lines
 
 
@@ -152,6 +155,126 @@ def _items(told: Mapping[str, Any], key: str) -> tuple[Any, ...]:
     items = told.get(key, ())
     if isinstance(items, str):
         return (items,)
-    if not isinstance(items, Iterable):
+    if isinstance(items, Mapping) and "panel" in key:
+        raise ValueError(
+            f"`{key}` must be a text or a list of texts, not a mapping; the level's `display` "
+            "sets the width and the colours of a panel"
+        )
+    if isinstance(items, Mapping) or not isinstance(items, Iterable):
         raise ValueError(f"`{key}` must be a list, not {items!r}")
     return tuple(items)
+
+
+# -- policies ------------------------------------------------------------------------------------
+
+
+def policy_actions(policy: Any, level: GridWorld) -> list[list[tuple[Action, ...]]]:
+    """Return the actions of a policy in each cell, `[height][width]`; see `overlay_from`.
+
+    Raises:
+        ValueError: it has another size than the level, or contains an invalid action.
+    """
+    table, first = unwrapped_policy(policy)
+    table = getattr(policy, "greedy", getattr(table, "policy", table))
+    if len(shape_of(table, 3)) == 3 and hasattr(table, "shape"):
+        rows = cells_of(table, "policy", level, deep=True)
+        return [[_most_likely(cell) for cell in row] for row in rows]
+    rows = cells_of(table, "policy", level)
+    return [[tuple(sorted(_actions(cell, first or 0))) for cell in row] for row in rows]
+
+
+def _most_likely(weights: Sequence[Any]) -> tuple[Action, ...]:
+    numbers = [number_of(weight, "policy") or 0.0 for weight in weights]
+    if min(numbers) < 0:
+        raise ValueError(f"probabilities in `policy` must not be negative: {min(numbers):g}")
+    most = max(numbers)
+    first = NUM_ACTIONS - len(numbers)
+    return tuple(
+        Action(first + index)
+        for index, number in enumerate(numbers)
+        if most and number >= most - _TIE * most
+    )
+
+
+def _actions(entry: Any, first: int) -> set[Action]:
+    """Return the actions of a cell's entry."""
+    if entry is None:
+        return set()
+    if isinstance(entry, str):
+        action = _NAMES.get(entry.upper())
+        if action is None:
+            raise ValueError(f"invalid action in `policy`: {entry!r}")
+        return {action}
+    if isinstance(entry, Iterable):
+        return {action for part in entry for action in _actions(part, first)}
+    number = number_of(entry, "policy")
+    if number is None or number < 0:
+        return set()
+    if not number.is_integer() or number + first >= NUM_ACTIONS or math.isinf(number):
+        raise ValueError(f"invalid action in `policy`: {entry!r}; actions are 0 to 4")
+    return {Action(first + int(number))}
+
+
+# -- arrays --------------------------------------------------------------------------------------
+
+
+def cells_of(given: Any, key: str, level: GridWorld, *, deep: bool = False) -> list[list[Any]]:
+    """Return the entry of each cell, `[height][width]`.
+
+    Args:
+        given: an array or lists, or an object that has them as an attribute.
+        key: the name of that attribute, which messages use as well.
+        level: the level.
+        deep: whether each cell has a number for each action (or move).
+
+    Raises:
+        ValueError: it has another size than the level.
+    """
+    given = getattr(given, key, given)
+    width, height = level.size
+    expected = [(height, width, count) for count in (5, 4)] if deep else [(height, width)]
+    shape = shape_of(given, len(expected[0]))
+    if shape not in expected:
+        raise ValueError(_shape_message(key, shape, expected))
+    rows: list[list[Any]] = given.tolist() if hasattr(given, "tolist") else [*map(list, given)]
+    return rows
+
+
+def shape_of(given: Any, depth: int) -> tuple[int, ...]:
+    """Return the shape of an array, or of nested lists as far as it is regular."""
+    if hasattr(given, "shape"):
+        return tuple(given.shape)
+    if depth == 0 or not isinstance(given, list | tuple):
+        return ()
+    inner = {shape_of(part, depth - 1) for part in given}
+    return (len(given), *(inner.pop() if len(inner) == 1 else ()))
+
+
+def number_of(given: Any, key: str) -> float | None:
+    """Return a number, or None for nan and None.
+
+    Raises:
+        ValueError: it is not a number.
+    """
+    if given is None:
+        return None
+    if isinstance(given, str):
+        raise ValueError(f"`{key}` must be numbers, not {given!r}")
+    try:
+        value = float(given)
+    except (TypeError, ValueError, OverflowError):
+        raise ValueError(f"`{key}` must be numbers, not {given!r}") from None
+    return None if math.isnan(value) else value
+
+
+def _shape_message(key: str, shape: tuple[int, ...], expected: Sequence[tuple[int, ...]]) -> str:
+    height, width = expected[0][:2]
+    must = " or ".join(map(str, expected))
+    text = f"`{key}` has the shape {shape}; for this level it must be {must}"
+    if shape[:1] == (height * width,):
+        text += f"; reshape it with `.reshape{(height, width, *shape[1:])}`"
+    elif shape[:2] == (width, height):
+        text += "; arrays are indexed by [y, x]"
+    elif key == "values" and len(shape) == 3:
+        text += "; use `action_values` for values of actions"
+    return text

@@ -1,25 +1,33 @@
-"""What stands beside the grid: panels and the compass."""
+"""The panels with lines of text, and the compass."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.layout import COMPASS, Layout, panel_width
-from babyrobot_levels.render.scene.overlays import Overlay
-from babyrobot_levels.render.scene.paths import polygon
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text
+from babyrobot_levels.mdp.actions import DELTAS
+from babyrobot_levels.render.scene.layout import (
+    COMPASS,
+    LINE,
+    LINE_SIZE,
+    PANEL_EDGE,
+    Layout,
+    panel_width,
+    wrapped,
+)
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text, polygon
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _NEEDLE = "#e5484d"
 
 
-def panel_shapes(level: Level, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
-    """Yield the ground of the panels: one beside the grid, one below both."""
-    display, ground = level.display, level.colors_and_widths.colors.text_bg
+def panel_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
+    """Yield the backgrounds of the panels: one beside the grid, one below."""
+    display, ground = level.display, level.resolved_theme.colors.text_bg
     if panel_width(display.side_panel) or overlay.side_panel:
         fill = _ground(display.side_panel, ground)
         yield Rect(layout.left_width, 0, layout.side, layout.top_height, fill)
@@ -32,15 +40,53 @@ def _ground(panel: str | float | Panel, ground: str) -> str:
     return panel.color if isinstance(panel, Panel) and panel.color is not None else ground
 
 
-def compass_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the compass, at the top of the strip beside the grid: north is up."""
+def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the compass at the top of the side panel; north is up."""
     if not level.display.compass:
         return
-    colors = level.colors_and_widths.colors
+    colors = level.resolved_theme.colors
     x = layout.left_width + layout.side / 2
     y = COMPASS / 2
     yield Ellipse(x, y, 31, 31, colors.text_bg)
     for down, fill in ((-1, _NEEDLE), (1, colors.text_fg)):
         yield Path(polygon([(x - 5, y), (x, y + 16 * down), (x + 5, y)]), fill=fill)
-    for letter, across, along in (("N", 0, -1), ("E", 1, 0), ("S", 0, 1), ("W", -1, 0)):
-        yield Text(x + 23.5 * across, y + 23.5 * along + 3.8, letter, 11, colors.text_fg, bold=True)
+    for action, (dx, dy) in DELTAS.items():
+        letter = action.name[0]
+        yield Text(x + 23.5 * dx, y + 23.5 * dy + 3.8, letter, 11, colors.text_fg, bold=True)
+
+
+def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:
+    """Yield the lines of the panels; long ones are wrapped, those that do not fit left out."""
+    display, color = level.display, level.resolved_theme.colors.text_fg
+    top = COMPASS if display.compass else 0.0
+    if layout.side:
+        yield from _lines(
+            overlay.side_panel,
+            (layout.left_width, top, layout.side, layout.top_height - top),
+            _text_color(display.side_panel, color),
+        )
+    if layout.bottom:
+        yield from _lines(
+            overlay.bottom_panel,
+            (0.0, layout.top_height, layout.width, layout.bottom),
+            _text_color(display.bottom_panel, color),
+        )
+
+
+def _text_color(panel: str | float | Panel, color: str) -> str:
+    own = panel.text_color if isinstance(panel, Panel) else None
+    return color if own is None else own
+
+
+def _lines(
+    texts: Sequence[str], box: tuple[float, float, float, float], fill: str
+) -> Iterator[Text]:
+    left, top, width, height = box
+    lines = wrapped(texts, width)
+    room = max(1, int((height - PANEL_EDGE) / LINE))
+    if len(lines) > room:
+        lines = [*lines[: room - 1], "…"]
+    for number, line in enumerate(lines):
+        if line:
+            baseline = top + PANEL_EDGE + LINE * number + 0.75 * LINE
+            yield Text(left + PANEL_EDGE, baseline, line, LINE_SIZE, fill, "start")

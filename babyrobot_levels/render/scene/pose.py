@@ -1,11 +1,11 @@
-"""How the robot holds himself: one rule, so that he looks the same in every painter's pictures."""
+"""The robot's poses, and the pose after a step: one rule for all painters."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 
 
 class Mood(StrEnum):
@@ -18,13 +18,13 @@ class Mood(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """How the robot holds himself.
+    """A pose of the robot.
 
     Attributes:
-        facing: where he looks; `STAY` is at the viewer.
-        mood: what has just happened to him.
-        phase: how far he is in a step from cell to cell, 0 to 1. He bobs on the way, and at 0 and
-            1 he stands.
+        facing: where it looks; `STAY` is at the viewer.
+        mood: what has just happened to it.
+        phase: the part of a move from cell to cell that is done, 0 to 1. The robot bobs while it
+            moves; at 0 and 1 it stands.
     """
 
     facing: Action = Action.STAY
@@ -32,8 +32,10 @@ class Pose:
     phase: float = 0.0
 
 
+_FACINGS = {move: action for action, move in DELTAS.items()}
+
 STANDING = Pose()
-"""How he stands before the first step."""
+"""The pose before the first step."""
 
 
 def pose_of(
@@ -47,28 +49,20 @@ def pose_of(
 ) -> Pose:
     """Return the pose after a step.
 
-    He looks to the side that he moved to. Where he stayed, or came from far, he looks to where he
-    wanted to go. At an exit he cheers, and at the viewer.
+    The robot looks in the direction of its move. If it stayed, or came from farther away, it looks
+    in the direction of its action. At an exit it cheers, facing the viewer.
 
     Args:
-        previous_state: the cell that he came from, `y * width + x`.
-        state: the cell that he stands in.
-        action: what he was told to do, a `brl.Action`.
+        previous_state: the cell before the step, `y * width + x`.
+        state: the cell after the step.
+        action: the action, a `brl.Action`.
         width: the number of columns of the level.
-        skidded: whether chance led him elsewhere.
-        at_exit: whether he stands on an exit.
+        skidded: whether the robot skidded to another cell than the action leads to.
+        at_exit: whether the cell after the step is an exit.
     """
     if at_exit:
         return Pose(mood=Mood.CHEER)
     before_y, before_x = divmod(previous_state, width)
     y, x = divmod(state, width)
-    facing = _SIDES.get((x - before_x, y - before_y), Action(action))
+    facing = _FACINGS.get((x - before_x, y - before_y), Action(action))
     return Pose(facing, Mood.SLIP if skidded else Mood.CALM)
-
-
-_SIDES = {
-    (0, -1): Action.NORTH,
-    (1, 0): Action.EAST,
-    (0, 1): Action.SOUTH,
-    (-1, 0): Action.WEST,
-}

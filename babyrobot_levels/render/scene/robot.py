@@ -1,16 +1,26 @@
-"""Baby Robot himself, drawn for a cell of 64 pixels; he never leaves his cell."""
+"""Baby Robot itself, drawn for a cell of 64 pixels; it never leaves its cell."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.figure import Figure
-from babyrobot_levels.render.scene.paths import curve, polyline
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose
-from babyrobot_levels.render.scene.shapes import Shape
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Shape,
+    circle,
+    curve,
+    polyline,
+    rounded,
+)
 
 _OUTLINE = "#232c38"
 _VISOR = "#17202b"
@@ -21,9 +31,9 @@ _BLACK = "#000000"
 
 _TURN = {Action.EAST: 1, Action.WEST: -1}
 _BOB = 1.5
-"""How high a step lifts him."""
+"""How high a step lifts it, in pixels."""
 _SWAY = 3.5
-"""How far a step makes him lean, in degrees."""
+"""How far a step makes it lean, in degrees."""
 _HOP = 2.0
 _SLIP = 15.0
 
@@ -32,10 +42,10 @@ def robot_shapes(theme: Theme, left: float, top: float, pose: Pose = STANDING) -
     """Return the robot.
 
     Args:
-        theme: the theme; his body has its colour `robot`.
-        left: the left edge of his cell in pixels.
-        top: the upper edge of his cell.
-        pose: how he holds himself.
+        theme: the theme; its colour `robot` is that of the body.
+        left: the left edge of the robot's cell in pixels.
+        top: the upper edge of the cell.
+        pose: the robot's pose.
     """
     return tuple(_shapes(theme.colors, left, top, pose))
 
@@ -76,7 +86,7 @@ def _wheels(figure: Figure, turn: int) -> Iterator[Shape]:
 
 
 def _arms(figure: Figure, body: str, pose: Pose, turn: int) -> Iterator[Shape]:
-    """Yield arms, which he only needs when something happens to him."""
+    """Yield the arms, which are seen only when the robot slips or cheers."""
     if pose.mood is Mood.CALM:
         return
     for side in (-1, 1):
@@ -103,7 +113,7 @@ def _trunk(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Sha
 
 
 def _antenna(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
-    """Yield the antenna: it lags behind, and stands on end when he slips or cheers."""
+    """Yield the antenna, which lags behind the movement."""
     root, tip = (32.0 - 2 * turn, 14.0), (32.0 - 6 * turn, 6.2)
     yield figure.line(polyline([root, tip]), _OUTLINE, 2.4)
     yield figure.disc(*tip, 3.8, 3.8, _OUTLINE)
@@ -164,8 +174,86 @@ def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
 
 
 def _splash(ground: Figure, water: str) -> Iterator[Shape]:
-    """Yield the water that he slips on."""
+    """Yield the water that the robot slips on."""
     yield ground.disc(32, 51, 21, 4.6, water)
     yield ground.disc(32, 51, 15, 2.6, _WHITE, 0.2)
     for x, y, r in ((9, 44, 2.2), (13.5, 37.5, 1.5), (55, 43, 2.4), (51.5, 36.5, 1.5)):
         yield ground.disc(x, y, r, 1.25 * r, water)
+
+
+_SCALE, _LEFT, _TOP = 0.9, 3.2, 0.8
+"""A figure leaves room for a text below."""
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """The position and posture of a figure: shapes in its own box of 64 by 64.
+
+    Attributes:
+        left: the left edge of its cell in the picture.
+        top: the upper edge of its cell.
+        lean: the angle by which it leans to the right, in degrees.
+        lift: how far it is above the ground.
+        pivot: the point around which it leans.
+    """
+
+    left: float
+    top: float
+    lean: float = 0.0
+    lift: float = 0.0
+    pivot: Point = (32.0, 46.0)
+
+    def at(self, x: float, y: float) -> Point:
+        """Return a point of the figure in the picture."""
+        if self.lean:
+            dx, dy = x - self.pivot[0], y - self.pivot[1]
+            cos, sin = math.cos(math.radians(self.lean)), math.sin(math.radians(self.lean))
+            x, y = self.pivot[0] + cos * dx - sin * dy, self.pivot[1] + sin * dx + cos * dy
+        return self.left + _LEFT + _SCALE * x, self.top + _TOP + _SCALE * (y - self.lift)
+
+    def bar(
+        self,
+        x: float,
+        y: float,
+        width: float,
+        height: float,
+        radius: float,
+        fill: str,
+        opacity: float = 1.0,
+    ) -> Rect | Path:
+        """Return a rectangle with round corners; `x`, `y` is its upper left one."""
+        if self.lean:
+            outline = self._bent(rounded(x, y, width, height, radius))
+            return Path(outline, fill=fill, opacity=opacity)
+        corner = self.at(x, y)
+        return Rect(*corner, _SCALE * width, _SCALE * height, fill, _SCALE * radius, opacity)
+
+    def disc(
+        self, x: float, y: float, rx: float, ry: float, fill: str, opacity: float = 1.0
+    ) -> Ellipse | Path:
+        """Return an ellipse; `x`, `y` is its centre."""
+        if self.lean and rx != ry:
+            outline = self._bent(circle(x, y, rx, ry))
+            return Path(outline, fill=fill, opacity=opacity)
+        return Ellipse(*self.at(x, y), _SCALE * rx, _SCALE * ry, fill, opacity)
+
+    def line(self, commands: Iterable[Command], stroke: str, width: float) -> Path:
+        """Return a line with round ends."""
+        return Path(self._bent(commands), stroke=stroke, width=_SCALE * width, cap="round")
+
+    def patch(self, commands: Iterable[Command], fill: str) -> Path:
+        """Return a filled outline."""
+        return Path(self._bent(commands), fill=fill)
+
+    def _bent(self, commands: Iterable[Command]) -> tuple[Command, ...]:
+        return tuple(
+            (
+                letter,
+                tuple(
+                    place
+                    for x, y in zip(numbers[::2], numbers[1::2], strict=True)
+                    for place in self.at(x, y)
+                ),
+            )
+            for letter, numbers in commands
+        )

@@ -1,11 +1,13 @@
-"""The shapes that scenes are made of. A painter that knows these four can paint every scene.
+"""The shapes of scenes, and paths built from points.
 
-Lengths are pixels, x grows to the right, y downwards. Colours are CSS strings, as levels write
-them; `opacity` comes on top of a colour's own alpha.
+A painter that supports these four shapes can paint every scene. Lengths are pixels, x grows to the
+right, y downwards. Colours are CSS strings, as levels write them; `opacity` comes on top of a
+colour's own alpha.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -74,9 +76,99 @@ Shape = Rect | Ellipse | Path | Text
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture: shapes in painting order, on nothing. `width` and `height` are in pixels."""
+    """A picture: shapes in painting order, without a background; `width`, `height` in pixels."""
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+
+
+Point = tuple[float, float]
+
+QUARTER = 0.5523
+"""A quarter of a circle is the cubic curve with controls this share of the radius away, to a
+thousandth of the radius."""
+
+
+def polyline(points: Iterable[Point]) -> tuple[Command, ...]:
+    """Return straight lines from point to point."""
+    return tuple(("L" if index else "M", point) for index, point in enumerate(points))
+
+
+def polygon(points: Iterable[Point]) -> tuple[Command, ...]:
+    """Return straight lines from point to point and back to the first."""
+    return (*polyline(points), ("Z", ()))
+
+
+def curve(start: Point, control: Point, end: Point) -> tuple[Command, ...]:
+    """Return a quadratic Bézier curve, as the cubic one that it is."""
+    first = tuple(a + 2 / 3 * (b - a) for a, b in zip(start, control, strict=True))
+    second = tuple(a + 2 / 3 * (b - a) for a, b in zip(end, control, strict=True))
+    return ("M", start), ("C", (*first, *second, *end))
+
+
+def smooth(points: Sequence[Point]) -> tuple[Command, ...]:
+    """Return the closed smooth curve through the points (a Catmull-Rom spline)."""
+    commands: list[Command] = [("M", points[0])]
+    count = len(points)
+    for index, (x, y) in enumerate(points):
+        before_x, before_y = points[index - 1]
+        next_x, next_y = points[(index + 1) % count]
+        after_x, after_y = points[(index + 2) % count]
+        commands.append(
+            (
+                "C",
+                (
+                    x + (next_x - before_x) / 6,
+                    y + (next_y - before_y) / 6,
+                    next_x - (after_x - x) / 6,
+                    next_y - (after_y - y) / 6,
+                    next_x,
+                    next_y,
+                ),
+            )
+        )
+    return (*commands, ("Z", ()))
+
+
+def circle(x: float, y: float, rx: float, ry: float | None = None) -> tuple[Command, ...]:
+    """Return a circle around (`x`, `y`), or an ellipse, from its rightmost point on."""
+    ry = rx if ry is None else ry
+    a, b = QUARTER * rx, QUARTER * ry
+    return (
+        ("M", (x + rx, y)),
+        ("C", (x + rx, y + b, x + a, y + ry, x, y + ry)),
+        ("C", (x - a, y + ry, x - rx, y + b, x - rx, y)),
+        ("C", (x - rx, y - b, x - a, y - ry, x, y - ry)),
+        ("C", (x + a, y - ry, x + rx, y - b, x + rx, y)),
+        ("Z", ()),
+    )
+
+
+def rounded(x: float, y: float, width: float, height: float, radius: float) -> tuple[Command, ...]:
+    """Return a rectangle with round corners; (`x`, `y`) is its top-left corner."""
+    r = min(radius, width / 2, height / 2)
+    k = r - QUARTER * r
+    right, bottom = x + width, y + height
+    return (
+        ("M", (x + r, y)),
+        ("L", (right - r, y)),
+        ("C", (right - k, y, right, y + k, right, y + r)),
+        ("L", (right, bottom - r)),
+        ("C", (right, bottom - k, right - k, bottom, right - r, bottom)),
+        ("L", (x + r, bottom)),
+        ("C", (x + k, bottom, x, bottom - k, x, bottom - r)),
+        ("L", (x, y + r)),
+        ("C", (x, y + k, x + k, y, x + r, y)),
+        ("Z", ()),
+    )
+
+
+MAX_SIDE = 2048
+"""The largest width and height of a picture on a screen, in pixels; larger ones are scaled."""
+
+
+def screen_scale(scene: Scene) -> float:
+    """Return the scale at which a scene is shown on a screen: 1, or less for a large one."""
+    return min(1.0, MAX_SIDE / max(scene.width, scene.height))

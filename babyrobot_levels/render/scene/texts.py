@@ -1,25 +1,29 @@
-"""Texts on the grid: start, exit, labels of areas, coordinates."""
+"""Texts on the grid: start, exit, labels of areas, notes, coordinates."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.lines import CHARACTER_WIDTH
+from babyrobot_levels.render.scene.layout import (
+    CELL,
+    CHARACTER_WIDTH,
+    Layout,
+)
+from babyrobot_levels.render.scene.overlay import Note
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 _END_SIZE = 11.0
 _COORDINATE_SIZE = 9.5
 _LABEL_SIZES = (12.0, 10.5, 9.0)
 
 
-def end_texts(level: Level, layout: Layout) -> Iterator[Text]:
-    """Yield START and EXIT, at the foot of their cells, where the robot does not hide them."""
-    colors, display = level.colors_and_widths.colors, level.display
+def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
+    """Yield START and EXIT at the bottom of their cells, where the robot does not hide them."""
+    colors, display = level.resolved_theme.colors, level.display
     for word, cells, shown, fill in (
         ("START", level.starts, display.start_text, colors.start_text),
         ("EXIT", level.exits, display.exit_text, colors.exit_text),
@@ -29,9 +33,9 @@ def end_texts(level: Level, layout: Layout) -> Iterator[Text]:
             yield Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
-def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
-    """Yield the labels of areas, at an edge, on a ground that keeps them readable."""
-    colors = level.colors_and_widths.colors
+def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the labels of areas at an edge, on a background that keeps them readable."""
+    colors = level.resolved_theme.colors
     for area in level.areas:
         label = " ".join((area.label or "").split())
         if not label:
@@ -41,14 +45,14 @@ def label_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
         width = len(text) * size * CHARACTER_WIDTH + size
         height = 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
-        # Coordinates stand at the upper edge.
+        # Coordinates are at the upper edge.
         top += area.size[1] * CELL - height - 4 if level.display.coordinates else 4
         yield Rect(x - width / 2, top, width, height, colors.text_bg, radius=height / 2)
         yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
 
 
 def fit(text: str, room: float) -> tuple[float, str]:
-    """Return the largest size at which a text has room; what still has none is cut."""
+    """Return the largest font size at which a text fits; a text that never fits is shortened."""
     for size in _LABEL_SIZES:
         if len(text) * size * CHARACTER_WIDTH <= room:
             return size, text
@@ -56,18 +60,36 @@ def fit(text: str, room: float) -> tuple[float, str]:
     return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
 
 
+def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
+    """Yield notes on the grid, each on a background that keeps it readable."""
+    colors = level.resolved_theme.colors
+    left_edge, right_edge = layout.margin + 2, layout.margin + layout.grid_width - 2
+    for note in notes:
+        line = " ".join(note.text.split())
+        if not line:
+            continue
+        size, text = fit(line, layout.grid_width - 16)
+        width, height = len(text) * size * CHARACTER_WIDTH + size, 1.4 * size
+        x, y = layout.corner(note.x + 0.5, note.y + 0.5)
+        # A note that would stick out of the grid is moved inwards.
+        left = min(max(x - width / 2, left_edge), right_edge - width)
+        yield Rect(left, y - height / 2, width, height, colors.text_bg, radius=height / 2)
+        fill = colors.text_fg if note.color is None else note.color
+        yield Text(left + width / 2, y + 0.342 * size, text, size, fill, bold=True)
+
+
 def coordinate_texts(
-    level: Level, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
+    level: GridWorld, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
 ) -> Iterator[Text]:
     """Yield the coordinates of each free cell, at its left.
 
     Args:
         level: the level.
         layout: where its cells are.
-        tops: how many pixels below its upper edge each cell has room; by default, all have it
-            there.
+        tops: where the text begins in each cell, in pixels below its upper edge; by default, at
+            the top.
     """
-    colors, blocked = level.colors_and_widths.colors, level.grid().blocked_cells
+    colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     fills = dict.fromkeys(level.starts, colors.start_text)
     fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():

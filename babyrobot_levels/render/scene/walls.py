@@ -1,48 +1,47 @@
-"""Walls: those of the maze and the level's own, walls of glass, and the one around it all."""
+"""Walls: those of the maze and of the level, glass walls, and the border of the grid."""
 
 from __future__ import annotations
 
-from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
+from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.paths import polyline
-from babyrobot_levels.render.scene.shapes import Command, Path, Shape
+from babyrobot_levels.render.scene.shapes import Command, Path, Shape, polyline
 
 if TYPE_CHECKING:
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
 
 GLASS = "#8fd0f5"
 _GLASS_CORE = "#f4fbff"
 _GLASS_EXTRA = 4.0
-"""How much wider than others a wall of glass is."""
+"""How much wider than others a glass wall is, in pixels."""
 
 Edge = tuple[bool, int, int]
-"""A side of a cell: whether it runs down, and the corner `(x, y)` of the grid where it begins."""
+"""A side of a cell: whether it is vertical, and the corner `(x, y)` of the grid where it begins."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Style:
-    """How a wall looks; `fit` ends it at its corners instead of rounding it off beyond them."""
+    """The look of a wall; `fit` ends it at its corners instead of rounding it off beyond them."""
 
     color: str
     width: float
     fit: bool = False
     glass: bool = False
     rim: str = ""
-    """Of glass, the colour of its two edges."""
+    """The colour of the two edges of a glass wall."""
 
 
-def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
+def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
-    Walls with a colour or width of their own are few and meant to be seen: they lie on the others.
+    Walls with a colour or width of their own are painted on top of the others.
     """
-    colors, widths = level.colors_and_widths.colors, level.colors_and_widths.widths
+    colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
     glass = _Style(GLASS, widths.walls + _GLASS_EXTRA, glass=True, rim=colors.walls)
     solid = _Style(colors.walls, widths.walls)
     border = _Style(colors.border, widths.border)
@@ -59,7 +58,7 @@ def wall_shapes(level: Level, layout: Layout) -> Iterator[Shape]:
 
 
 def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, bool]]:
-    """Yield the walls between two cells, and whether each is of glass."""
+    """Yield the walls between two cells, and whether each is a glass wall."""
     for cell, walls in enumerate(grid.wall_bits):
         y, x = divmod(cell, grid.width)
         if walls & BIT["E"] and x < grid.width - 1:
@@ -77,7 +76,7 @@ def _outer_edges(layout: Layout) -> Iterator[Edge]:
         yield True, layout.columns, y
 
 
-def _own_styles(level: Level, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
+def _own_styles(level: GridWorld, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
     """Return the styles of those walls that the level gives looks of their own."""
     own: dict[Edge, _Style] = {}
     for wall in level.walls:
@@ -85,7 +84,7 @@ def _own_styles(level: Level, place: dict[Edge, _Style]) -> dict[Edge, _Style]:
             continue
         for x, y in sides_of(wall):
             edge = _edge(wall, x, y)
-            # An opening may have taken the wall away.
+            # An opening may have removed the wall.
             if edge in place:
                 style = own.get(edge, place[edge])
                 own[edge] = replace(
@@ -106,7 +105,7 @@ def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape
     if not commands:
         return
     if style.glass:
-        # Two edges with light between them, as windows are drawn on plans.
+        # Two edges with light between them, like windows on floor plans.
         for color, width in ((style.rim, 1.0), (style.color, 0.7), (_GLASS_CORE, 0.25)):
             yield Path(commands, stroke=color, width=width * style.width)
     else:
@@ -116,21 +115,12 @@ def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape
 
 def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
     """Yield one line for all edges that follow each other."""
-    lines: dict[tuple[bool, int], list[int]] = defaultdict(list)
-    for down, x, y in edges:
-        lines[down, x if down else y].append(y if down else x)
-    for (down, across), places in sorted(lines.items()):
-        for start, length in _sequences(sorted(places)):
-            yield from polyline(
-                layout.corner(across, along) if down else layout.corner(along, across)
-                for along in (start, start + length)
-            )
 
+    def position(edge: Edge) -> tuple[tuple[bool, int], int]:
+        down, x, y = edge
+        return ((True, x), y) if down else ((False, y), x)
 
-def _sequences(numbers: list[int]) -> Iterator[tuple[int, int]]:
-    """Yield first and count of each sequence of numbers that follow each other."""
-    first = 0
-    for index, number in enumerate(numbers):
-        if index + 1 == len(numbers) or numbers[index + 1] != number + 1:
-            yield numbers[first], index + 1 - first
-            first = index + 1
+    for line in consecutive(sorted(edges, key=position), position):
+        (down, first_x, first_y), (_, last_x, last_y) = line[0], line[-1]
+        end = (last_x, last_y + 1) if down else (last_x + 1, last_y)
+        yield from polyline([layout.corner(first_x, first_y), layout.corner(*end)])

@@ -1,20 +1,20 @@
-// Checks of what a link says of a level: nothing is played or painted that could not be one.
+// Checks of a link's data: only what could be a level is played and painted.
 const MOST_SHAPES = 200000;
 const MOST_PLACES = 6e6; // Numbers in all paths together.
 const MOST_OUTCOMES = 2e7; // Numbers in the rows of all states and actions together.
 const FARTHEST = 1e8; // In tenths of a pixel.
 
-/** What is wrong with a link, in words for people. */
-class LinkFault extends Error {}
+/** A defect of a link, with a message for people. */
+class LinkError extends Error {}
 
-const NOT_A_LEVEL = "This link is damaged: what it holds is no level.";
+const NOT_A_LEVEL = "This link is damaged: its content is not a level.";
 
-/** Go on only where something holds. */
+/** Throw a LinkError unless a condition holds. */
 function need(holds) {
-  if (!holds) throw new LinkFault(NOT_A_LEVEL);
+  if (!holds) throw new LinkError(NOT_A_LEVEL);
 }
 
-/** Return a whole number, if it is one, from `least` to `most`. */
+/** Return an integer from `least` to `most`. */
 function whole(value, least = -FARTHEST, most = FARTHEST) {
   need(Number.isInteger(value) && value >= least && value <= most);
   return value;
@@ -30,13 +30,13 @@ function text(value) {
   return value;
 }
 
-/** Return a colour: six or eight digits, and nothing else. */
+/** Return a colour of six or eight hexadecimal digits. */
 function color(value) {
   need(/^#[0-9a-f]{6}(?:[0-9a-f]{2})?$/.test(text(value)));
   return value;
 }
 
-/** Return the data of a level, if a game can be played with it. */
+/** Return the data of a level that can be played. */
 function checked(data) {
   need(data !== null && typeof data === "object");
   checkTexts(data);
@@ -54,14 +54,14 @@ function checked(data) {
 }
 
 function checkTexts({ title, description, best, seed, facts, shown, robot }) {
-  for (const told of [title, description, best, seed]) text(told);
+  for (const value of [title, description, best, seed]) text(value);
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
   list(robot, COMMON.robot.length, COMMON.robot.length).forEach(color);
 }
 
-/** Rows: what an action can come to, with probabilities that make one. */
+/** Rows: outcome distributions, whose probabilities add up to 1. */
 function checkRows(rows, cells) {
   for (const row of list(rows, 5 * cells, 1)) {
     list(row, Infinity, OUTCOME_LENGTH);
@@ -81,7 +81,7 @@ function checkRows(rows, cells) {
   }
 }
 
-/** The table: each state and action has its row, and no way leads out of the level. */
+/** The table: each state and action has a row, and all next states are in the level. */
 function checkTable({ rows, table, starts, possible }, cells) {
   list(table, 5 * cells, 5 * cells);
   list(possible, cells, cells);

@@ -1,4 +1,4 @@
-// The rules: one robot in one level, and how people are told what happens.
+// The simulation: one robot in one level, and what happens in words.
 const COMMON = JSON.parse(document.getElementById("common").textContent);
 const SIDES = ["", "north", "east", "south", "west"];
 const OUTCOME_LENGTH = 6;
@@ -10,17 +10,17 @@ class Game {
     this.seed(data.seed);
   }
 
-  /** Begin the first episode of a seed. */
+  /** Start the first episode of a seed. */
   seed(seed) {
-    this.chance = new Generator(seed);
-    this.whim = new Generator(seed);
+    this.random = new Generator(seed);
+    this.policyRandom = new Generator(seed);
     this.reset();
   }
 
-  /** Begin the next episode. */
+  /** Start the next episode. */
   reset() {
     const { starts } = this.data;
-    this.state = starts[this.chance.integer(starts.length)];
+    this.state = starts[this.random.integer(starts.length)];
     this.steps = 0;
     this.total = 0;
     this.end = null;
@@ -30,15 +30,15 @@ class Game {
     return ((this.data.possible[this.state] >> action) & 1) === 1;
   }
 
-  /** Return what the walker does here; -1 where it has no advice. */
+  /** Return the action of the watched policy here; -1 if it has none. */
   advice() {
     const { walker, policy } = this.data;
     if (walker === "best") return policy[this.state];
     const possible = [0, 1, 2, 3, 4].filter((action) => this.isPossible(action));
-    return possible[this.whim.integer(possible.length)];
+    return possible[this.policyRandom.integer(possible.length)];
   }
 
-  /** Take an action and return what came of it. */
+  /** Take an action and return the outcome. */
   step(action) {
     const from = this.state;
     const { rows, table, exits, max_steps: most } = this.data;
@@ -46,7 +46,7 @@ class Game {
     const last = outcomes.length - OUTCOME_LENGTH;
     let at = 0;
     if (last > 0) {
-      const draw = this.chance.random();
+      const draw = this.random.random();
       for (let sum = outcomes[0]; at < last && draw >= sum; sum += outcomes[at]) {
         at += OUTCOME_LENGTH;
       }
@@ -66,35 +66,35 @@ class Game {
     return [state % this.data.width, Math.floor(state / this.data.width)];
   }
 
-  /** Say in words what came of a step. */
-  story({ from, action, next, reward, event }) {
+  /** Describe the outcome of a step. */
+  describeStep({ from, action, next, reward, event }) {
     const place = `[${this.place(next).join(", ")}]`;
     const side = SIDES[action];
     const words = {
       stay: "Stayed",
       move: `Moved ${side} to ${place}`,
       carried: `Carried to ${place}`,
-      bump: `There is a wall to the ${side}`,
-      skid: from === next ? `Skidded and stayed, on the way ${side}` :
-        `Skidded to ${place}, on the way ${side}`,
-      bounce: from === next ? "The glass held" : `The glass held, and bounced him to ${place}`,
+      bump: `Blocked by a wall to the ${side}`,
+      skid: from === next ? `Skidded while moving ${side}, and stayed` :
+        `Skidded to ${place} while moving ${side}`,
+      bounce: from === next ? "Bounced off the glass" : `Bounced off the glass to ${place}`,
     };
-    return `${words[event]}: ${reward > 0 ? "+" : ""}${told(reward)}`;
+    return `${words[event]}: ${reward > 0 ? "+" : ""}${formatted(reward)}`;
   }
 
-  /** Tell how the episode ended. */
-  ending() {
+  /** Describe how the episode ended. */
+  describeEnd() {
     const after = `after ${this.steps} step${this.steps === 1 ? "" : "s"}`;
     const how = {
-      exit: `At the exit ${after}!`,
+      exit: `Exit reached ${after}!`,
       over: `The episode ended ${after}.`,
-      time: `Time is up ${after}.`,
+      time: `Time limit reached ${after}.`,
     };
-    return `${how[this.end]} Return ${told(this.total)}.`;
+    return `${how[this.end]} Return ${formatted(this.total)}.`;
   }
 }
 
-/** Write a number as people do: two decimals at most, and a true minus. */
-function told(number) {
+/** Return a number with at most two decimals and a minus sign. */
+function formatted(number) {
   return String(Math.round(number * 100) / 100 + 0).replace("-", "\u2212");
 }

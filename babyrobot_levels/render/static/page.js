@@ -1,14 +1,14 @@
-// The page: shows and plays its own level, or the one that stands behind the `#` of its address.
+// The page: shows and plays its own level, or the one after the `#` of its address.
 const find = (id) => document.getElementById(id);
 const OWN = JSON.parse(find("data").textContent);
-const HELLO = "Walk the robot to the exit.";
+const HELLO = "Move the robot to an exit.";
 
 let game = null;
 let picture = null;
 let isWatching = false;
 let timer = null;
 
-/** Show a level, and begin to play it. Nothing changes if it cannot be. */
+/** Show a level and start to play it; nothing changes if that fails. */
 function showLevel(data) {
   const svg = levelPicture(data);
   watch(false);
@@ -21,7 +21,7 @@ function showLevel(data) {
   find("best").parentElement.hidden = data.best === "";
   find("watch").hidden = data.walker === null;
   find("watched").textContent =
-    data.walker === "best" ? "Watch the best policy" : "Watch a random walk";
+    data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
   for (const name of ["values", "policy"]) {
     find(`show-${name}`).hidden = data.policy === null;
     find(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
@@ -31,32 +31,32 @@ function showLevel(data) {
   show(HELLO);
 }
 
-function factElements([name, told]) {
+function factElements([name, value]) {
   const [term, detail, text] = ["dt", "dd", "bdi"].map((tag) => document.createElement(tag));
   term.textContent = name;
-  text.textContent = told;
+  text.textContent = value;
   detail.append(text);
   return [term, detail];
 }
 
-/** Show the level of the address; if something is wrong with that, say so and show one's own. */
+/** Show the level of the address, or the page's own level if there is none or it is invalid. */
 async function showAddressed() {
   const { hash } = location;
-  let fault = "";
+  let message = "";
   try {
     const linked = await linkedLevel(hash);
-    if (hash !== location.hash) return; // Another level is on its way.
+    if (hash !== location.hash) return; // Another level is being loaded.
     showLevel(linked ?? checked(OWN));
   } catch (error) {
     if (hash !== location.hash) return;
-    fault = error instanceof LinkFault ? error.message : NOT_A_LEVEL;
+    message = error instanceof LinkError ? error.message : NOT_A_LEVEL;
     showLevel(OWN);
   }
-  notify(fault && `${fault} Shown here is the page's own level.`);
+  notify(message && `${message} The page shows its own level instead.`);
   document.body.classList.add("ready");
 }
 
-/** Say what is wrong; commands stand between backticks. */
+/** Show an error message; commands in it are between backticks. */
 function notify(message) {
   const parts = message.split("`").map((part, index) => {
     const element = document.createElement(index % 2 ? "code" : "span");
@@ -69,7 +69,7 @@ function notify(message) {
 
 function show(message, kind = "") {
   find("steps").textContent = game.steps;
-  find("return").textContent = told(game.total);
+  find("return").textContent = formatted(game.total);
   const line = find("message");
   line.textContent = message;
   line.dataset.kind = kind;
@@ -85,10 +85,10 @@ function watch(wanted) {
   find("watch").setAttribute("aria-pressed", wanted);
   if (!wanted) return;
   if (game.end !== null) begin();
-  walk();
+  takeAdvice();
 }
 
-function walk() {
+function takeAdvice() {
   if (!isWatching) return;
   const action = game.end === null ? game.advice() : -1;
   if (action < 0) watch(false);
@@ -97,15 +97,15 @@ function walk() {
 
 function take(action) {
   if (game.end !== null) {
-    show(`${game.ending()} Restart to play again.`, game.end);
+    show(`${game.describeEnd()} Restart to play again.`, game.end);
     return;
   }
   const step = game.step(action);
   const isEnd = game.end !== null;
-  show(isEnd ? `${game.story(step)}. ${game.ending()}` : game.story(step),
+  show(isEnd ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
     isEnd ? game.end : step.event);
   picture.go(step, () => {
-    if (isWatching) timer = setTimeout(walk, picture.calm.matches ? 400 : 90);
+    if (isWatching) timer = setTimeout(takeAdvice, picture.calm.matches ? 400 : 90);
   });
 }
 
@@ -158,7 +158,7 @@ document.addEventListener("keydown", (event) => {
   const control = KEYS[event.key.toLowerCase()];
   if (control === undefined) return;
   event.preventDefault();
-  // A key that is held waits until the robot is there.
+  // A key that is held down waits until the robot has arrived.
   if (event.repeat && (picture.running !== null || !SIDES.includes(control))) return;
   CONTROLS[control]();
 });

@@ -1,4 +1,4 @@
-// Paints packed shapes as SVG: five kinds, each with attributes of its own, and nothing else.
+// Paints packed shapes as SVG: five kinds, each with its own attributes.
 const FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif";
 const ANCHORS = ["start", "middle", "end"];
 const PLACES = { m: 2, l: 2, c: 6, z: 0 };
@@ -127,7 +127,7 @@ function extent(tenths) {
   return pixels(whole(tenths, 0));
 }
 
-/** Return percents as a share; all of it need not be said. */
+/** Return percent as a fraction; undefined for 100. */
 function share(percents = 100) {
   return whole(percents, 0, 100) === 100 ? undefined : percents / 100;
 }
@@ -152,7 +152,7 @@ function outline(commands, x, y) {
   return path;
 }
 
-/** Return points that are each counted from the one before. */
+/** Return points from steps that are relative to the previous point. */
 function points(steps, [x, y]) {
   need(steps.length >= 6 && steps.length % 2 === 0);
   const all = [];

@@ -1,4 +1,4 @@
-// The picture: the level, where the robot is in it, and how he gets there.
+// The picture: the level, and the robot moving in it.
 const SHIFTS = [[0, 0], [0, -1], [1, 0], [0, 1], [-1, 0]];
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
 const CELLS = [22, 112]; // The smallest and the largest cells, in pixels.
@@ -30,7 +30,7 @@ function levelPicture({ title, picture, robot, shown }) {
   element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })));
 }
 
-/** Return the robot in all poses and on all his ways, in the colours of a level. */
+/** Return the robot's symbols for all poses and phases, in the colours of a level. */
 function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);
@@ -38,7 +38,7 @@ function sprites(robot) {
     element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer(layer))));
 }
 
-/** The picture of a game on its stage. */
+/** The picture of a game in the element that shows it. */
 class Picture {
   constructor(game, svg, stage) {
     this.game = game;
@@ -51,7 +51,7 @@ class Picture {
     this.fit(svg);
   }
 
-  /** Make the picture as large as there is room, in reason; a larger one is scrolled. */
+  /** Fit the picture into the window within limits; a larger one can be scrolled. */
   fit(svg) {
     const { width, height } = svg.viewBox.baseVal;
     const [least, most] = CELLS.map((pixels) => (pixels * width) / COMMON.cell);
@@ -59,7 +59,7 @@ class Picture {
     svg.style.width = `clamp(${least.toFixed(0)}px, ${room}, ${most.toFixed(0)}px)`;
   }
 
-  /** Show the robot at a place, in a pose, so far between two places. */
+  /** Show the robot at a place, in a pose and a phase of its move. */
   draw([x, y], pose, phase = 0) {
     const { margin } = this.game.data;
     const left = margin + x * COMMON.cell;
@@ -81,7 +81,7 @@ class Picture {
     this.running = null;
   }
 
-  /** Let the robot go where a step led, and call `then` when he is there. */
+  /** Move the robot as a step did, and call `then` when it has arrived. */
   go({ from, action, next, event, pose, after }, then) {
     const start = this.game.place(from);
     const end = this.game.place(next);
@@ -109,7 +109,7 @@ class Picture {
     this.running = requestAnimationFrame(frame);
   }
 
-  /** Scroll so that the robot is seen: large levels do not fit. */
+  /** Scroll so that the robot is visible: large levels do not fit. */
   follow() {
     const frame = this.stage.getBoundingClientRect();
     const robot = this.robot.getBoundingClientRect();

@@ -20,7 +20,7 @@ class Generator {
   }
 
   next32() {
-    // Each 64 bits serve twice, the lower half first.
+    // Each 64 bits are used twice, the lower half first.
     if (this.half !== null) {
       const kept = this.half;
       this.half = null;
@@ -31,12 +31,12 @@ class Generator {
     return BigInt.asUintN(32, bits);
   }
 
-  /** Return a number from 0 up to, but not, 1. */
+  /** Return a number from 0 (inclusive) to 1 (exclusive). */
   random() {
     return Number(this.next64() >> 11n) / 2 ** 53;
   }
 
-  /** Return a whole number below `count`; nothing is drawn where there is no choice. */
+  /** Return an integer below `count`; 1 draws nothing. */
   integer(count) {
     if (count === 1) return 0;
     const size = BigInt(count);
@@ -47,7 +47,7 @@ class Generator {
   }
 }
 
-/** Return the four 64-bit words that a SeedSequence makes of a whole number. */
+/** Return the four 64-bit words that a SeedSequence generates from an integer. */
 function seedWords(seed) {
   const times = (x, y) => Math.imul(x, y) >>> 0;
   const fold = (x) => (x ^ (x >>> 16)) >>> 0;

@@ -15,12 +15,12 @@ from support.pictures import Pixels, unlike
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
-from babyrobot_levels.render.scene.overlays import Note, Overlay
+from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
-from babyrobot_levels.render.screen import screen_scale
-from babyrobot_levels.render.stage import Stage
+from babyrobot_levels.render.scene.shapes import screen_scale
 from babyrobot_levels.render.svg import to_svg
 
 RICH = brl.loads(
@@ -96,7 +96,7 @@ def pixels(url: str) -> Pixels:
 def compare(level: brl.Level, page: Page, **what: Any) -> tuple[float, float]:
     """Return the share of pixels in which the canvas is unlike the SVG, and unlike our raster."""
     with recorded() as sent:
-        widget = Stage(build_layers(level, **what)).widget
+        widget = LayeredCanvas(build_layers(level, **what)).widget
     layers = [
         [
             (name, [STYLES[given[0]], given[1]] if name == "set" else given)

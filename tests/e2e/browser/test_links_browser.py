@@ -22,19 +22,17 @@ from support.worlds import World, decorated_worlds, level_of
 from babyrobot_levels.cli.pictures import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import from_mapping
-from babyrobot_levels.render.link import MAX_UNPACKED, link_fragment
-from babyrobot_levels.render.page import to_html
-from babyrobot_levels.render.pagedata import page_data
+from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, to_html
+from babyrobot_levels.render.page_data import page_data
 
 SOME = [
     "areas", "cliff-walking", "final-maze", "four-corners", "frozen-lake", "garden", "glasshouse",
     "moonlight", "random-maze", "river-crossing", "side-panel", "teleport-pads",
 ]  # fmt: skip
 """Between them, they have all that a level can have; worlds that are drawn have the rest."""
-OWN = from_mapping({"version": 1, "size": [4, 3], "title": "The page's own", "theme": "print"})
+OWN = Level.from_fields({"version": 1, "size": [4, 3], "title": "The page's own", "theme": "print"})
 FAST = {"robot": {"speed": 100}}
-NO_LEVEL = "This link is damaged: what it holds is no level."
+NO_LEVEL = "This link is damaged: its content is not a level."
 
 
 @pytest.fixture(scope="module")
@@ -170,7 +168,7 @@ def test_a_link_without_best_moves_has_no_controls_for_them(ground: Playground) 
 
 def test_the_robot_has_the_levels_own_colours(ground: Playground) -> None:
     colors = {"robot": "#123456", "puddle": "rgba(1, 2, 3, 0.5)"}
-    world = from_mapping({"version": 1, "theme": {"colors": colors}})
+    world = Level.from_fields({"version": 1, "theme": {"colors": colors}})
     fills = "() => [...document.querySelectorAll('symbol *')].map((e) => e.getAttribute('fill'))"
     ground.follow("")
     before = set(ground.page.evaluate(fills))
@@ -194,7 +192,7 @@ def test_another_fragment_is_another_level(ground: Playground) -> None:
     change(fragment_of("walls"), load("walls").title or "")
     assert ground.number("steps") == 0
     page.evaluate("() => { location.hash = 'brl1.3.abc' }")
-    assert "Shown here is the page's own level." in notice(ground)
+    assert "The page shows its own level instead." in notice(ground)
     assert page.locator("h1").inner_text() == OWN.title
     change(fragment_of("maze"), "The maze")
     expect(page.locator("#notice")).to_be_hidden()
@@ -283,7 +281,7 @@ LINK = fragment_of("walls")
 @pytest.mark.parametrize(
     ("fragment", "message"),
     [
-        (LINK.partition("~")[0], "This link holds a share code only"),
+        (LINK.partition("~")[0], "This link contains only a share code"),
         (LINK[:-5], "This link is cut off: its last 5 characters are missing."),
         (LINK[:-1], "This link is cut off: its last 1 characters are missing."),
         (LINK.partition("~")[0] + "~", "This link is cut off or damaged."),
@@ -296,11 +294,17 @@ LINK = fragment_of("walls")
         (f"{CODE}~1.2.AA", "This link is damaged."),
         (f"{CODE}~1.1.A", "This link is damaged."),
         (f"{CODE}~1.0.", "This link is damaged."),
-        (LINK.replace("brl1", "brl2"), "of version 2, and this page reads version 1. A page made"),
-        (LINK.replace("~1.", "~31."), "of version 31, and this page reads version 1. A page made"),
-        (play_sealed(b""), "This link is damaged: it cannot be unpacked."),
-        (play_sealed(b"\xff\xff"), "This link is damaged: it cannot be unpacked."),
-        (play_sealed(zlib.compress(b"{}")[2:-4] + b"more"), "damaged: it cannot be unpacked."),
+        (
+            LINK.replace("brl1", "brl2"),
+            "has version 2, but this page supports version 1.",
+        ),
+        (
+            LINK.replace("~1.", "~31."),
+            "has version 31, but this page supports version 1.",
+        ),
+        (play_sealed(b""), "This link is damaged: it cannot be decompressed."),
+        (play_sealed(b"\xff\xff"), "This link is damaged: it cannot be decompressed."),
+        (play_sealed(zlib.compress(b"{}")[2:-4] + b"more"), "damaged: it cannot be decompressed."),
     ],
 )
 def test_what_is_wrong_is_said_and_the_own_level_stays(
@@ -310,7 +314,7 @@ def test_what_is_wrong_is_said_and_the_own_level_stays(
     ground.follow(fragment)
     told = notice(ground)
     assert message in told
-    assert told.endswith("Shown here is the page's own level.")
+    assert told.endswith("The page shows its own level instead.")
     assert ground.page.title() == OWN.title
     ground.press("d")
     assert (ground.state, ground.number("steps")) == (1, 1)
@@ -345,7 +349,7 @@ def test_a_bomb_is_left_before_it_goes_off(page: Page, tmp_path: Path) -> None:
     ground = Playground(page, tmp_path)
     ground.open(OWN)
     ground.follow(play_sealed(bomb))
-    assert "it would unpack to more than any level" in notice(ground)
+    assert "its content is larger than any level" in notice(ground)
     assert MAX_UNPACKED < page.evaluate("() => window.counted") < 2 * MAX_UNPACKED
     assert ground.faults == []
 
@@ -355,7 +359,7 @@ def test_a_browser_that_cannot_unpack_says_so(page: Page, tmp_path: Path) -> Non
     ground = Playground(page, tmp_path)
     ground.open(OWN)
     ground.follow(LINK)
-    assert "This browser is too old to play links." in notice(ground)
+    assert "This browser is too old to open links." in notice(ground)
     assert ground.faults == []
 
 
@@ -531,7 +535,7 @@ def test_what_is_no_level_is_not_shown(name: str, ground: Playground) -> None:
     HOSTILE[name](data)
     assert data != DATA
     ground.follow(played(data))
-    assert notice(ground) == f"{NO_LEVEL} Shown here is the page's own level."
+    assert notice(ground) == f"{NO_LEVEL} The page shows its own level instead."
     assert ground.page.title() == OWN.title
     ground.press("d")
     assert (ground.state, ground.number("steps")) == (1, 1)
@@ -540,7 +544,7 @@ def test_what_is_no_level_is_not_shown(name: str, ground: Playground) -> None:
 @pytest.mark.parametrize("text", ["", "null", "[]", "5", "{", '{"width": NaN}', "\ufeff{}"])
 def test_what_is_no_data_is_not_shown(text: str, ground: Playground) -> None:
     ground.follow(play_sealed(zlib.compress(text.encode(), 9)[2:-4]))
-    assert notice(ground) == f"{NO_LEVEL} Shown here is the page's own level."
+    assert notice(ground) == f"{NO_LEVEL} The page shows its own level instead."
 
 
 def test_the_data_of_these_tests_is_good(ground: Playground) -> None:

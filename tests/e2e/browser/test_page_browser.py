@@ -12,7 +12,7 @@ from playwright.sync_api import Browser, Page, expect
 from support.playground import KEYS, Playground, guide
 
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.reading import from_mapping
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import to_html
 
@@ -20,7 +20,7 @@ FAST = {"robot": {"speed": 100}}
 
 
 def level(**fields: Any) -> Any:
-    return from_mapping({"version": 1, **fields})
+    return Level.from_fields({"version": 1, **fields})
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def test_walls_stop_him_and_it_costs(ground: Playground) -> None:
     ground.open(WORLD)
     ground.press("ArrowUp")
     assert (ground.state, ground.number("steps"), ground.kind) == (0, 1, "bump")
-    assert ground.message == "There is a wall to the north: \N{MINUS SIGN}1"
+    assert ground.message == "Blocked by a wall to the north: \N{MINUS SIGN}1"
     ground.press("ArrowRight", "ArrowRight", "ArrowRight")
     assert (ground.state, ground.number("return")) == (1, -4)
     ground.wait_until_there()
@@ -79,7 +79,7 @@ def test_the_exit_ends_it_and_restart_begins_again(ground: Playground) -> None:
     ground.open(WORLD)
     ground.press("s", "s", "d", "d", "d")
     assert (ground.state, ground.kind) == (11, "exit")
-    assert "At the exit after 5 steps! Return \N{MINUS SIGN}4." in ground.message
+    assert "Exit reached after 5 steps! Return \N{MINUS SIGN}4." in ground.message
     ground.press("ArrowUp")
     assert (ground.state, ground.number("steps")) == (11, 5)
     ground.press("r")
@@ -98,8 +98,8 @@ def test_other_ends(ground: Playground) -> None:
     ground.press("r", " ", "ArrowUp")
     assert (ground.kind, ground.message) == (
         "time",
-        "There is a wall to the north: \N{MINUS SIGN}1. "
-        "Time is up after 2 steps. Return \N{MINUS SIGN}2.",
+        "Blocked by a wall to the north: \N{MINUS SIGN}1. "
+        "Time limit reached after 2 steps. Return \N{MINUS SIGN}2.",
     )
     ground.press("d")
     assert ground.state == 0
@@ -215,7 +215,7 @@ def test_the_best_policy_walks_the_environments_episode(ground: Playground) -> N
     ground.press("p")
     expect(ground.page.locator("#message")).to_have_attribute("data-kind", "exit")
     assert (ground.number("steps"), ground.number("return")) == (steps, total)
-    watch = ground.page.get_by_role("button", name="Watch the best policy")
+    watch = ground.page.get_by_role("button", name="Watch the optimal policy")
     expect(watch).to_have_attribute("aria-pressed", "false")
     # Once more, from the start.
     watch.click()
@@ -232,8 +232,8 @@ def test_a_random_walk_is_the_action_spaces(ground: Playground) -> None:
     while not is_over:
         _, _, is_over, _, _ = env.step(env.action_space.sample())
         steps += 1
-    ground.open(world, walker="random", seed=6)
-    ground.page.get_by_role("button", name="Watch a random walk").click()
+    ground.open(world, policy="random", seed=6)
+    ground.page.get_by_role("button", name="Watch the random policy").click()
     expect(ground.page.locator("#message")).to_have_attribute("data-kind", "exit")
     assert ground.number("steps") == steps
 
@@ -283,7 +283,7 @@ def test_values_and_best_moves_are_switched(ground: Playground) -> None:
     ground.press("v", "b")
     expect(values).to_be_hidden()
     expect(moves).to_be_visible()
-    button = ground.page.get_by_role("button", name="Best moves")
+    button = ground.page.get_by_role("button", name="Optimal actions")
     expect(button).to_have_attribute("aria-pressed", "true")
     button.click()
     expect(moves).to_be_hidden()
@@ -362,7 +362,7 @@ def test_without_scripts_there_is_the_picture(browser: Browser, tmp_path: Path) 
     ground = Playground(context.new_page(), tmp_path, has_scripts=False)
     ground.open(WORLD)
     expect(ground.page.locator("#stage svg[role=img]")).to_be_visible()
-    expect(ground.page.get_by_text("This page needs JavaScript")).to_be_visible()
+    expect(ground.page.get_by_text("Playing this level needs JavaScript")).to_be_visible()
     context.close()
 
 

@@ -100,7 +100,7 @@ def test_a_text_that_would_not_say_the_same_is_left(
     text = "version:   1\n# why\nsize: [3, 3]\n"
     assert reason(text) is None
     monkeypatch.setattr(formatter, "lines_of", lambda tree: spoilt.splitlines())
-    assert reason(text) == "another way of writing it would not say the same"
+    assert reason(text) == "any other form would change its meaning"
 
 
 # -- lines -------------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from babyrobot_levels.library.folders import user_folder
+from babyrobot_levels.text.files import user_folder
 
 
 @pytest.fixture

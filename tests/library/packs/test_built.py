@@ -100,9 +100,9 @@ def test_levels_suites_and_environments(site: Path, tmp_path: Path) -> None:
     code = """
 import babyrobot_levels as brl, gymnasium
 print(brl.load("zoo/lion").title, [i.name for i in brl.levels() if "/" in i.name])
-print(brl.load("zoo/gorilla").colors_and_widths.colors.base)
+print(brl.load("zoo/gorilla").resolved_theme.colors.base)
 suite = brl.load_suite("zoo/monkeys")
-print(len(suite), suite[0].colors_and_widths.colors.base)
+print(len(suite), suite[0].resolved_theme.colors.base)
 env = gymnasium.make("babyrobot/zoo.lion-v0")
 print(env.reset(seed=1)[0].tolist(), env.spec.max_episode_steps)
 envs = gymnasium.make_vec("babyrobot/zoo.gorilla-v0", num_envs=3)

@@ -15,9 +15,9 @@ from support.packs import babyrobot, level, packed, snapshot, users_files, write
 from support.subprocesses import HOME
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.packs import store
 from babyrobot_levels.library.packs.known import fields, installed, packs
+from babyrobot_levels.text.files import user_folder
 
 pytestmark = pytest.mark.usefixtures("here")
 needs_posix = pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")

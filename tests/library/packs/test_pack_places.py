@@ -12,12 +12,12 @@ from support.sessions import Result, environment, run_here
 
 import babyrobot_levels as brl
 from babyrobot_levels.generate.suites import load_suite
-from babyrobot_levels.language.themes import theme_folders
+from babyrobot_levels.language.documents import theme_folders
 from babyrobot_levels.library.catalogue import catalogue
-from babyrobot_levels.library.folders import user_folder
 from babyrobot_levels.library.packs.known import unusable_packs
 from babyrobot_levels.library.packs.store import uninstall
 from babyrobot_levels.library.search_path import places
+from babyrobot_levels.text.files import user_folder
 
 SEA = "colors: {base: '#123456'}\n"
 THEMED = f"{LEVEL}theme: sea\n"
@@ -26,7 +26,7 @@ PACK = "name: zoo\nversion: 1.0.0\ndescription: A zoo\n"
 
 
 def base(level: brl.Level) -> str | None:
-    return level.colors_and_widths.colors.base
+    return level.resolved_theme.colors.base
 
 
 def listed(here: Path, *arguments: str) -> Result:
@@ -159,7 +159,7 @@ def test_themes_outside_the_pack_are_not_looked_at(users_pack: Path) -> None:
     write(users_pack.parent / "themes" / "sea.yaml", SEA)
     write(users_pack.parent / "pack.yaml", PACK)
     path = write(users_pack / "apes" / "lion.yaml", THEMED)
-    with pytest.raises(brl.LevelError, match="there is no theme `sea`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `sea`"):
         brl.load("zoo/lion")
     # Nor those of a pack in which a link leads to the level.
     other = user_folder() / "packs" / "ark"
@@ -174,7 +174,7 @@ def test_themes_outside_the_pack_are_not_looked_at(users_pack: Path) -> None:
 def test_themes_of_folders_around_are_for_packs_only(here: Path) -> None:
     write(here / "themes" / "sea.yaml", SEA)
     path = write(here / "apes" / "lion.yaml", THEMED)
-    with pytest.raises(brl.LevelError, match="there is no theme `sea`"):
+    with pytest.raises(brl.LevelError, match="unknown theme `sea`"):
         brl.load(path)
     write(here / "pack.yaml", PACK)
     assert base(brl.load(path)) == "#123456"

@@ -48,7 +48,7 @@ def test_what_is_packed_is_what_is_installed() -> None:
         source = brl.load(Path(f"source-1.0.0/levels/{name}.yaml"))
         level = brl.load(f"zoo/{name}")
         assert level.digest == source.digest
-        assert level.colors_and_widths == source.colors_and_widths
+        assert level.resolved_theme == source.resolved_theme
     assert len(brl.load_suite("zoo/herd")) == 10
 
 

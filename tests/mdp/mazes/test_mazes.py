@@ -27,7 +27,7 @@ from support.mazes import (
 from babyrobot_levels.cli.new_level import Algorithm as Option
 from babyrobot_levels.language.walls import RECTANGULAR, Algorithm
 from babyrobot_levels.mdp.mazes import ALGORITHMS, carve_many
-from babyrobot_levels.mdp.mazes.draws import below, quarters, shuffle
+from babyrobot_levels.mdp.mazes.lattice import below, quarters, shuffle
 
 each_algorithm = pytest.mark.parametrize("algorithm", ALGORITHMS)
 

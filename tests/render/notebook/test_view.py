@@ -11,14 +11,14 @@ from support.canvases import Sent
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.render.notebook import view as views
+from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.notebook.frontend import Frontend
 from babyrobot_levels.render.notebook.view import LevelView
 from babyrobot_levels.render.scene.build import build_layers
-from babyrobot_levels.render.scene.overlays import Overlay
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Shape
-from babyrobot_levels.render.stage import Stage
 
 LEVEL = brl.Level.model_validate({"version": 1, "size": (4, 3), "puddles": [{"at": (1, 1)}]})
 EAST = Pose(brl.Action.EAST)
@@ -177,12 +177,12 @@ def test_what_was_painted_bit_by_bit_is_the_picture(sent: Sent) -> None:
     view.move(5)
     view.set_level(other, 6)
     view.move(7, EAST)
-    whole = Stage(build_layers(other, state=7, pose=EAST, overlay=overlay)).widget
+    whole = LayeredCanvas(build_layers(other, state=7, pose=EAST, overlay=overlay)).widget
     assert sent.seen_on(view.widget) == sent.seen_on(whole)
     assert (view.widget.width, view.widget.height) == (whole.width, whole.height)
 
     view.set_overlay(None)
-    clean = Stage(build_layers(other, state=7, pose=EAST)).widget
+    clean = LayeredCanvas(build_layers(other, state=7, pose=EAST)).widget
     assert sent.seen_on(view.widget) == sent.seen_on(clean) != sent.seen_on(whole)
 
 

@@ -1,0 +1,361 @@
+"""Formats whose walls fill whole cells: maze_map, MiniGrid, Sokoban, and maze-dataset's lattices.
+
+- `maze-map`: the `maze_map` of Gymnasium-Robotics, rows of 0, 1, "r", "g" and "c".
+- `minigrid`: the text of MiniGrid's `pprint_grid`, two characters a cell: an object and its colour.
+- `sokoban`: maps of `#` and blanks, as Sokoban and many small programs have them.
+- `maze-dataset`: mazes in ASCII, as `as_ascii` draws them. These blocks are walls between cells.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections import Counter
+from itertools import groupby
+from typing import Any
+
+from babyrobot_levels.convert.blocks import (
+    ENDS,
+    LAVA_COLOR,
+    SPATIAL,
+    Rows,
+    as_blocks,
+    block_map,
+    drawn,
+    from_lattice,
+    is_lattice,
+    lost_areas,
+    marked,
+    only_first,
+    place_of,
+    replaced,
+    text_rows,
+    translated,
+    without_ring,
+    without_surroundings,
+)
+from babyrobot_levels.convert.conversion import (
+    Conversion,
+    ConversionError,
+    Lost,
+    World,
+    fields_lost,
+    shown,
+)
+from babyrobot_levels.convert.data import read_data, sequence
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
+
+SPARSE_REWARDS = Rewards(step=0, exit=1)
+"""The rewards of MiniGrid's goals and of Gymnasium-Robotics' sparse tasks."""
+
+_OTHER_TASK = "their cells are free, so the level is a different MDP"
+
+# -- maze-map --------------------------------------------------------------------------------
+
+_MAZE_MAP = "a maze_map"
+_EITHER = "c"
+_VALUES: dict[Any, str] = {0: d.PLAIN, 1: d.BLOCKED, "r": d.START, "g": d.EXIT, "c": _EITHER}
+
+
+def read_maze_map(source: SourceFile) -> World:
+    """Return the world of a map: a list of rows, as JSON or as a Python literal."""
+    rows = []
+    for y, row in enumerate(sequence(plain(read_data(source)), _MAZE_MAP)):
+        cells = [_cell_of_value(value, x, y) for x, value in enumerate(sequence(row, f"row {y}"))]
+        rows.append("".join(cells))
+        if len(cells) != len(rows[0]) or not cells:
+            raise ConversionError(f"row {y} has {len(cells)} cells, the first has {len(rows[0])}")
+    if not rows:
+        raise ConversionError("the map has no rows")
+    lost: list[Lost] = []
+    world = without_ring(_with_ends(tuple(rows), lost))
+    fields = {"version": 1, **drawn(world), "rewards": {"step": 0, "exit": 1}}
+    comments = {"rewards": "The rewards of the sparse tasks."}
+    return World(fields, "A maze_map of Gymnasium-Robotics.", comments, tuple(lost))
+
+
+def _cell_of_value(value: Any, x: int, y: int) -> str:
+    known = isinstance(value, int | str) and not isinstance(value, bool) and value in _VALUES
+    if not known:
+        raise ConversionError(
+            f'row {y}, column {x}: expected 0, 1, "r", "g" or "c", not {shown(value)}'
+        )
+    return _VALUES[value]
+
+
+def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
+    """Return the rows with starts and exits; where none are marked, choose among the free cells."""
+    cells = [list(row) for row in rows]
+    text = "".join(rows)
+    goals = text.count(d.EXIT)
+    free = _EITHER if _EITHER in text else d.PLAIN
+    either = [(x, y) for y, row in enumerate(rows) for x, c in enumerate(row) if c == free]
+    for name, mark, index in (("r", d.START, 0), ("g", d.EXIT, -1)):
+        if mark not in text and either:
+            x, y = either.pop(index)
+            cells[y][x] = mark
+            lost.append(Lost(name, f"no cell is marked; row {y}, column {x} is used"))
+    if goals > 1:
+        message = f"each of the {goals} goals ends the episode; there, one is drawn at each reset"
+        lost.append(Lost("g", message))
+    return tuple("".join(row).replace(_EITHER, d.PLAIN) for row in cells)
+
+
+def write_maze_map(level: Level) -> Conversion:
+    """Return a level as a list of rows that is JSON and a Python literal at once."""
+    ends = f"{_MAZE_MAP} has no cells that end the episode but goals"
+    rows, lost = block_map(level, _MAZE_MAP, SPARSE_REWARDS, ends=ends, many="SE")
+    values = {cell: value for value, cell in _VALUES.items()}
+    lines = ",\n  ".join(json.dumps([values[cell] for cell in row]) for row in rows)
+    return Conversion(f"[\n  {lines}\n]\n", tuple(lost))
+
+
+# -- minigrid --------------------------------------------------------------------------------
+
+_MINIGRID = "a MiniGrid text"
+_LAVA = "~"
+_COLORS = "RGBPY"
+"""Red, green or grey, blue, purple, yellow."""
+
+_AGENTS = (">>", "VV", "<<", "^^")
+_CELLS = {"W": d.BLOCKED, "G": d.EXIT, "V": _LAVA, "F": d.PLAIN}
+_OBJECTS = {
+    "D": ("door", "doors"),
+    "L": ("locked door", "locked doors"),
+    "K": ("key", "keys"),
+    "A": ("ball", "balls"),
+    "B": ("box", "boxes"),
+}
+_PAIRS_HELP = (
+    "two characters a cell: WG wall, GG goal, VR lava, `>>` the agent, two blanks free; "
+    "F, D, L, K, A and B with a colour are floor, doors, locked doors, keys, balls and boxes"
+)
+
+
+def read_minigrid(source: SourceFile) -> World:
+    """Return the world of a MiniGrid text: its walls are blocked cells."""
+    lines = text_rows(source)
+    counts: Counter[str] = Counter()
+    rows = []
+    for y, line in enumerate(lines):
+        line += " " * (len(line) % 2)
+        pairs = [line[x : x + 2] for x in range(0, len(line), 2)]
+        rows.append(
+            "".join(_cell_of_pair(source, pair, x, y, counts) for x, pair in enumerate(pairs))
+        )
+    cells = without_ring(without_surroundings(tuple(rows)))
+    fields = {"version": 1, **drawn(cells)}
+    comments = {"rewards": "MiniGrid's reward also shrinks with each step."}
+    if counts["V"]:
+        fields["legend"] = {_LAVA: {"color": LAVA_COLOR, "ends": True}}
+        comments["legend"] = "Lava ends the episode."
+    fields["rewards"] = {"step": 0, "exit": 1}
+    return World(fields, "A text of MiniGrid's pprint_grid.", comments, _lost_of_minigrid(counts))
+
+
+def _cell_of_pair(source: SourceFile, pair: str, x: int, y: int, counts: Counter[str]) -> str:
+    """Return the mark of a cell, and count what is in it."""
+    if pair == "  ":
+        return d.PLAIN
+    if pair in _AGENTS:
+        counts["agent"] += 1
+        return d.START
+    # An open door has no colour.
+    kind, color = ("D", _COLORS[0]) if pair == "__" else (pair[0], pair[1])
+    if kind not in _CELLS | _OBJECTS or color not in _COLORS:
+        message = f"unknown cell `{pair}`"
+        raise ConversionError.at(source, place_of(source, 2 * x, y), message, _PAIRS_HELP)
+    counts[kind] += 1
+    return _CELLS.get(kind, d.PLAIN)
+
+
+def _lost_of_minigrid(counts: Counter[str]) -> tuple[Lost, ...]:
+    lost = []
+    if counts["agent"]:
+        message = "the robot has no heading and moves in four directions"
+        lost.append(Lost("agent", message))
+    objects = [
+        f"{counts[kind]} {names[counts[kind] > 1]}"
+        for kind, names in _OBJECTS.items()
+        if counts[kind]
+    ]
+    if objects:
+        lost.append(Lost("objects", f"{', '.join(objects)} left out; {_OTHER_TASK}"))
+    if counts["F"]:
+        lost.append(Lost("F", "floor gets the colour of the theme"))
+    if not counts["G"]:
+        lost.append(Lost("G", "no goal is drawn, so the level has no exit and no reward"))
+    return tuple(lost)
+
+
+def write_minigrid(level: Level) -> Conversion:
+    """Return a level as a MiniGrid text, with a ring of walls and an agent that looks east."""
+    rows, lost = block_map(level, _MINIGRID, SPARSE_REWARDS, ends=None, many="E")
+    pairs = {d.BLOCKED: "WG", d.PLAIN: "  ", d.START: ">>", d.EXIT: "GG", ENDS: "VR"}
+    text = "\n".join("".join(map(pairs.__getitem__, row)) for row in rows)
+    return Conversion(f"{text}\n", tuple(lost))
+
+
+# -- sokoban ---------------------------------------------------------------------------------
+
+_SOKOBAN = "a Sokoban map"
+_BOXES = "$*"
+_ON_GOAL = "+"
+_DOT = "."
+_SOKOBAN_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "-": d.PLAIN, "_": d.PLAIN, "$": d.PLAIN}
+_SOKOBAN_CELLS |= {"@": d.START, "S": d.START, _ON_GOAL: d.START}
+_SOKOBAN_CELLS |= {_DOT: d.EXIT, "E": d.EXIT, "X": d.EXIT, "*": d.EXIT}
+_STARTS = {mark for mark, cell in _SOKOBAN_CELLS.items() if cell == d.START}
+_COMMENT = ";"
+_KEYWORD = re.compile(r"([A-Za-z][A-Za-z ]*):\s*(.*?)\s*$")
+_SOKOBAN_HELP = "`#` wall, a blank (or `-`) free, @ or S start, `.` E or X exit, $ and * boxes"
+
+
+def read_sokoban(source: SourceFile) -> World:
+    """Return the world of a map: its walls are blocked cells, and so is everything around them.
+
+    Comments and lines like `Title:`, as files of Sokoban levels have them, may surround the
+    map. A `.` is a goal, unless `E` or `X` marks the exits: then it is a free cell.
+    """
+    texts: dict[str, Any] = {}
+    lost: list[Lost] = []
+    map_only = _map_of(source, texts, lost)
+    lines = text_rows(map_only)
+    text = "".join(lines)
+    meanings = dict(_SOKOBAN_CELLS)
+    exits = [mark for mark in "EX" if mark in text]
+    if exits and _DOT in text:
+        meanings[_DOT] = d.PLAIN
+        mark = " and ".join(f"`{each}`" for each in exits)
+        message = f"read as free, because {mark} marks the exit; without `E` and `X` it is a goal"
+        lost.append(Lost(f"`{_DOT}`", message))
+    rows = translated(map_only, lines, meanings, _SOKOBAN_HELP)
+    fields = {"version": 1, **texts, **drawn(without_ring(without_surroundings(rows)))}
+    boxes = sum(text.count(mark) for mark in _BOXES)
+    if boxes:
+        lost.append(Lost("boxes", f"{boxes} left out; {_OTHER_TASK}"))
+    if _ON_GOAL in text:
+        lost.append(Lost(_ON_GOAL, "a start cannot be an exit; it is only the start"))
+    return World(fields, "A map of `#` and blanks.", {}, tuple(lost))
+
+
+def _map_of(source: SourceFile, texts: dict[str, Any], lost: list[Lost]) -> SourceFile:
+    """Return the text with blank lines in place of comments and keywords.
+
+    Title and author are put into `texts`.
+
+    Raises:
+        ConversionError: there are several maps, with blank lines between them.
+    """
+    lines = []
+    for line in source.lines:
+        keyword = _KEYWORD.match(line)
+        if keyword is None and not line.startswith(_COMMENT):
+            lines.append(line)
+            continue
+        lines.append("")
+        name = keyword[1].lower() if keyword is not None else _COMMENT
+        if keyword is not None and name in ("title", "author") and keyword[2]:
+            texts[name] = keyword[2]
+        elif all(each.field != name for each in lost):
+            lost.append(Lost(name, "its text is left out"))
+    maps = [
+        list(found) for is_map, found in groupby(lines, lambda line: bool(line.strip())) if is_map
+    ]
+    with_start = sum(any(set(line) & _STARTS for line in each) for each in maps)
+    if with_start > 1:
+        raise ConversionError(
+            f"the text has {with_start} maps", "keep the one that is to be the level"
+        )
+    return SourceFile(source.name, "\n".join(lines))
+
+
+def write_sokoban(level: Level) -> Conversion:
+    """Return a level as a map with a ring of walls, `@` for the start and `.` for exits."""
+    ends = f"{_SOKOBAN} has no cells that end the episode but exits"
+    rows, lost = block_map(level, _SOKOBAN, Rewards(), ends=ends, many="E")
+    marks = str.maketrans({d.BLOCKED: "#", d.START: "@", d.EXIT: _DOT})
+    return Conversion("\n".join(row.translate(marks) for row in rows) + "\n", tuple(lost))
+
+
+# -- maze-dataset ----------------------------------------------------------------------------
+
+_DATASET = "a maze of maze-dataset"
+_PATH = "X"
+_DATASET_CELLS = {"#": d.BLOCKED, " ": d.PLAIN, "S": d.START, "E": d.EXIT, _PATH: d.PLAIN}
+_DATASET_HELP = "`#` wall, a blank free, S start, E end, X the path of the solution"
+
+
+def read_maze_dataset(source: SourceFile) -> World:
+    """Return the world of a maze that is drawn on a lattice of walls and cells."""
+    lines = text_rows(source)
+    lost: list[Lost] = []
+    rows = _without_doors(translated(source, lines, _DATASET_CELLS, _DATASET_HELP), lost)
+    if not is_lattice(rows):
+        raise ConversionError(
+            "the map is not a maze of cells with walls between them",
+            "an odd number of rows and columns, a cell in every second one, and `#` between four; "
+            "for walls that fill cells, use --from sokoban",
+        )
+    if any(_PATH in line for line in lines):
+        lost.append(Lost(_PATH, "the path of the solution is left out; `babyrobot solve` finds it"))
+    cells, east, south = from_lattice(rows)
+    cells, has_start = _with_corners(cells, lost)
+    fields = {"version": 1, **drawn(cells, east, south)}
+    if has_start and not any(d.EXIT in row for row in cells):
+        lost.append(Lost("E", "none is drawn, so the level has no exit"))
+    return World(fields, "A maze of maze-dataset.", {}, tuple(lost))
+
+
+def _without_doors(rows: Rows, lost: list[Lost]) -> Rows:
+    """Return rows with a closed outer wall; a start or exit in it moves into the cell behind it."""
+    cells = [list(row) for row in rows]
+    right, bottom = len(rows[0]) - 1, len(rows) - 1
+    for y, row in enumerate(rows):
+        for x, character in enumerate(row):
+            is_inner = x not in (0, right) and y not in (0, bottom)
+            if is_inner or character == d.BLOCKED:
+                continue
+            inner = min(max(x, 1), right - 1), min(max(y, 1), bottom - 1)
+            cells[y][x] = d.BLOCKED
+            if character in (d.START, d.EXIT) and right > 1 and bottom > 1:
+                cells[inner[1]][inner[0]] = character
+            name = character if character != d.PLAIN else "the outer wall"
+            lost.append(Lost(name, f"its door in row {y}, column {x} is closed"))
+    return tuple("".join(row) for row in cells)
+
+
+def _with_corners(cells: Rows, lost: list[Lost]) -> tuple[Rows, bool]:
+    """Return the cells with start and exit in the corners if no start is marked; whether one is."""
+    if any(d.START in row for row in cells):
+        return cells, True
+    rows = replaced(cells, [(0, 0)], d.START)
+    lost.append(Lost("S", "none is drawn, so it is the top-left cell"))
+    if not any(d.EXIT in row for row in rows) and len(rows) * len(rows[0]) > 1:
+        rows = replaced(rows, [(len(rows[0]) - 1, len(rows) - 1)], d.EXIT)
+        lost.append(Lost("E", "none is drawn, so it is the bottom-right cell"))
+    return rows, False
+
+
+def write_maze_dataset(level: Level) -> Conversion:
+    """Return a level in ASCII, without the path of the solution."""
+    lost = list(fields_lost(level, SPATIAL | {"areas"}, _DATASET))
+    lost += lost_areas(level, "it has no cells that end the episode but its end")
+    grid = level.grid()
+    if any(grid.blocked_cells):
+        lost.append(Lost("blocked", "the cells are there, with walls around them"))
+    if grid.glass:
+        lost.append(Lost("walls.pass", "walls of glass become solid"))
+    rows = marked(level)
+    for name, cells in (("start", level.starts), ("exit", level.exits)):
+        if len(cells) > 1:
+            lost.append(only_first(name, cells, _DATASET))
+            rows = replaced(rows, cells[1:], d.PLAIN)
+    if not level.exits:
+        lost.append(Lost("exit", "the level has none, and a maze there has one"))
+    rows = tuple(row.replace(ENDS, d.PLAIN).replace(d.BLOCKED, d.PLAIN) for row in rows)
+    return Conversion("\n".join(as_blocks(grid, rows, lattice=True)) + "\n", tuple(lost))

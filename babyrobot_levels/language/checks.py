@@ -1,0 +1,346 @@
+"""What must hold between the fields of a level: its geometry, checked without any table."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.walls import RECTANGULAR, Opening, sides_of
+from babyrobot_levels.text.diagnostics import Issue
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.cells import Rectangle
+    from babyrobot_levels.language.fields import LevelFields
+
+Cell = tuple[int, int]
+Route = tuple[str | int, ...]
+
+
+def blocked_cells(level: LevelFields) -> Callable[[Cell], bool]:
+    """Return a test for blocked cells."""
+    return painted(level, ((rectangle, True) for rectangle in level.blocked))
+
+
+def painted(
+    level: LevelFields, rectangles: Iterable[tuple[Rectangle, bool]]
+) -> Callable[[Cell], bool]:
+    """Return a test for the cells that were painted with True, after all rectangles in turn.
+
+    What lies off the grid is left out. Files may hold thousands of rectangles: each is painted
+    along its longer side.
+    """
+    width, height = level.size
+    cells = bytearray(width * height)
+    for rectangle, value in rectangles:
+        (x, y), (columns, rows) = rectangle.at, rectangle.size
+        columns, rows = min(columns, width - x), min(rows, height - y)
+        if columns <= 0 or rows <= 0:
+            continue
+        first = y * width + x
+        if columns >= rows:
+            starts, step, count = range(first, first + rows * width, width), 1, columns
+        else:
+            starts, step, count = range(first, first + columns), width, rows
+        paint = bytes([value]) * count
+        for start in starts:
+            cells[start : start + step * (count - 1) + 1 : step] = paint
+    return lambda cell: is_inside(level, cell) and bool(cells[cell[1] * width + cell[0]])
+
+
+def is_inside(level: LevelFields, cell: Cell) -> bool:
+    """Tell whether a cell is on the grid."""
+    return cell[0] < level.size[0] and cell[1] < level.size[1]
+
+
+def show_cell(cell: Cell) -> str:
+    """Return a cell as it stands in a file."""
+    return f"[{cell[0]}, {cell[1]}]"
+
+
+def off_the_grid(level: LevelFields, what: str, cell: Cell, route: Route) -> Issue:
+    """Return the error of something that is outside the grid."""
+    width, height = level.size
+    return Issue(
+        "BR301",
+        route,
+        f"{what} {show_cell(cell)} is off the grid, which is {width} wide and {height} high",
+        f"x goes from 0 to {width - 1}, y from 0 to {height - 1}",
+    )
+
+
+def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
+    """Return the cells of `start` or `exit`, each with its route."""
+    cells = level.starts if field == "start" else level.exits
+    value = getattr(level, field)
+    if isinstance(value[0], tuple):
+        return [(cell, (field, index)) for index, cell in enumerate(cells)]
+    return [(cell, (field,)) for cell in cells]
+
+
+def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
+    """Yield the errors of starts and exits. `blocked` tells whether a cell is blocked."""
+    exits = set(level.exits)
+    left = {warp.at for warp in level.warps if warp.when == "enter"}
+    ends = painted(level, ((area, area.ends) for area in level.areas if area.ends is not None))
+    for field in ("start", "exit"):
+        seen: set[Cell] = set()
+        for cell, route in _cells_of(level, field):
+            if not is_inside(level, cell):
+                yield off_the_grid(level, f"the {field}", cell, route)
+            elif blocked(cell):
+                code = "BR302" if field == "start" else "BR304"
+                given = field in level.model_fields_set
+                message = f"the {field} {show_cell(cell)} is on a blocked cell"
+                default = f"the default {field} {show_cell(cell)} is on a blocked cell"
+                yield Issue(
+                    code,
+                    route if given else _blocking(level, cell),
+                    message if given else default,
+                    f"move the {field}, or unblock the cell",
+                )
+            elif cell in seen:
+                yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
+            elif field == "start" and cell in exits:
+                yield Issue(
+                    "BR303",
+                    _given(level, route, ("exit",)),
+                    _start_is_exit(level, cell),
+                    "move one of them, or use `exit: none` for a level without an exit",
+                )
+            elif field == "start" and cell in left:
+                number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
+                yield Issue(
+                    "BR309",
+                    _given(level, route, ("warps", number, "at")),
+                    f"the start {show_cell(cell)} is on a warp that acts on entering",
+                    "move the start, or use `when: leave` for the warp",
+                )
+            elif field == "start" and ends(cell):
+                yield Issue(
+                    "BR316",
+                    route,
+                    f"the start {show_cell(cell)} is on an area that ends the episode",
+                    "move the start, or remove `ends` from the area",
+                )
+            seen.add(cell)
+
+
+def _given(level: LevelFields, route: Route, otherwise: Route) -> Route:
+    """Return the route of a start or an exit, or another where the file leaves it out."""
+    if level.map is not None:
+        return ("map",)
+    return route if route[0] in level.model_fields_set else otherwise
+
+
+def _blocking(level: LevelFields, cell: Cell) -> Route:
+    """Return the route of the rectangle that blocks a cell."""
+    for index, rectangle in enumerate(level.blocked):
+        (x, y), (columns, rows) = rectangle.at, rectangle.size
+        if x <= cell[0] < x + columns and y <= cell[1] < y + rows:
+            return ("blocked", index)
+    return ("blocked",)
+
+
+def _start_is_exit(level: LevelFields, cell: Cell) -> str:
+    start, exit_ = ("start" in level.model_fields_set, "exit" in level.model_fields_set)
+    if start and not exit_:
+        default = "the default exit is the bottom-right cell"
+        return f"the start {show_cell(cell)} is also the exit: {default}"
+    if exit_ and not start:
+        return f"the exit {show_cell(cell)} is also the start: the default start is [0, 0]"
+    if not start:
+        return f"start and exit are both {show_cell(cell)} by default"
+    return f"the start {show_cell(cell)} is also an exit"
+
+
+MAX_COVERED = 1 << 24
+"""The most cells that all rectangles, walls and openings may cover together."""
+
+MAX_PROBLEMS = 200
+"""At most so many errors are reported per file."""
+
+
+def issues_of(level: LevelFields) -> list[Issue]:
+    """Return the errors between the fields of a level, each of which is valid by itself."""
+    too_much = _check_covered(level)
+    if too_much:
+        return too_much
+    issues: list[Issue] = []
+    for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
+        _collect(issues, check(level))
+    blocked = blocked_cells(level)
+    for check_cells in (check_ends, _check_puddles, _check_warps):
+        _collect(issues, check_cells(level, blocked))
+    return issues
+
+
+def _collect(issues: list[Issue], found: Iterator[Issue]) -> None:
+    for issue in found:
+        if len(issues) >= MAX_PROBLEMS:
+            return
+        issues.append(issue)
+
+
+def _check_covered(level: LevelFields) -> list[Issue]:
+    cells = sum(area.size[0] * area.size[1] for area in (*level.areas, *level.blocked))
+    cells += sum(opening.length for opening in (*level.walls, *level.openings))
+    if cells <= MAX_COVERED:
+        return []
+    field = "areas" if level.areas else "blocked" if level.blocked else "walls"
+    return [
+        Issue(
+            "BR205",
+            (field,),
+            f"areas, blocked cells and walls cover {cells:,} cells, each counted; "
+            f"the limit is {MAX_COVERED:,}",
+        )
+    ]
+
+
+def _check_rectangles(level: LevelFields) -> Iterator[Issue]:
+    for field in ("areas", "blocked"):
+        for index, rectangle in level.written(field):
+            (x, y), (columns, rows) = rectangle.at, rectangle.size
+            first, last = (x, y), (x + columns - 1, y + rows - 1)
+            if not is_inside(level, first):
+                yield off_the_grid(level, "the cell", first, (field, index, "at"))
+            elif not is_inside(level, last):
+                yield off_the_grid(level, "the last cell of the rectangle", last, (field, index))
+
+
+def _check_maze(level: LevelFields) -> Iterator[Issue]:
+    if level.maze is not None and level.maze.algorithm in RECTANGULAR and level.blocked:
+        yield Issue(
+            "BR317",
+            ("maze", "algorithm"),
+            f"`{level.maze.algorithm}` cannot grow a maze around blocked cells",
+            "use another algorithm, such as `wilson` or `kruskal`, or remove the blocked cells",
+        )
+
+
+def _check_sides(level: LevelFields) -> Iterator[Issue]:
+    for field in ("walls", "openings"):
+        for index, entry in level.written(field):
+            yield from _check_side(level, field, index, entry)
+
+
+def _check_side(level: LevelFields, field: str, index: int, entry: Opening) -> Iterator[Issue]:
+    what = "wall" if field == "walls" else "opening"
+    route = (field, index)
+    cells = sides_of(entry)
+    if not is_inside(level, entry.at):
+        yield off_the_grid(level, "the cell", entry.at, (*route, "at"))
+        return
+    if not is_inside(level, cells[-1]):
+        yield off_the_grid(level, f"the last cell of the {what}", cells[-1], (*route, "length"))
+        return
+    (x, y), (width, height) = entry.at, level.size
+    outer = {"N": y == 0, "W": x == 0, "S": y == height - 1, "E": x == width - 1}[entry.side]
+    if outer and field == "openings":
+        yield Issue(
+            "BR310",
+            (*route, "side"),
+            f"side {entry.side} of {show_cell(entry.at)} is part of the outer wall, "
+            "which cannot be opened",
+        )
+    elif outer and getattr(entry, "pass_", 0) > 0:
+        yield Issue(
+            "BR311",
+            (*route, "pass"),
+            f"side {entry.side} of {show_cell(entry.at)} is part of the outer wall, "
+            "so `pass` has no effect",
+            "remove `pass`",
+        )
+
+
+def _check_puddles(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
+    seen: set[Cell] = set()
+    for index, puddle in enumerate(level.puddles):
+        route = ("puddles", index, "at")
+        if not is_inside(level, puddle.at):
+            yield off_the_grid(level, "the puddle", puddle.at, route)
+        elif blocked(puddle.at):
+            yield Issue("BR306", route, f"the puddle {show_cell(puddle.at)} is on a blocked cell")
+        elif puddle.at in seen:
+            yield Issue(
+                "BR307",
+                route,
+                f"{show_cell(puddle.at)} already has a puddle",
+                "keep one puddle per cell",
+            )
+        seen.add(puddle.at)
+
+
+def _check_warps(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[Issue]:
+    exits = set(level.exits)
+    seen: set[Cell] = set()
+    entered: dict[Cell, Cell] = {}
+    for index, warp in enumerate(level.warps):
+        at_is_good = True
+        for field, cell in (("at", warp.at), ("to", warp.to)):
+            if cell == "start" or isinstance(cell, str):
+                continue
+            route = ("warps", index, field)
+            if not is_inside(level, cell):
+                yield off_the_grid(level, "the warp's cell", cell, route)
+            elif blocked(cell):
+                yield Issue(
+                    "BR308",
+                    route,
+                    f"the warp's cell {show_cell(cell)} is blocked",
+                )
+            else:
+                continue
+            at_is_good = False
+        if warp.at in seen:
+            yield Issue("BR307", ("warps", index, "at"), f"{show_cell(warp.at)} already has a warp")
+        elif warp.at in exits:
+            yield Issue(
+                "BR308",
+                ("warps", index, "at"),
+                f"the warp {show_cell(warp.at)} is on an exit, where the episode ends",
+            )
+        elif at_is_good and warp.when == "enter" and not isinstance(warp.to, str):
+            entered[warp.at] = warp.to
+        seen.add(warp.at)
+    yield from _check_circles(level, entered)
+
+
+def _check_circles(level: LevelFields, entered: dict[Cell, Cell]) -> Iterator[Issue]:
+    """Yield the warps that form a cycle, which never ends."""
+    index_of = {warp.at: index for index, warp in enumerate(level.warps)}
+    done: set[Cell] = set()
+    for first in entered:
+        path: dict[Cell, None] = {}
+        cell = first
+        while cell in entered and cell not in done and cell not in path:
+            path[cell] = None
+            cell = entered[cell]
+        if cell in path:
+            circle = [*path][[*path].index(cell) :]
+            path_text = " to ".join(show_cell(step) for step in [*circle[:8], cell])
+            yield Issue(
+                "BR308",
+                ("warps", index_of[cell], "to"),
+                f"the warps form a cycle: {path_text}",
+                "change the target of one of them",
+            )
+        done.update(path)
+
+
+def _check_wind(level: LevelFields) -> Iterator[Issue]:
+    if level.wind is None:
+        return
+    for side in ("north", "east", "south", "west"):
+        strengths = getattr(level.wind, side)
+        vertical = side in ("north", "south")
+        count = level.size[0] if vertical else level.size[1]
+        if strengths is not None and len(strengths) != count:
+            line = "column" if vertical else "row"
+            yield Issue(
+                "BR315",
+                ("wind", side),
+                f"`{side}` gives {len(strengths)} strength{'s' * (len(strengths) != 1)} "
+                f"for {count} {line}{'s' * (count != 1)}",
+                f"give one for each {line}",
+            )

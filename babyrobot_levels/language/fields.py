@@ -1,0 +1,184 @@
+"""The fields of a level file: their types, their defaults, and what each means.
+
+Each is valid by itself; `LevelSpec` adds what only the whole level shows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from enum import Enum, auto
+from functools import cache
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    BeforeValidator,
+    Field,
+    PrivateAttr,
+    StringConstraints,
+    WithJsonSchema,
+)
+
+from babyrobot_levels.language.base import (
+    Cell,
+    Cells,
+    Integer,
+    Model,
+    Number,
+    Size,
+    Slug,
+    Text,
+    cell_or_cells,
+    form,
+    forms,
+)
+from babyrobot_levels.language.cells import Area, Puddle, PuddleTypes, Rectangle, SkidLike, Traits
+from babyrobot_levels.language.drawing import RESERVED
+from babyrobot_levels.language.looks import Display, ThemeLike
+from babyrobot_levels.language.moves import Rewards, Warp, Wind
+from babyrobot_levels.language.walls import Maze, Opening, Wall
+
+_LEGEND_CHARACTERS = [chr(code) for code in range(33, 127) if chr(code) not in RESERVED]
+_LEGEND_KEY = "^[" + "".join(f"\\{c}" if c in "[]\\^" else c for c in _LEGEND_CHARACTERS) + "]$"
+LegendKey = Annotated[str, StringConstraints(pattern=_LEGEND_KEY)]
+
+CellOrCells = Annotated[
+    Annotated[Cell, form("cell")] | Annotated[Cells, form("cells")], forms(cell_or_cells)
+]
+
+
+def _exit_form(value: Any) -> str:
+    return "word" if isinstance(value, str) else cell_or_cells(value)
+
+
+def whole_version(value: Any) -> Any:
+    """Take `1.0` for 1, and not `true`."""
+    # `Literal[1]` would take `true` for 1, and not take 1.0.
+    if isinstance(value, bool):
+        return str(value).lower()
+    return 1 if value == 1 else value
+
+
+class Role(Enum):
+    """What a field is for. Each field has one, from which lists of fields are derived."""
+
+    FORMAT = auto()
+    """How the file is to be read."""
+    TEXT = auto()
+    """For people, and for finding the level."""
+    GEOMETRY = auto()
+    """Where cells, walls, starts and exits are."""
+    DYNAMICS = auto()
+    """What a step does."""
+    REWARD = auto()
+    """What it pays."""
+    LIMIT = auto()
+    """How far an episode, or a return, looks ahead."""
+    LOOK = auto()
+    """How the level is shown."""
+
+
+DRAWN: Literal["drawn"] = "drawn"
+"""Marks the fields that a drawing gives, which therefore cannot be given beside one."""
+
+
+class LevelFields(Model):
+    """A level, version 1 of the language: every field, validated, and frozen."""
+
+    version: Annotated[
+        Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1}), Role.FORMAT
+    ]
+    """The version of the language: 1."""
+    name: Annotated[Slug | None, Role.TEXT] = None
+    """What code loads the level by; the file's name, if it is left out."""
+    title: Annotated[Text | None, Role.TEXT] = None
+    """A title, for people."""
+    description: Annotated[Text | None, Role.TEXT] = None
+    """What the level is about."""
+    author: Annotated[Text | None, Role.TEXT] = None
+    """Who made it."""
+    license: Annotated[Text | None, Role.TEXT] = None
+    """Under which licence it may be used."""
+    source: Annotated[Text | None, Role.TEXT] = None
+    """Whose world this is: a citation."""
+    tags: Annotated[tuple[Slug, ...], Role.TEXT] = ()
+    """Words to search by."""
+    size: Annotated[Size, Role.GEOMETRY, DRAWN] = (3, 3)
+    """Width and height in cells."""
+    map: Annotated[Text | None, Role.GEOMETRY] = None
+    """The level as a drawing, in the place of size, start, exit, walls, puddles and blocked."""
+    legend: Annotated[dict[LegendKey, Traits], Role.GEOMETRY] = Field(default_factory=dict)
+    """What the further characters of the drawing mean."""
+    start: Annotated[CellOrCells, Role.GEOMETRY, DRAWN] = (0, 0)
+    """Where the robot starts; of several cells, one is drawn evenly at each reset."""
+    exit: Annotated[
+        Annotated[Literal["none"], form("word")]
+        | Annotated[Cell, form("cell")]
+        | Annotated[Cells, form("cells")],
+        forms(_exit_form),
+        Role.GEOMETRY,
+        DRAWN,
+    ] = "none"
+    """Where the episode ends: a cell, several, or `none`; the bottom-right cell if left out."""
+    maze: Annotated[Maze | None, Role.GEOMETRY] = None
+    """A maze grown from a seed."""
+    walls: Annotated[tuple[Wall, ...], Role.GEOMETRY] = ()
+    """Walls that are added."""
+    openings: Annotated[tuple[Opening, ...], Role.GEOMETRY] = ()
+    """Walls that are taken away, after the maze and the walls."""
+    puddles: Annotated[tuple[Puddle, ...], Role.DYNAMICS, DRAWN] = ()
+    """Wet cells: slippery and costly."""
+    puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(default_factory=PuddleTypes)
+    """What small and large puddles mean."""
+    areas: Annotated[tuple[Area, ...], Role.DYNAMICS] = ()
+    """Rectangles with properties; later ones win."""
+    blocked: Annotated[tuple[Rectangle, ...], Role.GEOMETRY, DRAWN] = ()
+    """Cells that do not exist."""
+    warps: Annotated[tuple[Warp, ...], Role.DYNAMICS] = ()
+    """Cells that send the robot elsewhere."""
+    wind: Annotated[Wind | None, Role.DYNAMICS] = None
+    """Columns and rows that push."""
+    skid: Annotated[SkidLike | None, Role.DYNAMICS] = None
+    """How slippery every cell is."""
+    rewards: Annotated[Rewards, Role.REWARD] = Field(default_factory=Rewards)
+    """The rewards of a step."""
+    discount: Annotated[Number, Field(gt=0, le=1), Role.LIMIT] = 1.0
+    """The discount factor that solvers use by default."""
+    max_steps: Annotated[Annotated[Integer, Field(ge=1, le=2**53)] | None, Role.LIMIT] = None
+    """The episode is truncated after this many steps."""
+    theme: Annotated[ThemeLike, Role.LOOK] = "default"
+    """Colours and widths: a theme's name or a mapping."""
+    display: Annotated[Display, Role.LOOK] = Field(default_factory=Display)
+    """What is shown beside the level itself."""
+
+    _drawn: dict[str, int] = PrivateAttr(default_factory=dict)
+
+    def written(self, field: str) -> Iterator[tuple[int, Any]]:
+        """Yield the entries of a list that the file gives, with their numbers there.
+
+        Those that a drawing gives come before them in the field, and are left out.
+        """
+        return enumerate(getattr(self, field)[self._drawn.get(field, 0) :])
+
+    @property
+    def starts(self) -> tuple[tuple[int, int], ...]:
+        """The starts as a tuple of cells, also when there is one."""
+        return _as_cells(self.start)
+
+    @property
+    def exits(self) -> tuple[tuple[int, int], ...]:
+        """The exits as a tuple of cells, empty for `none`."""
+        return () if self.exit == "none" else _as_cells(self.exit)
+
+
+def _as_cells(value: Any) -> tuple[tuple[int, int], ...]:
+    return value if isinstance(value[0], tuple) else (value,)
+
+
+@cache
+def fields_with(*marks: Role | Literal["drawn"]) -> tuple[str, ...]:
+    """Return the fields, in order, that have one of some roles; `DRAWN` are those of a drawing."""
+    return tuple(
+        name
+        for name, info in LevelFields.model_fields.items()
+        if any(mark in info.metadata for mark in marks)
+    )

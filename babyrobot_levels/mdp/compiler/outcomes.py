@@ -1,0 +1,173 @@
+"""The outcomes of a step: chances, next states after warps, and rewards."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.compiler.moves import Moves, Warps
+from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
+
+
+@dataclass(frozen=True, eq=False)
+class Arrivals:
+    """Computes where branches end, and their rewards."""
+
+    rewards: Rewards
+    terrain: Terrain
+    warps: Warps
+
+    def next_states(self, branches: Branches) -> Ints:
+        """Return the next states; the number of states stands for "one of the starts"."""
+        state, action = np.divmod(branches.row, NUM_ACTIONS)
+        stays = (action == Action.STAY) | self.terrain.over[state]
+        arrived = np.where(stays, branches.landing, self.warps.arrive[branches.landing])
+        leaves = self.warps.leaves[state] & ~stays
+        return np.where(leaves, self.warps.leave_to[state], arrived)
+
+    def rewards_of(self, branches: Branches, next_state: Ints) -> Floats:
+        """Return the rewards of branches that end on `next_state`."""
+        state, action = np.divmod(branches.row, NUM_ACTIONS)
+        stays = action == Action.STAY
+        rewards, terrain, warps = self.rewards, self.terrain, self.warps
+        reward = terrain.reward[next_state]
+        if terrain.distance is not None:
+            before, after = terrain.distance[state], terrain.distance[next_state]
+            if rewards.closer is not None:
+                reward = np.where(after < before, rewards.closer, reward)
+            if rewards.farther is not None:
+                reward = np.where(after > before, rewards.farther, reward)
+        if rewards.bump is not None:
+            reward = np.where(branches.bumped, rewards.bump, reward)
+        if rewards.stay is not None:
+            reward = np.where(stays, rewards.stay, reward)
+        reward = np.where(terrain.exit[next_state], rewards.exit, reward)
+        warped = np.where(stays, np.nan, warps.arrive_reward[branches.landing])
+        warped = np.where(warps.leaves[state] & ~stays, warps.leave_reward[state], warped)
+        reward = np.where(np.isnan(warped), reward, warped)
+        reward = reward + np.where(branches.bounced, rewards.bounce, 0.0)
+        return np.where(terrain.over[state], 0.0, reward)
+
+
+Ints = NDArray[np.int64]
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
+
+@dataclass(slots=True)
+class Branches:
+    """Possible ends of steps, before any warp. All arrays have one length.
+
+    Attributes:
+        row: state and action, `state * actions + action`.
+        probability: how likely the branch is.
+        landing: the state on which the robot comes to stand.
+        bumped: whether a wall refused the move.
+        bounced: whether it bounced off a wall of glass.
+    """
+
+    row: Ints
+    probability: Floats
+    landing: Ints
+    bumped: Flags
+    bounced: Flags
+
+    def select(self, which: Flags | Ints) -> Self:
+        """Return some of the branches, by flags or by numbers."""
+        return type(self)(*(values[which] for values in self._arrays()))
+
+    def joined(self, *others: Branches) -> Self:
+        """Return these branches and others."""
+        columns = zip(self._arrays(), *(other._arrays() for other in others), strict=True)
+        return type(self)(*(np.concatenate(column) for column in columns))
+
+    def _arrays(self) -> tuple[NDArray, ...]:  # type: ignore[type-arg]
+        return self.row, self.probability, self.landing, self.bumped, self.bounced
+
+
+def plain_branches(moves: Moves, terrain: Terrain, warps: Warps) -> Branches:
+    """Return one branch for every state and action, in order: what happens without chance."""
+    count = terrain.over.size
+    states = np.arange(count)
+    landing = np.empty((count, NUM_ACTIONS), np.int64)
+    landing[:, Action.STAY] = states
+    landing[:, 1:] = moves.landing.T
+    landing[terrain.over] = states[terrain.over, None]
+    bumped = np.zeros((count, NUM_ACTIONS), bool)
+    bumped[:, 1:] = moves.refused.T & ~warps.leaves[:, None]
+    rows = np.arange(count * NUM_ACTIONS)
+    return Branches(
+        rows, np.ones(rows.size), landing.ravel(), bumped.ravel(), np.zeros(rows.size, bool)
+    )
+
+
+def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps) -> Flags:
+    """Return, `[states, actions]`, the rows in which chance decides where the robot goes."""
+    can_move = ~terrain.over & ~warps.leaves
+    slips = (terrain.skid > 0) & can_move
+    glass = moves.glass > 0
+    sheltered = moves.refused & ~glass & (terrain.rule == OPEN_RULE)
+    stochastic = np.zeros((terrain.over.size, NUM_ACTIONS), bool)
+    stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & glass)).T
+    return stochastic
+
+
+def stochastic_branches(moves: Moves, terrain: Terrain, stochastic: Flags) -> list[Branches]:
+    """Return all branches of the stochastic rows, in parts, also those with probability 0."""
+    states, ways = np.nonzero(stochastic[:, 1:])
+    behind_glass = moves.glass[ways, states] > 0
+    parts: list[Branches] = []
+    if behind_glass.any():
+        parts += _glass_branches(moves, terrain, states[behind_glass], ways[behind_glass])
+    skids = ~behind_glass
+    if skids.any():
+        parts += _skid_branches(moves, terrain, states[skids], ways[skids])
+    return parts
+
+
+def _branches(
+    states: Ints, ways: Ints, chance: Floats, landing: Ints, bumped: Flags | None, bounced: bool
+) -> Branches:
+    quiet = np.zeros(states.size, bool)
+    row = states * NUM_ACTIONS + ways + 1
+    return Branches(row, chance, landing, quiet if bumped is None else bumped, quiet | bounced)
+
+
+def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
+    """Return the branches of moves against glass: through it, or bounced off."""
+    chance = moves.glass[ways, states] * (1.0 - terrain.skid[states])
+    return [
+        _branches(states, ways, chance, moves.through[ways, states], None, False),
+        _branches(states, ways, 1.0 - chance, moves.bounce[ways, states], None, True),
+    ]
+
+
+def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
+    """Return the branches of moves that may go astray: where they go, and every other way."""
+    skid, rule = terrain.skid[states], terrain.rule[states]
+    others = moves.open[:, states].sum(axis=0) - moves.open[ways, states]
+
+    def branches(ways_taken: Ints, chance: Floats) -> Branches:
+        landing, refused = moves.landing[ways_taken, states], moves.refused[ways_taken, states]
+        return _branches(states, ways, chance, landing, refused, False)
+
+    stuck = (rule == OPEN_RULE) & (others == 0)
+    parts = [
+        branches(ways, 1.0 - skid),
+        _branches(states[stuck], ways[stuck], skid[stuck], states[stuck], None, False),
+    ]
+    for turn in (1, 2, 3):
+        other = (ways + turn) % NUM_MOVES
+        share = np.zeros(states.size)
+        is_open = (rule == OPEN_RULE) & moves.open[other, states]
+        share[is_open] = skid[is_open] / others[is_open]
+        if turn != 2:
+            share[rule == SIDES_RULE] = skid[rule == SIDES_RULE] / 2
+        share[rule == OTHERS_RULE] = skid[rule == OTHERS_RULE] / 3
+        parts.append(branches(other, share))
+    return parts

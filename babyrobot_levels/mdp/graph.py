@@ -1,0 +1,109 @@
+"""Which states lead to which, whatever the probabilities: breadth-first search, for everybody."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+MANY = 50_000
+"""From so many nodes on, distances are found with SciPy: fewer take no longer than its import."""
+
+FEW = 150
+"""Up to so many nodes, SciPy gains nothing, even where it is imported already."""
+
+Successors = Sequence[Sequence[int]]
+"""For each node, the nodes to which an edge leads."""
+
+
+def distances(sources: Iterable[int], successors: Successors) -> list[int]:
+    """Return for each node the fewest edges from a source, -1 where none leads there."""
+    found = [-1] * len(successors)
+    frontier = list(sources)
+    for node in frontier:
+        found[node] = 0
+    steps = 0
+    while frontier:
+        steps += 1
+        beyond = []
+        for node in frontier:
+            for other in successors[node]:
+                if found[other] < 0:
+                    found[other] = steps
+                    beyond.append(other)
+        frontier = beyond
+    return found
+
+
+class Graph:
+    """A directed graph of numbered nodes.
+
+    Args:
+        size: the number of nodes.
+        source: where each edge begins, `[edges]`.
+        target: where it ends, `[edges]`.
+    """
+
+    def __init__(
+        self, size: int, source: NDArray[np.signedinteger], target: NDArray[np.signedinteger]
+    ):
+        self.size, self.source, self.target = size, source, target
+
+    @cached_property
+    def successors(self) -> Successors:
+        """For each node, the nodes to which an edge leads; of many nodes, made when asked for."""
+        order = np.argsort(self.source, kind="stable")
+        bounds = np.searchsorted(self.source[order], np.arange(self.size + 1)).tolist()
+        if self.size >= MANY:
+            return _Rows(self.target[order], bounds)
+        targets = self.target[order].tolist()
+        return [targets[first:last] for first, last in pairwise(bounds)]
+
+    def reversed(self) -> Graph:
+        """Return the graph with all edges reversed."""
+        return Graph(self.size, self.target, self.source)
+
+    def distances(self, sources: Iterable[int]) -> NDArray[np.int32]:
+        """Return for each node the fewest edges from a source, -1 where none leads there."""
+        if self.size < MANY and (self.size <= FEW or "scipy.sparse" not in sys.modules):
+            return np.array(distances(sources, self.successors), np.int32)
+        from scipy.sparse import csr_array  # type: ignore[import-untyped]
+        from scipy.sparse.csgraph import breadth_first_order  # type: ignore[import-untyped]
+
+        # One more node, from which an edge leads to each source.
+        size, roots = self.size, np.unique(np.fromiter(sources, np.intp))
+        begins = np.append(self.source, np.full(roots.size, size, self.source.dtype))
+        weights = np.ones(begins.size, np.int8)
+        graph = csr_array(
+            (weights, (begins, np.append(self.target, roots.astype(self.target.dtype)))),
+            shape=(size + 1, size + 1),
+        )
+        order, before = breadth_first_order(graph, size)
+        # Each node knows the one before it: jumps of double length count the path in few rounds.
+        before[size] = size
+        count = np.zeros(size + 1, np.intp)
+        count[order[1:]] = 1
+        while (before[order] != size).any():
+            count[order] += count[before[order]]
+            before[order] = before[before[order]]
+        found = np.full(size, -1, np.int32)
+        found[order[1:]] = count[order[1:]] - 1
+        return found
+
+
+class _Rows(Sequence[Sequence[int]]):
+    """A list of lists that is kept as two: of all their values, and of where each begins."""
+
+    def __init__(self, values: NDArray[np.signedinteger], bounds: list[int]):
+        self.values, self.bounds = values, bounds
+
+    def __len__(self) -> int:
+        return len(self.bounds) - 1
+
+    def __getitem__(self, row: Any) -> Any:
+        return self.values[self.bounds[row] : self.bounds[row + 1]].tolist()

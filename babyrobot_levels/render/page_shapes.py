@@ -1,0 +1,218 @@
+"""Shapes as compact JSON data that the page's script paints: mostly integers.
+
+A layer is a list of groups `[x, y, shapes]`, whose shapes are relative to the point (x, y), so
+that equal cells give equal text. Lengths are tenths of a pixel, opacities are percentages, and a
+colour is its index in the palette. A shape is a list that begins with its kind:
+
+- 0, a rectangle: fill, x, y, width, height, opacity, radius;
+- 1, an ellipse: fill, x, y, rx, ry, opacity;
+- 2, a path: fill (-1 for none), commands, opacity, stroke, width, cap (1 for round), dash, gap;
+- 3, a text: fill, x, y, text, size, anchor, bold, opacity;
+- 4, the outline of the last path again: fill, scale in thousandths, x, y, opacity; (x, y) is the
+  fixed point.
+
+Default values at the end are left out. Commands are one text: `m`, `l`, `c` and `z` as in SVG,
+each number relative to the previous point, and `s`, the points of a closed smooth curve (a
+Catmull-Rom spline), each relative to the previous one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import Any
+
+from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Ellipse,
+    Path,
+    Point,
+    Rect,
+    Shape,
+    Text,
+    smooth,
+)
+
+RECT, ELLIPSE, PATH, TEXT, AGAIN = range(5)
+"""The kinds of shapes."""
+
+ANCHORS = ("start", "middle", "end")
+
+Group = list[Any]
+Packed = list[Any]
+
+_UNIT = 0.1
+_NEAR = 0.1
+"""The largest distance in pixels at which a path counts as a scaled copy of another."""
+
+
+class Palette:
+    """The colours of a picture, each once, in the order of their first use.
+
+    Args:
+        names: names that are kept as they are, besides colours.
+    """
+
+    def __init__(self, names: Iterable[str] = ()) -> None:
+        self._names = frozenset(names)
+        self._places: dict[str, int] = {}
+
+    @property
+    def colors(self) -> list[str]:
+        """The colours, each `#rrggbb`, or `#rrggbbaa`, or one of the names."""
+        return list(self._places)
+
+    def place(self, color: str | None) -> int:
+        """Return the index of a colour; -1 for none."""
+        if color is None:
+            return -1
+        key = color if color in self._names else hexadecimal(color)
+        return self._places.setdefault(key, len(self._places))
+
+
+def hexadecimal(color: str) -> str:
+    """Return a colour as `#rrggbb`, or as `#rrggbbaa` if it is not opaque."""
+    red, green, blue, alpha = rgba(color)
+    text = f"#{red:02x}{green:02x}{blue:02x}"
+    return text if alpha == 1 else f"{text}{round(255 * alpha):02x}"
+
+
+def pack(shapes: Iterable[Shape], palette: Palette, margin: float = 0.0) -> list[Group]:
+    """Return shapes as groups, one for each run of shapes that begin in the same cell.
+
+    Args:
+        shapes: the shapes, in painting order.
+        palette: the colours so far, to which those of the shapes are added.
+        margin: the margin around the cells, in pixels.
+    """
+    groups: list[Group] = []
+    for (left, top), run in groupby(shapes, lambda shape: _corner(_start(shape), margin)):
+        packed: list[Packed] = []
+        last: Path | None = None
+        for shape in run:
+            packed.append(_packed(shape, (left, top), palette, last))
+            if isinstance(shape, Path) and packed[-1][0] == PATH:
+                last = shape
+        groups.append([_length(left), _length(top), packed])
+    return groups
+
+
+def _start(shape: Shape) -> Point:
+    if isinstance(shape, Path):
+        x, y = shape.commands[0][1][:2]
+        return x, y
+    return shape.x, shape.y
+
+
+def _corner(point: Point, margin: float) -> Point:
+    x, y = ((place - margin) // CELL * CELL + margin for place in point)
+    return x, y
+
+
+def _packed(shape: Shape, origin: Point, palette: Palette, last: Path | None) -> Packed:
+    x, y = (_length(a - b) for a, b in zip(_start(shape), origin, strict=True))
+    fill, opacity = palette.place(shape.fill), round(100 * shape.opacity)
+    match shape:
+        case Rect():
+            size = _length(shape.width), _length(shape.height)
+            return _short([RECT, fill, x, y, *size], (opacity, 100), (_length(shape.radius), 0))
+        case Ellipse():
+            size = _length(shape.rx), _length(shape.ry)
+            return _short([ELLIPSE, fill, x, y, *size], (opacity, 100))
+        case Text():
+            return _short(
+                [TEXT, fill, x, y, shape.text, _length(shape.size)],
+                (ANCHORS.index(shape.anchor), 1),
+                (int(shape.bold), 0),
+                (opacity, 100),
+            )
+        case Path():
+            if shape.stroke is None and last is not None and (how := _scaled(shape, last, origin)):
+                return _short([AGAIN, fill, *how], (opacity, 100))
+            dash, gap = shape.dash or (0, 0)
+            return _short(
+                [PATH, fill, _commands(shape.commands, origin)],
+                (opacity, 100),
+                (palette.place(shape.stroke), -1),
+                (_length(shape.width), 10),
+                (int(shape.cap == "round"), 0),
+                (_length(dash), 0),
+                (_length(gap), 0),
+            )
+
+
+def _short(needed: Packed, *more: tuple[int, int]) -> Packed:
+    """Return a shape without the default values at its end."""
+    values = list(more)
+    while values and values[-1][0] == values[-1][1]:
+        values.pop()
+    return needed + [value for value, _ in values]
+
+
+def _length(value: float) -> int:
+    return round(value / _UNIT)
+
+
+# -- paths ---------------------------------------------------------------------------------------
+
+
+def _scaled(path: Path, other: Path, origin: Point) -> tuple[int, int, int] | None:
+    """Return scale and fixed point of a scaled copy of another path; None if it is none."""
+    letters = [letter for letter, _ in path.commands]
+    if letters != [letter for letter, _ in other.commands]:
+        return None
+    ours, theirs = _places(path.commands), _places(other.commands)
+    width = max(theirs[0]) - min(theirs[0])
+    scale = (max(ours[0]) - min(ours[0])) / width if width else 1.0
+    if abs(scale - 1) < 0.01:
+        return None
+    fixed = [(a[0] - scale * b[0]) / (1 - scale) for a, b in zip(ours, theirs, strict=True)]
+    for there, mine, middle in zip(theirs, ours, fixed, strict=True):
+        for a, b in zip(mine, there, strict=True):
+            if abs(middle + scale * (b - middle) - a) > _NEAR:
+                return None
+    x, y = (_length(place - start) for place, start in zip(fixed, origin, strict=True))
+    return round(1000 * scale), x, y
+
+
+def _places(commands: Sequence[Command]) -> tuple[list[float], list[float]]:
+    """Return all x and all y of a path."""
+    return (
+        [x for _, numbers in commands for x in numbers[::2]],
+        [y for _, numbers in commands for y in numbers[1::2]],
+    )
+
+
+def _commands(commands: Sequence[Command], origin: Point) -> str:
+    last = _length(origin[0]), _length(origin[1])
+    if points := _smooth_points(commands):
+        return "s" + _joined(_steps(points, last))
+    parts = []
+    for letter, numbers in commands:
+        points = list(zip(numbers[::2], numbers[1::2], strict=True))
+        places = [(_length(x), _length(y)) for x, y in points]
+        parts.append(letter.lower() + _joined((x - last[0], y - last[1]) for x, y in places))
+        last = places[-1] if places else last
+    return "".join(parts)
+
+
+def _smooth_points(commands: Sequence[Command]) -> list[Point]:
+    """Return the points of a closed smooth curve; none for other paths."""
+    if len(commands) < 4 or {letter for letter, _ in commands[1:-1]} != {"C"}:
+        return []
+    points = [(numbers[-2], numbers[-1]) for _, numbers in commands[:-2]]
+    return points if smooth(points) == tuple(commands) else []
+
+
+def _steps(points: Sequence[Point], last: tuple[int, int]) -> Iterator[tuple[int, int]]:
+    for x, y in points:
+        place = _length(x), _length(y)
+        yield place[0] - last[0], place[1] - last[1]
+        last = place
+
+
+def _joined(steps: Iterable[tuple[int, int]]) -> str:
+    """Return numbers as short as SVG allows: a minus sign also separates."""
+    return " ".join(str(number) for step in steps for number in step).replace(" -", "-")

@@ -1,0 +1,57 @@
+"""The overlay of a picture: values, policies, counts, notes. Plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+Content = TypeVar("Content")
+Rows = Sequence[Sequence[Content]]
+"""Something for each cell, `[height][width]`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """A text anywhere on the grid.
+
+    Attributes:
+        x: the column of the cell on whose centre the text is; fractions are between cells.
+        y: its row.
+        text: one line of text.
+        color: a CSS colour, or None for the theme's `text_fg`.
+    """
+
+    x: float
+    y: float
+    text: str
+    color: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Overlay:
+    """What is shown over the cells of a level and in its panels.
+
+    Attributes:
+        values: the value of each cell; it may be infinite. None for a cell that shows nothing.
+        actions: the actions of a policy in each cell, as `Action`s; it may be none.
+        action_values: the value of each action in each cell, in the order of `Action`: five
+            numbers, each None if it is not shown; or none at all.
+        visits: the number of visits to each cell, shown as a heat map and as a number. None and
+            0 show nothing.
+        coordinates: whether each free cell shows its coordinates.
+        notes: texts anywhere on the grid.
+        side_panel: lines for the panel beside the grid. A level without one gets one.
+        bottom_panel: lines for the panel below the grid, likewise.
+        precision: the largest number of decimals.
+    """
+
+    values: Rows[float | None] | None = None
+    actions: Rows[Sequence[int]] | None = None
+    action_values: Rows[Sequence[float | None]] | None = None
+    visits: Rows[float | None] | None = None
+    coordinates: bool = False
+    notes: Sequence[Note] = ()
+    side_panel: Sequence[str] = ()
+    bottom_panel: Sequence[str] = ()
+    precision: int = 2

@@ -1,0 +1,170 @@
+"""Films: an episode as a GIF file."""
+
+from __future__ import annotations
+
+import io
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from PIL import Image, ImageSequence
+
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
+from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.pose import STANDING, pose_of
+
+PER_STEP = 5
+"""Frames of a step: four on the way, and the arrival."""
+
+
+def level(**fields: Any) -> Any:
+    return Level.from_fields({"version": 1, **fields})
+
+
+ROW = level(size=[4, 1])
+WALK = [Step(x, Action.EAST, x + 1, -1.0) for x in range(3)]
+
+
+def shown(film: bytes) -> tuple[NDArray[np.uint8], list[int]]:
+    """Return the frames, `[frames, height, width, 3]`, and the milliseconds that each is shown."""
+    with Image.open(io.BytesIO(film)) as image:
+        frames, times = [], []
+        for frame in ImageSequence.Iterator(image):
+            frames.append(np.array(frame.convert("RGB")))
+            times.append(frame.info["duration"])
+        return np.array(frames), times
+
+
+def test_it_plays_for_ever_and_rests_at_the_end() -> None:
+    film = to_gif(ROW, WALK)
+    with Image.open(io.BytesIO(film)) as image:
+        assert image.format == "GIF"
+        assert image.info["loop"] == 0
+    frames, times = shown(film)
+    assert len(frames) == 1 + PER_STEP * len(WALK)
+    assert times[-1] == 1500
+    assert max(times[1:-1]) <= 120
+    assert min(times) >= 20
+
+
+def test_it_is_as_large_as_the_picture_and_what_it_shows_is_the_picture() -> None:
+    frames, _ = shown(to_gif(ROW, WALK))
+    scene = build_scene(ROW, state=0)
+    assert frames[0].shape == (round(scene.height), round(scene.width), 3)
+    poses = [STANDING, *(pose_of(s.state, s.next_state, s.action, 4) for s in WALK[:2])]
+    poses.append(pose_of(2, 3, Action.EAST, 4, at_exit=True))
+    for number, (state, pose) in enumerate(zip(range(4), poses, strict=True)):
+        expected = to_rgb(build_scene(ROW, state=state, pose=pose)).astype(int)
+        difference = np.abs(frames[PER_STEP * number] - expected)
+        assert difference.mean() < 0.3
+        assert (difference > 40).mean() < 0.002
+
+
+def test_large_even_grounds_keep_their_exact_colours() -> None:
+    frames, _ = shown(to_gif(ROW, WALK))
+    for color in ((255, 165, 0), (237, 24, 24), (0, 128, 0)):
+        assert (frames[0] == color).all(axis=2).sum() > 500
+
+
+def test_the_robot_glides() -> None:
+    frames, _ = shown(to_gif(ROW, WALK))
+    ground = to_rgb(build_base(ROW)).astype(int)
+    different = np.abs(frames - ground).max(axis=3) > 60
+    middles = [np.flatnonzero(frame.any(axis=0)).mean() for frame in different]
+    steps = np.diff(middles[: PER_STEP + 1])
+    assert (steps > 2).all()
+    assert steps.max() < 32
+    assert middles[PER_STEP] - middles[0] == pytest.approx(64, abs=6)
+
+
+def test_he_bumps_into_a_wall_and_is_back_where_he_was() -> None:
+    frames, _ = shown(to_gif(ROW, [Step(0, Action.NORTH, 0, -1.0)]))
+    assert (frames[1] != frames[-1]).any()
+    expected = to_rgb(build_scene(ROW, state=0, pose=pose_of(0, 0, Action.NORTH, 4))).astype(int)
+    assert np.abs(frames[-1] - expected).mean() < 0.5
+
+
+def test_nothing_changes_but_where_the_robot_is() -> None:
+    frames, _ = shown(to_gif(ROW, WALK[:1]))
+    changed = (frames != frames[0]).any(axis=(0, 1, 3))
+    assert changed[:140].any()
+    assert not changed[140:].any()
+
+
+def test_a_panel_counts() -> None:
+    world = level(size=[3, 1], display={"side_panel": 120})
+    steps = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.EAST, 2, 0.0)]
+    frames, _ = shown(to_gif(world, steps))
+    panels = frames[:, :, -110:]
+    # As long as he is on his way, the step does not count.
+    assert (panels[:PER_STEP] == panels[0]).all()
+    assert (panels[PER_STEP] != panels[0]).any()
+    assert (panels[-1] != panels[PER_STEP]).any()
+
+
+def test_a_panel_below_counts_too() -> None:
+    world = level(size=[4, 1], display={"bottom_panel": 40})
+    frames, _ = shown(to_gif(world, WALK))
+    assert (frames[-1][-38:] != frames[0][-38:]).any()
+
+
+def test_an_overlay_lies_below_the_robot() -> None:
+    overlay = Overlay(values=[[None, -2.0, -1.0, None]])
+    frames, _ = shown(to_gif(ROW, WALK, overlay=overlay))
+    expected = to_rgb(build_scene(ROW, robot=False, overlay=overlay)).astype(int)
+    assert np.abs(frames[0][:, 70:] - expected[:, 70:]).mean() < 0.3
+
+
+def test_the_same_film_is_the_same_file() -> None:
+    assert to_gif(ROW, WALK) == to_gif(level(size=[4, 1]), list(WALK))
+
+
+def test_a_film_of_the_final_maze_is_small() -> None:
+    world = load("final-maze")
+    path = [0, 1, 2, 10, 9, 8, 16, 17, 18, 19, 20, 21, 29, 30, 31, 39, 38, 37]
+    moves = {1: Action.EAST, -1: Action.WEST, 8: Action.SOUTH, -8: Action.NORTH}
+    steps = [Step(a, moves[b - a], b, -1.0) for a, b in pairwise(path)]
+    assert len(to_gif(world, steps)) < 300_000
+
+
+@pytest.mark.parametrize("scale", [0.25, 0.5, 1.5])
+def test_it_is_as_large_as_asked(scale: float) -> None:
+    scene = build_scene(ROW)
+    frames, _ = shown(to_gif(ROW, WALK, scale=scale))
+    assert frames.shape[1:3] == (round(scale * scene.height), round(scale * scene.width))
+
+
+def test_a_film_of_a_large_level_is_no_larger_than_can_be_shown() -> None:
+    world = level(size=[60, 20])
+    frames, _ = shown(to_gif(world, [Step(0, Action.EAST, 1, -1.0)]))
+    assert max(frames.shape[1:3]) == MAX_SIDE
+
+
+def test_long_films_leave_out_what_is_between_cells() -> None:
+    there_and_back = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.WEST, 0, -1.0)]
+    world = level(size=[12, 12])
+    frames, _ = shown(to_gif(world, there_and_back * 30))
+    assert len(frames) == 61
+
+
+def test_a_faster_robot_takes_less_time() -> None:
+    slow, fast = (
+        sum(shown(to_gif(level(size=[4, 1], display={"robot": {"speed": speed}}), WALK))[1])
+        for speed in (0.5, 2)
+    )
+    held = 700 + 1500
+    assert slow - held > 3 * (fast - held)
+
+
+def test_what_would_be_too_much_is_refused() -> None:
+    with pytest.raises(ValueError, match="has no steps"):
+        to_gif(ROW, [])
+    with pytest.raises(ValueError, match="too large"):
+        to_gif(level(size=[100, 100]), [Step(0, 2, 1, -1.0)] * 10, scale=1.0)
