@@ -226,6 +226,7 @@ def test_the_examples_of_the_docs_run(line: str) -> None:
     assert (result.status, result.err) == (0, "")
 
 
+@pytest.mark.slow
 def test_the_film_of_the_docs_is_what_is_made_now() -> None:
     """Renew it with `babyrobot preview final-maze --seed 3 -o docs/images/final-maze.gif --force`.
 

@@ -197,6 +197,7 @@ def test_what_starves_is_told(order: list[str], said: str, babyrobot: Babyrobot)
     assert contents(Path()) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_what_was_made_before_is_there(jobs: str, babyrobot: Babyrobot) -> None:
     order = ["--size", "3x3", "--exit", "random", "--jobs", jobs]
@@ -217,17 +218,17 @@ def test_what_was_made_before_is_there(jobs: str, babyrobot: Babyrobot) -> None:
         ([], "the number of levels is missing"),
         (["--count", "0"], "--count: must be at least 1"),
         (["--count", "2", "--size", "8"], "--size: invalid size '8'"),
-        (["--count", "2", "--size", "8x8..4x4"], "--size: `min` is"),
+        (["--count", "2", "--size", "8x8..4x4"], "--size: `min` ([8, 8]) is above"),
         (["--count", "2", "--size", "2x1"], "--size: a level of 2 cells"),
         (["--count", "2", "--size", "2000x2"], "--size: must be at most 1024"),
-        (["--count", "2", "--path-length", "9..5"], "--path-length: `min` is 9, above"),
+        (["--count", "2", "--path-length", "9..5"], "--path-length: `min` (9) is above"),
         (["--count", "2", "--path-length", ".."], "--path-length: invalid range '..'"),
-        (["--count", "2", "--puddles", "3.."], "--puddles: the field `max` is missing"),
-        (["--count", "2", "--puddles", "40"], "--puddles: the smallest level has room for 38"),
+        (["--count", "2", "--puddles", "3.."], "--puddles: missing field `max`"),
+        (["--count", "2", "--puddles", "40"], "--puddles: the smallest level has only 38 cells"),
         (["--count", "2", "--loops", "2"], "--loops: must be at most 1"),
         (["--count", "2", "--split", "a=0.5,b"], "--split: invalid shares 'a=0.5,b'"),
         (["--count", "2", "--split", "a=0.5,b=0.6"], "--split: the shares add up to 1.1"),
-        (["--count", "2", "--split", "a=0.9,b=0.1"], "--split: of 2 levels, none is left for `b`"),
+        (["--count", "2", "--split", "a=0.9,b=0.1"], "--split: `b` gets none of the 2 levels"),
         (["--count", "2", "--split", "../x=1"], "--split: "),
         (["--count", "2", "--theme", "pink"], "unknown theme `pink`"),
         (["--count", "2", "--name", "level"], "--name: invalid pattern 'level'"),
@@ -348,6 +349,7 @@ def test_a_file_that_was_changed_is_not_taken_for_one_of_the_order(babyrobot: Ba
     assert path.read_text("utf-8").endswith("discount: 0.5\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_an_interrupted_call_leaves_whole_files_and_can_go_on(
     jobs: str, babyrobot: Babyrobot, tmp_path: Path
