@@ -9,40 +9,44 @@ imported when it is first used.
 from __future__ import annotations
 
 import importlib
+import warnings
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.envs import former_modules, gymnasium_hook
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.compare import Certificate as Certificate
+    from babyrobot_levels.analysis.compare import ComparisonError as ComparisonError
     from babyrobot_levels.analysis.compare import compare as compare
-    from babyrobot_levels.analysis.diff.levels import Difference as Difference
-    from babyrobot_levels.analysis.diff.levels import diff as diff
-    from babyrobot_levels.analysis.learning.monte_carlo import monte_carlo as monte_carlo
+    from babyrobot_levels.analysis.diff import Difference as Difference
+    from babyrobot_levels.analysis.diff import diff as diff
+    from babyrobot_levels.analysis.learning.episodes import monte_carlo as monte_carlo
+    from babyrobot_levels.analysis.learning.episodes import q_learning as q_learning
+    from babyrobot_levels.analysis.learning.episodes import sarsa as sarsa
     from babyrobot_levels.analysis.learning.results import Sweep as Sweep
     from babyrobot_levels.analysis.learning.results import Trials as Trials
     from babyrobot_levels.analysis.learning.sweeps import policy_evaluation as policy_evaluation
     from babyrobot_levels.analysis.learning.sweeps import policy_iteration as policy_iteration
     from babyrobot_levels.analysis.learning.sweeps import value_iteration as value_iteration
-    from babyrobot_levels.analysis.learning.temporal_difference import q_learning as q_learning
-    from babyrobot_levels.analysis.learning.temporal_difference import sarsa as sarsa
     from babyrobot_levels.analysis.metrics import Metrics as Metrics
     from babyrobot_levels.analysis.metrics import metrics as metrics
-    from babyrobot_levels.analysis.solver.errors import NoTotalError as NoTotalError
-    from babyrobot_levels.analysis.solver.errors import TooLongError as TooLongError
     from babyrobot_levels.analysis.solver.evaluation import evaluate as evaluate
+    from babyrobot_levels.analysis.solver.evaluation import simulate as simulate
+    from babyrobot_levels.analysis.solver.evaluation import success_within as success_within
     from babyrobot_levels.analysis.solver.optimum import solve as solve
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError as EpisodeTooLongError
     from babyrobot_levels.analysis.solver.results import Evaluation as Evaluation
     from babyrobot_levels.analysis.solver.results import Simulation as Simulation
     from babyrobot_levels.analysis.solver.results import Solution as Solution
-    from babyrobot_levels.analysis.solver.simulation import simulate as simulate
-    from babyrobot_levels.analysis.solver.simulation import success_within as success_within
-    from babyrobot_levels.analysis.transition_tables import ComparisonError as ComparisonError
+    from babyrobot_levels.analysis.solver.results import (
+        UndefinedReturnError as UndefinedReturnError,
+    )
     from babyrobot_levels.convert.babyrobot.reading import from_setup as from_setup
     from babyrobot_levels.convert.conversion import ConversionWarning as ConversionWarning
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
     from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
+    from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
     from babyrobot_levels.generate.search import StarvedError as StarvedError
     from babyrobot_levels.generate.suites import Suite as Suite
@@ -53,7 +57,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.catalogue import load as load
     from babyrobot_levels.library.level import Level as Level
     from babyrobot_levels.library.reading import loads as loads
-    from babyrobot_levels.lint.check import check as check
+    from babyrobot_levels.lint.runner import check as check
     from babyrobot_levels.mdp.actions import Action as Action
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
@@ -70,20 +74,21 @@ _HOMES = {
     "Action": "mdp.actions",
     "BabyRobotError": "text.errors",
     "Certificate": "analysis.compare",
-    "ComparisonError": "analysis.transition_tables",
+    "ComparisonError": "analysis.compare",
     "ConversionWarning": "convert.conversion",
     "Diagnostic": "text.diagnostics",
-    "Difference": "analysis.diff.levels",
+    "Difference": "analysis.diff",
+    "EpisodeTooLongError": "analysis.solver.results",
     "Evaluation": "analysis.solver.results",
     "Grid": "mdp.grid",
     "Level": "library.level",
+    "LevelEnv": "envs.single",
     "LevelError": "text.errors",
     "LevelInfo": "library.catalogue",
     "LevelNotFoundError": "text.errors",
     "LevelVectorEnv": "envs.vector.env",
     "Mdp": "mdp.tables",
     "Metrics": "analysis.metrics",
-    "NoTotalError": "analysis.solver.errors",
     "Rollout": "envs.engine.rollout",
     "Severity": "text.diagnostics",
     "Simulation": "analysis.solver.results",
@@ -92,11 +97,11 @@ _HOMES = {
     "Suite": "generate.suites",
     "SuiteNotFoundError": "text.errors",
     "Sweep": "analysis.learning.results",
-    "TooLongError": "analysis.solver.errors",
     "Trials": "analysis.learning.results",
-    "check": "lint.check",
+    "UndefinedReturnError": "analysis.solver.results",
+    "check": "lint.runner",
     "compare": "analysis.compare",
-    "diff": "analysis.diff.levels",
+    "diff": "analysis.diff",
     "evaluate": "analysis.solver.evaluation",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
@@ -105,23 +110,34 @@ _HOMES = {
     "load_suite": "generate.suites",
     "loads": "library.reading",
     "metrics": "analysis.metrics",
-    "monte_carlo": "analysis.learning.monte_carlo",
+    "monte_carlo": "analysis.learning.episodes",
     "policy_evaluation": "analysis.learning.sweeps",
     "policy_iteration": "analysis.learning.sweeps",
-    "q_learning": "analysis.learning.temporal_difference",
+    "q_learning": "analysis.learning.episodes",
     "register_babyrobot": "convert.registration",
     "rollout": "envs.engine.rollout",
-    "sarsa": "analysis.learning.temporal_difference",
-    "simulate": "analysis.solver.simulation",
+    "sarsa": "analysis.learning.episodes",
+    "simulate": "analysis.solver.evaluation",
     "solve": "analysis.solver.optimum",
-    "success_within": "analysis.solver.simulation",
+    "success_within": "analysis.solver.evaluation",
     "value_iteration": "analysis.learning.sweeps",
 }
+
+_RENAMED = {
+    "NoTotalError": "UndefinedReturnError",
+    "TooLongError": "EpisodeTooLongError",
+}
+"""Old public names, and what they are called now."""
 
 __all__ = sorted([*_HOMES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
+    if name in _RENAMED:
+        new = _RENAMED[name]
+        message = f"{__name__}.{name} is deprecated; use {__name__}.{new}"
+        warnings.warn(message, DeprecationWarning, stacklevel=2)
+        return globals().get(new) or __getattr__(new)
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)

@@ -1,9 +1,9 @@
-"""One robot, one step at a time: the final maze beside Gymnasium's own grid worlds.
+"""Single environments: the final maze beside Gymnasium's own grid worlds.
 
     python benchmarks/step.py
 
-All are stepped with a fixed list of random moves and reset when an episode ends. What is counted
-is whole Gymnasium steps: observation, reward, terminated, truncated, info; ours with the mask.
+All take the same list of random moves, and are reset when an episode ends. A step returns complete
+Gymnasium results: observation, reward, terminated, truncated, info; ours with the action mask.
 """
 
 from __future__ import annotations

@@ -1,15 +1,15 @@
-"""Many robots at once: `LevelVectorEnv` beside Gymnasium's SyncVectorEnv and EnvPool.
+"""Vector environments: `LevelVectorEnv` beside Gymnasium's SyncVectorEnv and EnvPool.
 
     python benchmarks/vector.py
 
-All give whole Gymnasium results: observations, rewards, terminated, truncated, info; ours with the
-masks. Ours walk the final maze, with its puddles, by random possible actions; the peers slide over
-FrozenLake's ice by random moves. All actions are drawn beforehand. Of ours, `copy=False` hands out
-the arrays that it writes into, without copies. EnvPool runs in an environment of its own, which the
-first run sets up.
+All return complete Gymnasium results: observations, rewards, terminated, truncated, info; ours with
+action masks. Ours take random valid actions in the final maze, which has puddles; the peers take
+random moves on FrozenLake's ice. All actions are drawn in advance. With `copy=False`, ours returns
+its own arrays instead of new ones. EnvPool has a virtual environment of its own, which the first
+run creates.
 
-With the extra `fast`, ours is also set beside a bare loop over the same tables, which writes
-observations, rewards and flags into arrays that are there, checks nothing and masks nothing.
+With the extra `fast`, ours is also compared with a bare loop over the same tables, which writes
+observations, rewards and flags into existing arrays, without checks and masks.
 """
 
 from __future__ import annotations
@@ -35,10 +35,10 @@ SECONDS = 0.1
 """About how long a measurement lasts."""
 
 LENGTH = 500_000
-"""How many actions are drawn beforehand: more of them would have to come from main memory."""
+"""How many actions are drawn in advance: more of them would not fit into the cache."""
 
 ROLLOUT = (1024, 8192)
-"""Robots and steps of a rollout."""
+"""Environments and steps of a rollout."""
 
 AIMS = {
     ("numpy", "sync", 64): 40,
@@ -50,7 +50,7 @@ AIMS = {
     ("compiled", "bare", 1024): 0.6,
     ("compiled", "bare", 16_384): 0.6,
 }
-"""How many times as fast as a peer an engine is to be, with a number of robots."""
+"""How many times as fast as a peer an engine has to be, with a number of environments."""
 
 
 def on(engine: str, make: Callable[[], Measure]) -> Measure:
@@ -59,13 +59,13 @@ def on(engine: str, make: Callable[[], Measure]) -> Measure:
 
 
 def ours(engine: str, num_envs: int, copy: bool) -> Measure:
-    """Return a measure of an engine's steps per second, with random possible actions."""
+    """Return a measure of an engine's steps per second, with random valid actions."""
     steps = max(20, LENGTH // num_envs)
     repeats = math.ceil(SECONDS * 5e7 / LENGTH)
     envs: Any = gymnasium.make_vec(
         "babyrobot/Level-v0", num_envs=num_envs, level=LEVEL, engine=engine, copy=copy
     )
-    # The same seed and the same actions give the same walk: they stay possible.
+    # The same seed and actions give the same episodes, so the actions stay valid.
     envs.reset(seed=1)
     envs.action_space.seed(1)
     actions = []
@@ -111,7 +111,7 @@ def pool(peer: Peer, num_envs: int) -> Measure:
 
 
 def bare(num_envs: int) -> Measure:
-    """Return a measure of a compiled loop that does nothing but walk."""
+    """Return a measure of a compiled loop that does nothing but step."""
     import numba
 
     from babyrobot_levels.envs.engine.tables import build_tables, masks_at
@@ -119,30 +119,30 @@ def bare(num_envs: int) -> Measure:
     level = brl.load(LEVEL)
     tables = build_tables([level.compile()], [2**62], 0)
     width = level.size[0]
-    states = np.arange(tables.over.size)
+    states = np.arange(tables.is_terminal.size)
     shown = np.stack([states % width, states // width], axis=1)
 
     @numba.njit
-    def walk(  # type: ignore[no-untyped-def]
-        actions, state, next_state, reward, chance, first, threshold, over, shown, block, start,
-        observations, rewards, terminated, truncated,
+    def run(  # type: ignore[no-untyped-def]
+        actions, state, next_state, reward, stochastic, first, threshold, is_terminal, shown,
+        block, start, observations, rewards, terminated, truncated,
     ):  # fmt: skip
         position = 0
-        for robot in range(state.size):
-            outcome = state[robot] * 5 + actions[robot]
-            number = chance[outcome]
+        for env in range(state.size):
+            outcome = state[env] * 5 + actions[env]
+            number = stochastic[outcome]
             if number >= 0:
                 outcome = first[number]
                 for further in range(threshold.shape[1] - 1):
                     outcome += block[position] >= threshold[number, further]
                 position += 1
             here = next_state[outcome]
-            rewards[robot] = reward[outcome]
-            terminated[robot] = over[here]
-            truncated[robot] = False
-            observations[robot, 0] = shown[here, 0]
-            observations[robot, 1] = shown[here, 1]
-            state[robot] = start if over[here] else here
+            rewards[env] = reward[outcome]
+            terminated[env] = is_terminal[here]
+            truncated[env] = False
+            observations[env, 0] = shown[here, 0]
+            observations[env, 1] = shown[here, 1]
+            state[env] = start if is_terminal[here] else here
         return position
 
     steps = max(20, LENGTH // num_envs)
@@ -159,15 +159,15 @@ def bare(num_envs: int) -> Measure:
     )
 
     def step(action: Any) -> None:
-        used = walk(
-            action, state, tables.next_state, tables.reward, tables.chance, tables.first,
-            tables.threshold, tables.over, shown, block, start, *results,
+        used = run(
+            action, state, tables.next_state, tables.reward, tables.stochastic, tables.first,
+            tables.threshold, tables.is_terminal, shown, block, start, *results,
         )  # fmt: skip
         source.random(out=block[:used])
 
     actions = []
     for _ in range(steps):
-        possible = masks_at(tables.standing, state, 5).astype(bool)
+        possible = masks_at(tables.state_info, state, 5).astype(bool)
         actions.append(np.argmax(source.random((num_envs, 5)) * possible, axis=1))
         step(actions[-1])
 
@@ -198,7 +198,7 @@ def rolling(engine: str, policy: Any) -> Measure:
 
 
 def compare(count: int) -> Iterator[Comparison]:
-    """Measure three numbers of robots beside the peers, and then whole rollouts."""
+    """Measure three numbers of environments beside the peers, and then rollouts."""
     peer = Peer("envpool", "peer_envpool.py")
     versions = installed("babyrobot-levels", "gymnasium", "numpy", "numba") | peer.version
     for size in SIZES:

@@ -1,4 +1,4 @@
-"""The command line that the examples share: which level, how many steps, which seed."""
+"""The command line options that the examples share: level, steps and seed."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import babyrobot_levels as brl
 
 
 def parser_of(
-    description: str | None, steps: int, steps_help: str = "steps of all robots together"
+    description: str | None, steps: int, steps_help: str = "steps of all environments together"
 ) -> argparse.ArgumentParser:
     """Return a parser of `--level`, `--steps` and `--seed`.
 
     Args:
         description: what the example does.
-        steps: how many steps there are by default.
-        steps_help: what steps are.
+        steps: the default of `--steps`.
+        steps_help: the help of `--steps`.
     """
     parser = argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -30,15 +30,15 @@ def parser_of(
 
 
 def parsed(parser: argparse.ArgumentParser) -> argparse.Namespace:
-    """Return what was told. Of a level that grows its mazes, the maze of the seed is learned."""
-    told = parser.parse_args()
-    if told.level.has_random_maze:
-        told.level = told.level.with_maze_seed(told.seed)
-    return told
+    """Return the arguments. For a level with random mazes, the seed also selects the maze."""
+    args = parser.parse_args()
+    if args.level.has_random_maze:
+        args.level = args.level.with_maze_seed(args.seed)
+    return args
 
 
 def level_of(text: str) -> brl.Level:
-    """Return the level that somebody names."""
+    """Return the level with a name, path or share code."""
     try:
         return brl.load(text)
     except brl.BabyRobotError as fault:
@@ -46,14 +46,12 @@ def level_of(text: str) -> brl.Level:
 
 
 def at_least(least: int) -> Callable[[str], int]:
-    """Return a function that reads a whole number, which must not be below another one."""
+    """Return a function that reads a whole number and checks its minimum."""
 
     def number_of(text: str) -> int:
         number = int(text) if text.lstrip("-").isdecimal() else least - 1
         if number < least:
-            raise argparse.ArgumentTypeError(
-                f"{text!r} is no whole number that is at least {least}"
-            )
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least {least}")
         return number
 
     return number_of

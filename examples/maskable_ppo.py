@@ -1,6 +1,6 @@
 """sb3-contrib's MaskablePPO learns a level: python examples/maskable_ppo.py --level final-maze
 
-Masks keep the learner from running against walls. It needs the extra `sb3`:
+Action masks exclude moves against walls. It needs the extra `sb3`:
 pip install "babyrobot-levels[sb3]"
 """
 
@@ -28,12 +28,12 @@ NUM_EPISODES = 100
 def main() -> None:
     args = parsed(parser_of(__doc__, steps=200_000))
     level = args.level
-    # Networks as small as this one learn fastest on one thread.
+    # Small networks learn fastest on one thread.
     torch.set_num_threads(1)
 
     limit = level.max_steps or 500
     envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_ENVS, max_episode_steps=limit))
-    # Returns of -1,000 are too large for a network; it learns from scaled ones.
+    # Returns of -1,000 are too large for a network, so rewards are scaled.
     scaled = VecNormalize(envs, norm_obs=False, gamma=level.discount)
     learner = MaskablePPO(
         "MlpPolicy",
@@ -50,7 +50,7 @@ def main() -> None:
     learner.learn(args.steps)
     print(f"{learner.num_timesteps:,} steps in {time.perf_counter() - began:.1f} s")
 
-    # An environment for each episode: all of them are played at once.
+    # An environment for each episode, so that all of them run at once.
     envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_EPISODES, max_episode_steps=limit))
     envs.seed(args.seed)
     mean, deviation = evaluate_policy(learner, envs, n_eval_episodes=NUM_EPISODES)
@@ -63,7 +63,7 @@ def main() -> None:
 
 
 def probabilities(learner: Any, level: brl.Level) -> NDArray[np.float32]:
-    """Return with which probability the learner takes each action in each cell."""
+    """Return the learner's probability of each action in each cell, `[states, actions]`."""
     width, height = level.size
     cells = np.array([(x, y) for y in range(height) for x in range(width)])
     masks = level.compile().possible.copy()

@@ -1,7 +1,7 @@
-"""Learns from a data set alone, without playing: python examples/offline.py
+"""Offline learning from a data set of random moves: python examples/offline.py
 
-Robots that move at random fill the data set. What it says of each action, how often it led where
-and what that cost, is solved by value iteration.
+The frequencies of next states and the mean rewards of each action in the data set are solved by
+value iteration.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ import babyrobot_levels as brl
 
 def main() -> None:
     parser = parser_of(__doc__, steps=2_000_000)
-    parser.add_argument("--robots", type=at_least(1), default=1024)
+    parser.add_argument("--num-envs", "--robots", type=at_least(1), default=1024)
     args = parsed(parser)
     level = args.level
-    # Each robot takes a step at least.
-    steps = max(1, args.steps // args.robots)
+    # Each environment takes a step at least.
+    steps = max(1, args.steps // args.num_envs)
 
-    data = brl.rollout(level, "uniform", args.robots, steps, args.seed, actions="moves")
+    data = brl.rollout(level, "uniform", args.num_envs, steps, args.seed, actions="moves")
     width, height = level.size
     values = learn(data, width * height, level.discount)
     greedy = values.argmax(axis=1).reshape(height, width)
@@ -31,9 +31,9 @@ def main() -> None:
 
 
 def learn(data: brl.Rollout, num_states: int, discount: float) -> NDArray[np.float64]:
-    """Return action values, `[states, 4]`; what the data set does not have counts as the end."""
+    """Return action values, `[states, 4]`; actions that the data set does not have are terminal."""
     pairs = 4 * data.observations.ravel().astype(np.int64) + data.actions.ravel()
-    # Where an episode ended, nothing follows: the robot comes to a state of its own.
+    # All terminal states become one more state, without a value.
     ahead = np.where(data.terminations, num_states, data.next_observations).ravel()
     size = (num_states * 4, num_states + 1)
     counts = np.bincount(pairs * size[1] + ahead, minlength=size[0] * size[1]).reshape(size)

@@ -18,14 +18,14 @@ from gymnasium.wrappers.vector import NormalizeReward, RecordEpisodeStatistics
 from torch import Tensor, nn
 from torch.distributions import Categorical
 
-NUM_ENVS, NUM_STEPS = 64, 64  # robots, and the steps that each takes between two updates
+NUM_ENVS, NUM_STEPS = 64, 64  # environments, and steps of each between two updates
 EPOCHS, BATCH_SIZE, LEARNING_RATE = 8, 512, 3e-3
 CLIP, LAMBDA = 0.2, 0.95
 ENTROPY_WEIGHT, VALUE_WEIGHT, LARGEST_GRADIENT = 0.01, 0.5, 0.5
 
 
 class Learner(nn.Module):
-    """Says for cells, which it knows by their numbers, what to do and what is to come."""
+    """A policy and a value function of states, given by their numbers."""
 
     def __init__(self, num_states: int, num_actions: int) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ class Learner(nn.Module):
         self.value = network(num_states, 1, scale=1.0)
 
     def choice(self, states: Tensor, masks: Tensor) -> Categorical:
-        """Return the distribution of actions; those that are not possible have no probability."""
+        """Return the distribution of actions; masked ones have probability 0."""
         logits = self.policy(states).masked_fill(~masks, -1e8)
         return Categorical(logits=logits)
 
@@ -50,10 +50,10 @@ def learn(envs: Any, discount: float, steps: int, seed: int) -> Learner:
     num_actions = envs.single_action_space.n
     learner = Learner(envs.single_observation_space.n, num_actions)
     optimizer = torch.optim.Adam(learner.parameters(), LEARNING_RATE, eps=1e-5)
-    # One row more than steps: the last is where the robots stand after them.
+    # One row more than steps: the last one has the states after them.
     states = torch.zeros((NUM_STEPS + 1, NUM_ENVS), dtype=torch.long)
     masks = torch.zeros((NUM_STEPS + 1, NUM_ENVS, num_actions), dtype=torch.bool)
-    over = torch.zeros((NUM_STEPS + 1, NUM_ENVS), dtype=torch.bool)
+    done = torch.zeros((NUM_STEPS + 1, NUM_ENVS), dtype=torch.bool)
     terminated = torch.zeros((NUM_STEPS, NUM_ENVS), dtype=torch.bool)
     actions = torch.zeros((NUM_STEPS, NUM_ENVS), dtype=torch.long)
     rewards = torch.zeros((NUM_STEPS, NUM_ENVS))
@@ -61,42 +61,42 @@ def learn(envs: Any, discount: float, steps: int, seed: int) -> Learner:
     observations, info = envs.reset(seed=seed)
     states[-1], masks[-1] = torch.tensor(observations), torch.tensor(info["action_mask"])
     for _ in range(num_updates(steps)):
-        states[0], masks[0], over[0] = states[-1], masks[-1], over[-1]
+        states[0], masks[0], done[0] = states[-1], masks[-1], done[-1]
         for step in range(NUM_STEPS):
             with torch.no_grad():
                 actions[step] = learner.choice(states[step], masks[step]).sample()
             observations, reward, ended, cut, info = envs.step(actions[step].numpy())
             rewards[step], terminated[step] = torch.tensor(reward), torch.tensor(ended)
-            states[step + 1], over[step + 1] = torch.tensor(observations), torch.tensor(ended | cut)
+            states[step + 1], done[step + 1] = torch.tensor(observations), torch.tensor(ended | cut)
             masks[step + 1] = torch.tensor(info["action_mask"])
         with torch.no_grad():
             values = learner.value(states).squeeze(-1)
-        advantages, returns = estimate(values, rewards, terminated, over, discount)
-        # The step after the end of an episode only begins the next one: nothing was done in it.
-        acted = ~over[:-1]
+        advantages, returns = estimate(values, rewards, terminated, done, discount)
+        # The step after the end of an episode resets the environment and takes no action.
+        acted = ~done[:-1]
         rows = (states[:-1], masks[:-1], actions, advantages, returns)
         update(learner, optimizer, *(each[acted] for each in rows))
     return learner
 
 
 def num_updates(steps: int) -> int:
-    """Return after how many updates so many steps have been taken, or a few more."""
+    """Return the number of updates for at least this many steps."""
     return -(-steps // (NUM_STEPS * NUM_ENVS))
 
 
 def estimate(
-    values: Tensor, rewards: Tensor, terminated: Tensor, over: Tensor, discount: float
+    values: Tensor, rewards: Tensor, terminated: Tensor, done: Tensor, discount: float
 ) -> tuple[Tensor, Tensor]:
     """Return advantages and returns, `[steps, envs]`, by generalised advantage estimation.
 
-    The row after a step shows where it led, even if the episode was over then. So an episode that
-    was cut off counts what was still to come; one that ended does not.
+    The row after a step has its next state, also at the end of an episode. So the value of that
+    state counts after truncation, but not after termination.
     """
     errors = rewards + discount * values[1:] * ~terminated - values[:-1]
     advantages = torch.zeros_like(rewards)
     ahead = torch.zeros_like(rewards[0])
     for step in reversed(range(len(rewards))):
-        ahead = errors[step] + discount * LAMBDA * ahead * ~over[step + 1]
+        ahead = errors[step] + discount * LAMBDA * ahead * ~done[step + 1]
         advantages[step] = ahead
     return advantages, advantages + values[:-1]
 
@@ -123,7 +123,7 @@ def update(learner: Learner, optimizer: torch.optim.Optimizer, *batch: Tensor) -
 def main() -> None:
     args = parsed(parser_of(__doc__, steps=200_000))
     level = args.level
-    torch.set_num_threads(1)  # networks as small as these learn fastest on one
+    torch.set_num_threads(1)  # small networks learn fastest on one
     torch.manual_seed(args.seed)
 
     envs: Any = gymnasium.make_vec(
@@ -134,7 +134,7 @@ def main() -> None:
         max_episode_steps=level.max_steps or 500,
     )
     envs = RecordEpisodeStatistics(envs)
-    # Returns of -1,000 are too large for a network; it learns from scaled ones.
+    # Returns of -1,000 are too large for a network, so rewards are scaled.
     scaled = NormalizeReward(envs, gamma=level.discount)
     began = time.perf_counter()
     learner = learn(scaled, level.discount, args.steps, args.seed)

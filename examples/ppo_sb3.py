@@ -26,14 +26,14 @@ NUM_ENVS = 64
 def main() -> None:
     args = parsed(parser_of(__doc__, steps=200_000))
     level = args.level
-    # Networks as small as this one learn fastest on one thread.
+    # Small networks learn fastest on one thread.
     torch.set_num_threads(1)
 
     limit = level.max_steps or 500
-    # Cells by their numbers: a network learns about each of them without touching its neighbours.
-    shown = "index"
-    envs = LevelVecEnv(level, num_envs=NUM_ENVS, observation=shown, max_episode_steps=limit)
-    # Returns of -1,000 are too large for a network; it learns from scaled ones.
+    # With their numbers, the network has parameters of its own for each cell.
+    observation = "index"
+    envs = LevelVecEnv(level, num_envs=NUM_ENVS, observation=observation, max_episode_steps=limit)
+    # Returns of -1,000 are too large for a network, so rewards are scaled.
     scaled = VecNormalize(VecMonitor(envs), norm_obs=False, gamma=level.discount)
     learner = PPO(
         "MlpPolicy",
@@ -50,7 +50,7 @@ def main() -> None:
     learner.learn(args.steps)
     print(f"{learner.num_timesteps:,} steps in {time.perf_counter() - began:.1f} s")
 
-    env = Monitor(level.make(observation=shown, max_episode_steps=limit))
+    env = Monitor(level.make(observation=observation, max_episode_steps=limit))
     env.reset(seed=args.seed)
     mean, deviation = evaluate_policy(learner, env, n_eval_episodes=20)
     print(f"evaluate_policy: {mean:.2f} ± {deviation:.2f} in 20 episodes")
@@ -62,7 +62,7 @@ def main() -> None:
 
 
 def probabilities(learner: Any, num_states: int) -> NDArray[np.float32]:
-    """Return with which probability the learner takes each action in each cell."""
+    """Return the learner's probability of each action in each cell, `[states, actions]`."""
     with torch.no_grad():
         observations, _ = learner.policy.obs_to_tensor(np.arange(num_states))
         chances = learner.policy.get_distribution(observations).distribution.probs

@@ -1,7 +1,7 @@
-"""Q-learning by thousands of robots at once, in NumPy: python examples/q_learning.py
+"""Q-learning in thousands of environments at once, in NumPy: python examples/q_learning.py
 
-All robots share one table of action values. What they see in a step is put together: the value of
-an action moves towards the mean of what the robots that took it have found.
+All environments share one table of action values. In each step, the value of an action moves
+towards the mean of the targets in the environments that took it.
 """
 
 from __future__ import annotations
@@ -18,15 +18,15 @@ import babyrobot_levels as brl
 
 def main() -> None:
     parser = parser_of(__doc__, steps=8_000_000)
-    parser.add_argument("--robots", type=at_least(1), default=4096)
+    parser.add_argument("--num-envs", "--robots", type=at_least(1), default=4096)
     args = parsed(parser)
     level = args.level
-    # Each robot takes a step at least.
-    steps = max(1, args.steps // args.robots)
+    # Each environment takes a step at least.
+    steps = max(1, args.steps // args.num_envs)
 
     began = time.perf_counter()
-    values = q_learning(level, args.robots, steps, args.seed)
-    print(f"{steps * args.robots:,} steps in {time.perf_counter() - began:.1f} s")
+    values = q_learning(level, args.num_envs, steps, args.seed)
+    print(f"{steps * args.num_envs:,} steps in {time.perf_counter() - began:.1f} s")
 
     print("\nvalues, learned:")
     print_grid(values.max(axis=2))
@@ -35,32 +35,32 @@ def main() -> None:
     print_comparison(level, {"learned, greedy": values.argmax(axis=2)}, actions="moves")
 
 
-def q_learning(level: brl.Level, robots: int, steps: int, seed: int) -> NDArray[np.float64]:
+def q_learning(level: brl.Level, num_envs: int, steps: int, seed: int) -> NDArray[np.float64]:
     """Return action values, `[height, width, 4]`."""
     envs = brl.LevelVectorEnv(
         level,
-        num_envs=robots,
+        num_envs=num_envs,
         observation="index",
         actions="moves",
         max_episode_steps=level.max_steps or 500,
     )
     rng = np.random.default_rng(seed)
-    # From careful robots to one that only explores.
-    epsilon = np.linspace(0.05, 1.0, robots)
+    # From 5 % of random actions in the first environment to random actions only in the last one.
+    epsilon = np.linspace(0.05, 1.0, num_envs)
     width, height = level.size
     values = np.zeros((height * width, 4))
     updates = np.zeros((height * width, 4))
     states, _ = envs.reset(seed=seed)
-    begins = np.zeros(robots, bool)
+    begins = np.zeros(num_envs, bool)
     for _ in range(steps):
         best = values.argmax(axis=1)[states]
-        explores = rng.random(robots) < epsilon
-        actions = np.where(explores, rng.integers(4, size=robots), best)
+        explores = rng.random(num_envs) < epsilon
+        actions = np.where(explores, rng.integers(4, size=num_envs), best)
         next_states, rewards, terminated, truncated, _ = envs.step(actions)
         ahead = np.where(terminated, 0.0, values.max(axis=1)[next_states])
         targets = rewards + level.discount * ahead
 
-        # Where an episode has just begun anew, no action was taken.
+        # A step that resets an environment takes no action.
         taken = (4 * states + actions)[~begins]
         count = np.bincount(taken, minlength=values.size).reshape(values.shape)
         total = np.bincount(taken, targets[~begins], values.size).reshape(values.shape)

@@ -1,4 +1,4 @@
-"""Films episodes with Gymnasium's wrappers: python examples/record_video.py --folder videos
+"""Records episodes with Gymnasium's wrappers: python examples/record_video.py --folder videos
 
 It needs MoviePy: pip install moviepy
 """
@@ -16,7 +16,7 @@ import babyrobot_levels as brl
 
 
 def main() -> None:
-    parser = parser_of(__doc__, steps=200, steps_help="after which an episode is cut off")
+    parser = parser_of(__doc__, steps=200, steps_help="the time limit of episodes")
     parser.add_argument("--episodes", type=at_least(1), default=4)
     parser.add_argument("--folder", type=Path, default=Path("videos"))
     args = parsed(parser)
@@ -27,16 +27,16 @@ def main() -> None:
         render_mode="rgb_array",
         max_episode_steps=args.steps,
     )
-    # Every other episode is filmed.
+    # Every other episode is recorded.
     env = RecordVideo(env, str(args.folder), episode_trigger=lambda episode: episode % 2 == 0)
     env = RecordEpisodeStatistics(env, buffer_length=args.episodes)
     solution = brl.solve(args.level)
     for episode in range(args.episodes):
         (x, y), _ = env.reset(seed=args.seed + episode)
-        over = False
-        while not over:
+        done = False
+        while not done:
             (x, y), _, terminated, truncated, _ = env.step(solution.policy[y, x])
-            over = terminated or truncated
+            done = terminated or truncated
     env.close()
 
     for number, (total, length) in enumerate(zip(env.return_queue, env.length_queue, strict=True)):

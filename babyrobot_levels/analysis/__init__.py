@@ -1,1 +1,1 @@
-"""What a level is like, in numbers: its shape, its ways, how hard it is."""
+"""Numbers about a level: metrics, solutions, learning, comparisons and differences."""

@@ -1,22 +1,29 @@
-"""The metrics of a level, each worked out when it is asked for."""
+"""The metrics of a level, each computed when it is first read."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.analysis.walks import Walks, neighbours, parts, straightest, walks_of
+from babyrobot_levels.language.cells import PuddleTypes
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.graph import Successors, distances
+from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.grid import Grid
 
 SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
-WAYS = ("reachable", "path_length", "turns")
-WORTH = ("best_return", "best_steps", "random_return", "random_steps", "wet_share", "difficulty")
+PATHS = ("reachable", "path_length", "turns")
+RETURNS = ("best_return", "best_steps", "random_return", "random_steps", "wet_share", "difficulty")
+
+Pose = tuple[int, tuple[int, int] | None]
+"""A cell, and the direction (dx, dy) of the step that led there."""
 
 
 def metrics(level: Any) -> Metrics:
@@ -36,13 +43,13 @@ def metrics(level: Any) -> Metrics:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Metrics:
-    """What a level is like, in numbers. Each is worked out when it is first asked for.
+    """The metrics of a level. Each is computed when it is first read.
 
-    - Its shape: `cells`, `dead_ends`, `corridors`, `junctions`, `loops`. A wall of glass is a wall.
-    - Its ways: `reachable`, `path_length`, `path`, `turns`.
-    - What it is worth: `best_return`, `best_steps`, `random_return`, `random_steps`, `wet_share`,
-      `difficulty`. Only for these the level is solved. Where something cannot be told it is None:
-      a total without a value, episodes that are too long (`brl.NoTotalError`, `brl.TooLongError`).
+    - Shape: `cells`, `dead_ends`, `corridors`, `junctions`, `loops`. A wall of glass is a wall.
+    - Paths: `reachable`, `path_length`, `path`, `turns`.
+    - Returns: `best_return`, `best_steps`, `random_return`, `random_steps`, `wet_share`,
+      `difficulty`. Only for these the level is solved. None stands for an undefined return and
+      for episodes that are too long (`brl.UndefinedReturnError`, `brl.EpisodeTooLongError`).
 
     Attributes:
         level: the level.
@@ -54,15 +61,15 @@ class Metrics:
         """Return all numbers by their names.
 
         Args:
-            solve: whether to add those for which the level must be solved.
+            solve: whether to include those for which the level must be solved.
         """
-        return {name: getattr(self, name) for name in SHAPE + WAYS + (WORTH if solve else ())}
+        return {name: getattr(self, name) for name in SHAPE + PATHS + (RETURNS if solve else ())}
 
     def __repr__(self) -> str:
-        told = ", ".join(f"{name}={value!r}" for name, value in self.to_dict(solve=False).items())
-        return f"<Metrics {told}>"
+        numbers = (f"{name}={value!r}" for name, value in self.to_dict(solve=False).items())
+        return f"<Metrics {', '.join(numbers)}>"
 
-    # -- its shape -------------------------------------------------------------------------
+    # -- shape -----------------------------------------------------------------------------
 
     @cached_property
     def cells(self) -> int:
@@ -86,30 +93,30 @@ class Metrics:
 
     @cached_property
     def loops(self) -> int:
-        """The number of loops that are independent of one another: 0 for a perfect maze.
+        """The number of independent loops: 0 for a perfect maze.
 
-        They are the pairs of neighbours with nothing between them, minus the cells, plus the parts
-        of the grid that do not hang together.
+        It is the number of open sides between neighbours, minus the cells, plus the connected
+        components of the grid.
         """
         grid = self.level.grid()
         free = [cell for cell, blocked in enumerate(grid.blocked_cells) if not blocked]
         sides = sum(number * self._cells_with(number) for number in range(1, 5))
-        return sides // 2 - len(free) + parts(neighbours(grid), free)
+        return sides // 2 - len(free) + connected_components(neighbours(grid), free)
 
     def _cells_with(self, number: int) -> int:
         bits = self.level.grid().open_bits
         return sum(bits.count(sides) for sides in range(1, 16) if sides.bit_count() == number)
 
-    # -- its ways --------------------------------------------------------------------------
+    # -- paths -----------------------------------------------------------------------------
 
     @cached_property
     def reachable(self) -> float:
-        """The share of the cells to which the robot can come, starts included."""
-        return sum(steps >= 0 for steps in self._walks.reached) / self.cells
+        """The share of the cells that the robot can reach, starts included."""
+        return sum(steps >= 0 for steps in self._steps.reached) / self.cells
 
     @cached_property
     def path_length(self) -> int | None:
-        """The number of steps of a shortest walk from start to exit, the nearest one.
+        """The number of steps of a shortest path from the start to the nearest exit.
 
         Each step is one that can happen, with whatever probability: through glass, too. Of several
         starts, the farthest counts. None if from some start no exit can be reached.
@@ -118,25 +125,25 @@ class Metrics:
 
     @cached_property
     def path(self) -> tuple[tuple[int, int], ...]:
-        """The cells `(x, y)` of such a walk, both ends included; empty if there is none.
+        """The cells `(x, y)` of such a path, both ends included; empty if there is none.
 
-        Of all that are as short it is one with the fewest turns, always the same.
+        Of all shortest paths it is one with the fewest turns, always the same.
         """
         return tuple((cell % self._width, cell // self._width) for cell in self._straightest[0])
 
     @cached_property
     def turns(self) -> int | None:
-        """How often `path` turns: where a step goes another way (dx, dy) than the one before it."""
+        """The number of turns of `path`: steps in another direction than the step before."""
         return self._straightest[1]
 
     @cached_property
-    def _walks(self) -> Walks:
-        return walks_of(self.level)
+    def _steps(self) -> PossibleSteps:
+        return possible_steps(self.level)
 
     @cached_property
     def _lengths(self) -> list[int]:
-        """The steps of a shortest walk from each start; empty if one of them has none."""
-        lengths = [self._walks.to_exit[start] for start in self._starts]
+        """The length of a shortest path from each start; empty if one of them has none."""
+        lengths = [self._steps.to_exit[start] for start in self._starts]
         return lengths if min(lengths) >= 0 else []
 
     @cached_property
@@ -144,7 +151,7 @@ class Metrics:
         if self.path_length is None:
             return [], None
         start = self._starts[self._lengths.index(self.path_length)]
-        return straightest(self._walks, start, self._width)
+        return straightest_path(self._steps, start, self._width)
 
     @property
     def _width(self) -> int:
@@ -154,17 +161,17 @@ class Metrics:
     def _starts(self) -> list[int]:
         return [y * self._width + x for x, y in self.level.starts]
 
-    # -- what it is worth ------------------------------------------------------------------
+    # -- returns ---------------------------------------------------------------------------
 
     @cached_property
     def best_return(self) -> float | None:
-        """The expected return of the best policy, as `brl.solve` has it."""
-        return None if self._best is None else self._best.expected_return
+        """The optimal expected return, as `brl.solve` has it."""
+        return None if self._optimal is None else self._optimal.expected_return
 
     @cached_property
     def best_steps(self) -> float | None:
-        """The number of steps that the best policy is expected to take; inf for ever."""
-        return None if self._best is None else self._best.expected_steps
+        """The expected length of an episode under the optimal policy; inf if it may never end."""
+        return None if self._optimal is None else self._optimal.expected_steps
 
     @cached_property
     def random_return(self) -> float | None:
@@ -173,68 +180,74 @@ class Metrics:
 
     @cached_property
     def random_steps(self) -> float | None:
-        """The number of steps that the policy `"random"` is expected to take; inf for ever."""
+        """The expected length of an episode under the policy `"random"`; inf if it may not end."""
         return None if self._random is None else self._random.expected_steps
 
     @cached_property
     def wet_share(self) -> float | None:
-        """The share of puddles among the cells of the best policy's way, both ends included.
+        """The share of puddles among the cells of the optimal trajectory, both ends included.
 
-        It is the way from each start on which nothing goes astray, until the episode is over or a
-        cell comes again.
+        It is the trajectory from each start without skids and other chance, until the episode is
+        over or a cell repeats.
         """
-        if self._best is None:
+        if self._optimal is None:
             return None
         wet = {y * self._width + x for x, y in (puddle.at for puddle in self.level.puddles)}
-        cells = [cell for start in self._starts for cell in self._best_way(start)]
+        cells = [cell for start in self._starts for cell in self._trajectory(start)]
         return sum(cell in wet for cell in cells) / len(cells)
 
     @cached_property
     def difficulty(self) -> float | None:
-        """How hard it is to find an exit, and to keep to the way there: 0 at the least.
+        """How hard it is to find an exit and to stay on the path there: 0 at the least.
 
-        It is `log2(R / L) + log2(B / L)`. L is the number of steps of a shortest walk, on average
-        over the starts. R and B are the steps that the random and the best policy take on average
-        until they reach an exit, beginning anew each time that an episode ends elsewhere: expected
-        steps by probability of reaching an exit. So the first part counts how often the way doubles
+        It is `log2(R / L) + log2(B / L)`. L is the length of a shortest path, on average over the
+        starts. R and B are the steps that the random and the optimal policy take on average until
+        they reach an exit, starting over each time that an episode ends elsewhere: expected steps
+        by probability of reaching an exit. So the first part counts how often the path doubles
         for a robot that knows nothing, the second how often for one that knows the level, by
-        skidding, bouncing, and ways around what costs.
+        skidding, bouncing, and detours around what costs.
 
-        It is inf if the random policy may be caught for ever. It is None if from some start no exit
-        can be reached, if the best policy may not go to one, and if episodes are too long to tell.
+        It is inf if the random policy may never end. It is None if from some start no exit can be
+        reached, if the optimal policy may not go to one, and if episodes are too long to compute.
         """
         if not self._lengths:
             return None
         least = sum(self._lengths) / len(self._lengths)
-        best, at_random = _steps_to_exit(self._best), _steps_to_exit(self._random)
-        if best is None or at_random is None or math.isinf(best):
+        optimal, at_random = _steps_to_exit(self._optimal), _steps_to_exit(self._random)
+        if optimal is None or at_random is None or math.isinf(optimal):
             return None
-        return math.log2(at_random / least) + math.log2(best / least)
+        return math.log2(at_random / least) + math.log2(optimal / least)
 
     @cached_property
-    def _best(self) -> Solution | None:
-        from babyrobot_levels.analysis.solver.errors import NoTotalError, TooLongError
+    def _optimal(self) -> Solution | None:
         from babyrobot_levels.analysis.solver.optimum import solve
+        from babyrobot_levels.analysis.solver.results import (
+            EpisodeTooLongError,
+            UndefinedReturnError,
+        )
 
         try:
             return solve(self.level)
-        except (NoTotalError, TooLongError):
+        except (UndefinedReturnError, EpisodeTooLongError):
             return None
 
     @cached_property
     def _random(self) -> Evaluation | None:
-        from babyrobot_levels.analysis.solver.errors import NoTotalError, TooLongError
-        from babyrobot_levels.analysis.solver.evaluation import evaluate
+        from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+        from babyrobot_levels.analysis.solver.results import (
+            EpisodeTooLongError,
+            UndefinedReturnError,
+        )
 
         try:
-            return evaluate(self.level, "random")
-        except (NoTotalError, TooLongError):
+            return evaluation_of(self.level, "random")
+        except (UndefinedReturnError, EpisodeTooLongError):
             return None
 
-    def _best_way(self, start: int) -> list[int]:
-        """Return the cells to which the best policy leads from a start if nothing goes astray."""
-        assert self._best is not None
-        mdp, policy = self.level.compile(), self._best.policy.ravel()
+    def _trajectory(self, start: int) -> list[int]:
+        """Return the cells to which the optimal policy leads from a start without chance."""
+        assert self._optimal is not None
+        mdp, policy = self.level.compile(), self._optimal.policy.ravel()
         cells: dict[int, None] = {}
         cell = start
         # The number of states stands for the starts, one of which has come already.
@@ -242,12 +255,120 @@ class Metrics:
             cells[cell] = None
             if policy[cell] < 0:
                 break
-            cell = int(mdp.target[cell, policy[cell] + self._best.first_action])
+            cell = int(mdp.target[cell, policy[cell] + self._optimal.first_action])
         return list(cells)
 
 
 def _steps_to_exit(found: Evaluation | None) -> float | None:
-    """Return the steps until an exit is reached, episodes beginning anew; None if it never is."""
+    """Return the expected steps until an exit is reached, over several episodes; None if never."""
     if found is None or not found.exit_probability > 0:
         return None
     return found.expected_steps / found.exit_probability
+
+
+# -- the steps that are possible in a level ------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class PossibleSteps:
+    """The steps that are possible in a level, with whatever probability.
+
+    Attributes:
+        successors: for each cell, the other cells to which one step can lead.
+        reached: for each cell the fewest steps from a start, -1 where none leads there.
+        to_exit: for each cell the fewest steps to an exit, -1 where none can be reached.
+    """
+
+    successors: Successors
+    reached: Sequence[int]
+    to_exit: Sequence[int]
+
+
+# Under their old name, pickles find them here.
+Walks = PossibleSteps
+
+
+def possible_steps(level: Level) -> PossibleSteps:
+    """Return the steps that are possible in a level."""
+    if not _only_walls_matter(level):
+        # Skidding, wind, warps and cells that end the episode are in the tables.
+        from babyrobot_levels.mdp.reachability import reach_of
+
+        reach = reach_of(level, level.compile())
+        return PossibleSteps(reach.successors, reach.steps, reach.to_exit)
+    grid, width = level.grid(), level.size[0]
+    successors = neighbours(grid)
+    for cell, side in sorted(grid.glass):
+        other = grid.neighbour(cell, side)
+        assert other is not None, "there is no glass in the outer wall"
+        successors[cell].append(other)
+    starts, exits = ([y * width + x for x, y in cells] for cells in (level.starts, level.exits))
+    to_exit = distances(exits, successors)
+    for cell in exits:
+        successors[cell] = []
+    return PossibleSteps(successors, distances(starts, successors), to_exit)
+
+
+def _only_walls_matter(level: Level) -> bool:
+    """Return whether the robot can go through each side that walls leave open, and only there."""
+    return not (
+        level.warps
+        or level.wind
+        or level.areas
+        or level.skid is not None
+        or level.puddle_types != PuddleTypes()
+    )
+
+
+def neighbours(grid: Grid) -> list[list[int]]:
+    """Return for each cell the neighbours that no wall separates from it; glass is a wall."""
+    to_sides = {"N": -grid.width, "E": 1, "S": grid.width, "W": -1}
+    steps = [
+        [step for side, step in to_sides.items() if bits & BIT[side]]
+        for bits in range(ALL_SIDES + 1)
+    ]
+    return [[cell + step for step in steps[bits]] for cell, bits in enumerate(grid.open_bits)]
+
+
+def straightest_path(steps: PossibleSteps, start: int, width: int) -> tuple[list[int], int]:
+    """Return the cells of a shortest path from a cell to an exit, and how often it turns.
+
+    Of all shortest paths it is one with the fewest turns. A turn is a step in another direction
+    (dx, dy) than the step before it.
+    """
+    # By pose: the turns so far, and the pose before.
+    layers: list[dict[Pose, tuple[int, Pose]]] = [{(start, None): (0, (start, None))}]
+    for left in range(steps.to_exit[start] - 1, -1, -1):
+        found: dict[Pose, tuple[int, Pose]] = {}
+        for pose, (turns, _) in layers[-1].items():
+            cell, heading = pose
+            y, x = divmod(cell, width)
+            for other in steps.successors[cell]:
+                if steps.to_exit[other] == left:
+                    direction = (other % width - x, other // width - y)
+                    count = turns + (heading is not None and direction != heading)
+                    if (other, direction) not in found or count < found[other, direction][0]:
+                        found[other, direction] = (count, pose)
+        layers.append(found)
+    pose = min(layers[-1], key=lambda last: layers[-1][last][0])
+    turns = layers[-1][pose][0]
+    cells = []
+    for layer in reversed(layers):
+        cells.append(pose[0])
+        pose = layer[pose][1]
+    return cells[::-1], turns
+
+
+def connected_components(successors: Successors, cells: Iterable[int]) -> int:
+    """Return how many connected components some cells make, steps leading both ways."""
+    count = 0
+    left = dict.fromkeys(cells)
+    while left:
+        count += 1
+        waiting = [left.popitem()[0]]
+        while waiting:
+            for other in successors[waiting.pop()]:
+                if other in left:
+                    del left[other]
+                    waiting.append(other)
+    return count

@@ -67,8 +67,8 @@ def compare(
 
       babyrobot compare frozen-lake-dry gymnasium:FrozenLake-v1 --kwargs '{"is_slippery": false}'
     """
+    from babyrobot_levels.analysis.compare import GYMNASIUM
     from babyrobot_levels.analysis.compare import compare as compared
-    from babyrobot_levels.analysis.transition_tables import GYMNASIUM
 
     given = None if actions is None else _numbers(actions)
     keywords = None if kwargs is None else _mapping(kwargs)

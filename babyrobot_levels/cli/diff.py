@@ -39,8 +39,7 @@ from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.diff.changes import Change, Changes
-    from babyrobot_levels.analysis.diff.levels import Difference
+    from babyrobot_levels.analysis.diff import Change, Changes, Difference
     from babyrobot_levels.library.level import Level
 
 
@@ -92,7 +91,7 @@ def diff(
     names = [shown_name(text) for text in levels]
     if maze_seed is None and (before.has_random_maze or after.has_random_maze):
         note("the maze is random: the mazes of seed 0 are compared (see --maze-seed)")
-    from babyrobot_levels.analysis.diff.levels import diff as difference_of
+    from babyrobot_levels.analysis.diff import diff as difference_of
 
     with working("comparing"):
         difference = difference_of(before, after, limit=limit or None, maze_seed=maze_seed or 0)
@@ -166,7 +165,7 @@ def _read(file: str, path: str) -> Version | None:
 
 
 def _compared(title: str, before: Version | None, after: Version | None, limit: int | None) -> str:
-    from babyrobot_levels.analysis.diff.levels import diff
+    from babyrobot_levels.analysis.diff import diff
 
     if before is None or after is None:
         return _alone(title, before, after)

@@ -1,4 +1,4 @@
-"""`babyrobot lint`: errors, and faults of play and of style, and their fixes."""
+"""`babyrobot lint`: report errors and what the rules find, and fix it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, fail, wants_color, write
+from babyrobot_levels.cli.console import FINDINGS, fail, note, wants_color, write
 from babyrobot_levels.cli.parallel import JobsOption, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
@@ -27,12 +27,13 @@ from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.lint.rule import Rule
+    from babyrobot_levels.lint.settings import Settings
     from babyrobot_levels.text.diagnostics import Diagnostic, Fix
 
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """What is to be done with each file."""
+class Options:
+    """The options that apply to each file."""
 
     select: tuple[str, ...] | None
     ignore: tuple[str, ...]
@@ -40,31 +41,35 @@ class Order:
     unsafe: bool
 
     def rules_for(self, path: Path) -> tuple[Rule, ...]:
-        """Return the rules for a file: those of the call, else those of the project."""
+        """Return the rules for a file."""
+        return self.settings_for(path).rules_for(path)
+
+    def settings_for(self, path: Path) -> Settings:
+        """Return the settings for a file: those of the command line, else those of the project."""
         from babyrobot_levels.lint.settings import Settings, settings_for
 
         if self.select is not None:
-            return Settings(self.select, self.ignore).rules_for(path)
-        return settings_for(path).ignoring(self.ignore).rules_for(path)
+            return Settings(self.select, self.ignore)
+        return settings_for(path).ignoring(self.ignore)
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a file. It travels between processes, and carries no level.
+    """The result of linting a file, without the level, so that processes can exchange it.
 
     Attributes:
-        diagnostics: what is found in it now.
-        before: the text as it was, None where it could not be read.
-        text: the text that fixes made of it, None where they changed nothing.
-        count: how many fixes were applied.
-        likeness: by which equal games are found, where somebody compares games.
+        diagnostics: the findings that are left.
+        before: the original text, None if it could not be read.
+        text: the text after fixes, None if they changed nothing.
+        count: the number of fixes that were applied.
+        fingerprint: a number that equivalent levels share, if equivalent levels are reported.
     """
 
     diagnostics: list[Diagnostic]
     before: str | None = None
     text: str | None = None
     count: int = 0
-    likeness: int | None = None
+    fingerprint: int | None = None
 
 
 def lint(
@@ -73,38 +78,38 @@ def lint(
     unsafe_fixes: Annotated[
         bool,
         typer.Option(
-            "--unsafe-fixes", help="With --fix or --diff: also fixes that may change the game."
+            "--unsafe-fixes", help="Include fixes that may change the MDP (with --fix or --diff)."
         ),
     ] = False,
     diff: Annotated[
-        bool, typer.Option("--diff", help="Show what --fix would change, and change nothing.")
+        bool, typer.Option("--diff", help="Show what --fix would change, without changing files.")
     ] = False,
     select: Annotated[
         list[str] | None,
         typer.Option(
             metavar="RULE",
-            help="Only these rules: codes, beginnings of codes (`BR5`), names, or `ALL`. "
-            "Takes the place of the project's settings; may be given several times.",
+            help="Rules to apply: codes, prefixes of codes (`BR5`), names, or `ALL`. "
+            "Replaces the project's settings; can be repeated.",
             show_default=False,
         ),
     ] = None,
     ignore: Annotated[
         list[str] | None,
-        typer.Option(metavar="RULE", help="Not these rules.", show_default=False),
+        typer.Option(metavar="RULE", help="Rules to leave out.", show_default=False),
     ] = None,
     report_format: FindingsOption = FindingsFormat.TEXT,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Report again whenever a file is saved.")
+        bool, typer.Option("--watch", help="Repeat whenever a file is saved.")
     ] = False,
     jobs: JobsOption = None,
 ) -> None:
-    """Check level files, and find faults of play and of style in those that are valid.
+    """Check level files for errors, and valid ones for problems of play and style.
 
-    The rules of play are proved from the level's exact tables: an exit that cannot be reached, a
-    trap, a puddle that nobody notices. `babyrobot rule` lists all rules. A comment
-    `# babyrobot: ignore[BR503] why` silences one where it is meant to be so.
+    The rules of play use the level's exact transition tables: an exit that cannot be reached, a
+    state that cannot be left, a puddle without effect. `babyrobot rule` lists all rules. A comment
+    `# babyrobot: ignore[BR503] reason` suppresses a finding that is intended.
 
-    Ends with status 0 if nothing was found, and with 1 if something was.
+    Exit status: 0 if there are no findings except notes, 1 otherwise.
 
     Examples:
 
@@ -116,91 +121,111 @@ def lint(
     """
     from babyrobot_levels.lint.registry import UnknownRuleError
 
-    order = Order(
+    options = Options(
         _words(select) if select else None, _words(ignore or []), fix or diff, unsafe_fixes
     )
     if unsafe_fixes and not (fix or diff):
         fail("--unsafe-fixes needs --fix or --diff")
     if watch and (diff or STANDARD_INPUT in (paths or [])):
-        fail("--watch reports on files, and goes with neither --diff nor standard input")
+        fail("--watch cannot be combined with --diff or standard input")
     try:
         if watch:
             from babyrobot_levels.cli.watching import each_change
 
             for files in each_change(lambda: level_paths(paths)):
-                _run(files, order, report_format, diff=False, jobs=jobs)
-        elif _run(level_paths(paths), order, report_format, diff=diff, jobs=jobs):
+                _run(files, options, report_format, diff=False, jobs=jobs)
+        elif _run(level_paths(paths), options, report_format, diff=diff, jobs=jobs):
             raise typer.Exit(FINDINGS)
     except UnknownRuleError as error:
         fail(str(error), "`babyrobot rule` lists all rules")
 
 
 def _words(given: Sequence[str]) -> tuple[str, ...]:
-    """Return the words of an option that takes several, apart or with commas between them."""
+    """Return the values of an option that is repeated or has several values, with commas."""
     return tuple(word for text in given for word in text.replace(",", " ").split())
 
 
 def _run(
-    files: list[Path], order: Order, report_format: FindingsFormat, *, diff: bool, jobs: int | None
+    files: list[Path],
+    options: Options,
+    report_format: FindingsFormat,
+    *,
+    diff: bool,
+    jobs: int | None,
 ) -> bool:
-    """Lint files once. Return whether something was found, or with `diff` would change."""
-    from babyrobot_levels.lint.across import same_games
+    """Lint files once. Return whether there are findings, or with `diff` whether files change."""
+    from babyrobot_levels.lint.runner import equivalent_levels, is_note
     from babyrobot_levels.text.source import SourceFile
 
+    _note_renamed_rules(files, options)
     outcomes = dict(
-        zip(files, map_all(partial(work_on, order), files, jobs, "linting"), strict=True)
+        zip(files, map_all(partial(lint_path, options), files, jobs, "linting"), strict=True)
     )
     if diff:
         return _show_changes(outcomes)
     for path, outcome in outcomes.items():
-        if order.fix:
+        if options.fix:
             _write_fixed(path, outcome)
     texts = {
-        path: (SourceFile(shown_name(path), outcome.text or outcome.before), outcome.likeness)
+        path: (SourceFile(shown_name(path), outcome.text or outcome.before), outcome.fingerprint)
         for path, outcome in outcomes.items()
-        if outcome.before is not None and outcome.likeness is not None
+        if outcome.before is not None and outcome.fingerprint is not None
     }
-    same = same_games(texts, order.rules_for)
+    same = equivalent_levels(texts, options.rules_for)
     found = [
         each
         for path, outcome in outcomes.items()
         for each in [*([same[path]] if path in same else []), *outcome.diagnostics]
     ]
-    if not (order.fix and STANDARD_INPUT in outcomes):
+    if not (options.fix and STANDARD_INPUT in outcomes):
         count = sum(outcome.count for outcome in outcomes.values())
-        ending = _ending(count, [each.fix for each in found], unsafe=order.unsafe)
-        write_report(report_format, found, files, praise="clean", ending=ending)
-    return bool(found)
+        ending = _ending(count, [each.fix for each in found], unsafe=options.unsafe)
+        write_report(report_format, found, files, clean="clean", ending=ending)
+    return not all(map(is_note, found))
 
 
-def work_on(order: Order, path: Path) -> Outcome:
-    """Lint a file, and fix its text if that is wanted. Nothing is written."""
-    from babyrobot_levels.lint.across import likeness
+def _note_renamed_rules(files: list[Path], options: Options) -> None:
+    """Write a warning for each former name of a rule in the options or the settings."""
+    from babyrobot_levels.lint.registry import renamed
+
+    noted: set[tuple[str, Path | None]] = set()
+    for path in files:
+        settings = options.settings_for(path)
+        for word, name in renamed(settings.words).items():
+            own = word in (*(options.select or ()), *options.ignore)
+            place = None if own else settings.file
+            if (word, place) not in noted:
+                noted.add((word, place))
+                where = f"{place}: " if place else ""
+                note(f"warning: {where}rule `{word}` has been renamed to `{name}`")
+
+
+def lint_path(options: Options, path: Path) -> Outcome:
+    """Lint a file and fix its text if requested, without writing it."""
     from babyrobot_levels.lint.fixer import fix
-    from babyrobot_levels.lint.rules.same_game import CODE
+    from babyrobot_levels.lint.rules.files import EQUIVALENT_MDP
     from babyrobot_levels.lint.runner import lint_source
 
-    rules = order.rules_for(path)
+    rules = options.rules_for(path)
     try:
         source = read_path(path)
-    except LevelError as fault:
-        return Outcome([*fault.diagnostics])
+    except LevelError as error:
+        return Outcome([*error.diagnostics])
     origin = None if path == STANDARD_INPUT else path
     text, count = None, 0
-    if order.fix:
-        fixed = fix(source, rules, origin, unsafe=order.unsafe)
+    if options.fix:
+        fixed = fix(source, rules, origin, unsafe=options.unsafe)
         report, count = fixed.report, fixed.count
         text = fixed.text if count else None
     else:
         report = lint_source(source, rules, origin)
-    level, number = report.level, None
-    if level is not None and not level.has_random_maze and any(rule.code == CODE for rule in rules):
-        number = likeness(level)
-    return Outcome(report.diagnostics, source.text, text, count, number)
+    compares = any(rule.code == EQUIVALENT_MDP for rule in rules)
+    fingerprint = report.fingerprint if compares else None
+    return Outcome(report.diagnostics, source.text, text, count, fingerprint)
 
 
 def _write_fixed(path: Path, outcome: Outcome) -> None:
-    """Write what fixes made of a file; of standard input, to standard output in any case."""
+    """Write a file that fixes changed. The text of standard input goes to standard output."""
     from babyrobot_levels.text.files import write_text
 
     if path == STANDARD_INPUT:
@@ -209,11 +234,11 @@ def _write_fixed(path: Path, outcome: Outcome) -> None:
         try:
             write_text(path, outcome.text)
         except OSError as error:
-            fail(f"{path} cannot be written ({error.strerror or error})")
+            fail(f"cannot write {path}: {error.strerror or error}")
 
 
 def _show_changes(outcomes: dict[Path, Outcome]) -> bool:
-    """Write what fixes would change, as unified diffs. Return whether they would."""
+    """Write what fixes would change as unified diffs. Return whether they change anything."""
     from babyrobot_levels.cli.console import unified
 
     changed = False
@@ -226,12 +251,12 @@ def _show_changes(outcomes: dict[Path, Outcome]) -> bool:
 
 
 def _ending(count: int, left: Sequence[Fix | None], *, unsafe: bool) -> str:
-    """Return the last line of a report: what was mended, and what could be."""
-    parts = [f"{count} mended"] if count else []
+    """Return the last line of a report: the number of fixes applied and available."""
+    parts = [f"{count} fixed"] if count else []
     safe = sum(each is not None and each.safe for each in left)
     others = sum(each is not None and not each.safe for each in left)
     if safe:
-        parts.append(f"{safe} can be mended with --fix")
+        parts.append(f"{safe} fixable with --fix")
     if others and not unsafe:
-        parts.append(f"{others} with --fix --unsafe-fixes")
+        parts.append(f"{others} fixable with --fix --unsafe-fixes")
     return "; ".join(parts)

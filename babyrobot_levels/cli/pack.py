@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -17,6 +18,7 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    wants_color,
     write,
     write_json,
 )
@@ -55,10 +57,11 @@ def pack(
       description: Mazes with animals in them.
 
     All YAML files in it and its subfolders belong to the pack: levels, suites, and themes in
-    folders named themes. They must pass `babyrobot lint`. Files named README.md and LICENSE are
-    included; other files are left out. The same files make the same pack, byte for byte.
+    folders named themes. They are checked as by `babyrobot lint`: errors are refused, other
+    findings are shown on standard error. Files named README.md and LICENSE are included, other
+    files are left out. The same files make the same pack, byte for byte.
 
-    Exits with status 1 if there is something to fix first.
+    Exits with status 1 if there are errors.
 
     Examples:
 
@@ -69,6 +72,7 @@ def pack(
     from babyrobot_levels.library.packs import build as packing
     from babyrobot_levels.library.packs.archive import SUFFIX
     from babyrobot_levels.library.packs.format import PackError
+    from babyrobot_levels.lint.runner import lint_files
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
@@ -84,15 +88,16 @@ def pack(
             else "it describes the pack; see `babyrobot pack --help` for an example",
         )
     try:
-        packed = packing.pack(folder)
+        packed = packing.pack(folder, lint_files)
     except PackError as error:
         note(f"error: {one_line(f'{folder} cannot be packed: {error}')}")
         raise typer.Exit(FINDINGS) from None
     fields, data = packed.contents.fields, packed.data
     if fields is None or data is None:
         _report(packed, folder, report_format)
-        note("no pack was written: fix these first, or ignore them as for `babyrobot lint`")
+        note("no pack was written: fix the errors first")
         raise typer.Exit(FINDINGS)
+    _warn(packed)
     path = output or Path(f"{fields.name}-{fields.version}{SUFFIX}")
     save(path, data, force=force)
     facts = {
@@ -116,7 +121,16 @@ def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
     from babyrobot_levels.cli.reporting import FindingsFormat, write_report
 
     files = [folder / path for path in packed.paths]
-    write_report(FindingsFormat(report_format), packed.diagnostics, files, praise="clean")
+    write_report(FindingsFormat(report_format), packed.diagnostics, files, clean="clean")
+
+
+def _warn(packed: Packed) -> None:
+    """Write the findings that do not prevent a pack to standard error."""
+    if packed.diagnostics:
+        from babyrobot_levels.lint.reporters import text
+
+        report = text.render(packed.diagnostics, color=wants_color(sys.stderr))
+        sys.stderr.write(f"{report}\n{text.summary(packed.diagnostics, len(packed.paths))}\n")
 
 
 def _inside(packed: Packed) -> dict[str, Any]:

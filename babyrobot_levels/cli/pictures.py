@@ -150,12 +150,12 @@ def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
 
 def solution_of(level: Level, discount: float | None = None) -> Solution:
     """Return the solution of a level; end the command if it has none."""
-    from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
         return solve(level, discount)
-    except NoTotalError as error:
+    except UndefinedReturnError as error:
         note(f"error: the level has no optimal policy: {error}")
         raise typer.Exit(FINDINGS) from None
 
@@ -204,8 +204,8 @@ def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
 
 def guide_of(level: Level, *, needed: bool) -> Guide | None:
     """Return what a page shows of the solution; None without one, unless it is `needed`."""
-    from babyrobot_levels.analysis.solver.errors import NoTotalError
     from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page_data import Guide
 
     if needed:
@@ -213,7 +213,7 @@ def guide_of(level: Level, *, needed: bool) -> Guide | None:
     else:
         try:
             solution = solve(level)
-        except NoTotalError as error:
+        except UndefinedReturnError as error:
             note(f"the page shows no optimal moves: {error}")
             return None
     overlay = overlay_of(solution, values=True, policy=True)

@@ -1,4 +1,4 @@
-"""How commands that check files name them, and report what they found."""
+"""The arguments and the output of commands that check files."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ PathsArgument = Annotated[
     list[Path] | None,
     typer.Argument(
         metavar="PATHS",
-        help="Level files, and folders of them; `-` is standard input.  [default: levels/]",
+        help="Level files and folders of level files; `-` for standard input.  [default: levels/]",
         show_default=False,
     ),
 ]
 
 
 class FindingsFormat(StrEnum):
-    """How findings are reported."""
+    """The output format of findings."""
 
     TEXT = "text"
     JSON = "json"
@@ -45,8 +45,7 @@ FindingsOption = Annotated[
     FindingsFormat,
     typer.Option(
         "--format",
-        help="How to report: for people, for programs, as annotations of GitHub Actions, "
-        "as SARIF 2.1.0, or as JUnit's XML.",
+        help="Output format: text, JSON, GitHub Actions annotations, SARIF 2.1.0, or JUnit XML.",
     ),
 ]
 
@@ -56,41 +55,43 @@ def write_report(
     diagnostics: Sequence[Diagnostic],
     files: Sequence[Path],
     *,
-    praise: str = "valid",
+    clean: str = "valid",
     ending: str = "",
 ) -> None:
-    """Write what was found to standard output.
+    """Write findings to standard output.
 
     Args:
         kind: the format.
         diagnostics: the findings.
-        files: all files that were looked at.
-        praise: what is said of files in which nothing was found.
-        ending: a last line of the text format.
+        files: all files that were checked.
+        clean: the word for files without findings.
+        ending: the last line of the text format.
     """
     if kind is FindingsFormat.TEXT:
         from babyrobot_levels.lint.reporters import text
 
         report = text.render(diagnostics, color=wants_color(sys.stdout))
-        summary = text.summary(diagnostics, len(files), praise)
+        summary = text.summary(diagnostics, len(files), clean)
         write(report + ("\n" if report else "") + summary + "\n" + (ending and ending + "\n"))
         return
+    from babyrobot_levels import __version__
     from babyrobot_levels.lint.reporters import render
 
-    # Only these two say what codes mean.
+    # Only these two describe codes.
     named = kind in (FindingsFormat.GITHUB, FindingsFormat.SARIF)
     names = [shown_name(path) for path in files]
-    write(render(cast("MachineFormat", kind.value), diagnostics, names, _titles() if named else {}))
+    titles = _titles() if named else {}
+    write(render(cast("MachineFormat", kind.value), diagnostics, names, titles, __version__))
 
 
 def _titles() -> dict[str, str]:
-    from babyrobot_levels.lint.pages import titles
+    from babyrobot_levels.lint.registry import titles
 
     return titles()
 
 
 def level_paths(paths: Sequence[Path] | None) -> list[Path]:
-    """Return the files that are meant: those named, and all below the folders named."""
+    """Return the given files, and all level files below the given folders."""
     from babyrobot_levels.library.search_path import yaml_files
     from babyrobot_levels.text.files import is_folder
 
@@ -99,20 +100,20 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
         if is_folder(path):
             found = list(yaml_files(path, all_of_them=True))
             if not found:
-                note(f"there are no level files (.yaml) in {path}")
+                note(f"no level files (.yaml) in {path}")
             files.update(dict.fromkeys(found))
         elif path == DEFAULT_FOLDER and not path.exists():
-            fail("there is no folder levels/ here", "name the files or folders to check")
+            fail("no folder levels/ here", "name the files or folders to check")
         else:
-            _tell_file_of(path)
+            _note_file_of(path)
             files[path] = None
     if not files:
-        fail("there is nothing to check")
+        fail("no files to check")
     return list(files)
 
 
-def _tell_file_of(path: Path) -> None:
-    """Where other commands know a level by what is no file, say which file that is."""
+def _note_file_of(path: Path) -> None:
+    """If an argument is the name of a level instead of a file, write a note with its file."""
     from babyrobot_levels.library.catalogue import find
     from babyrobot_levels.text.errors import LevelNotFoundError
     from babyrobot_levels.text.files import is_file
@@ -121,11 +122,11 @@ def _tell_file_of(path: Path) -> None:
         return
     with suppress(LevelNotFoundError):
         file = find(path.as_posix())
-        note(f"{path} is the name of a level; what is checked here are files: {file}")
+        note(f"{path} is the name of a level, but this command takes files: {file}")
 
 
 def shown_name(path: Path | str) -> str:
-    """Return what messages call a file, or another level that an argument names."""
+    """Return the name of a file, or of a level given as an argument, in messages."""
     return "<stdin>" if str(path) == str(STANDARD_INPUT) else str(path)
 
 

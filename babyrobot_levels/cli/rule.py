@@ -1,7 +1,8 @@
-"""`babyrobot rule`: what can be found in a level, and why it matters."""
+"""`babyrobot rule`: list the rules and error codes, or explain one."""
 
 from __future__ import annotations
 
+import re
 import sys
 from typing import Annotated
 
@@ -22,13 +23,13 @@ def rule(
         str | None,
         typer.Argument(
             metavar="[CODE]",
-            help="A code or a name; all are listed if it is left out.",
+            help="A code or a name. Without it, all are listed.",
             show_default=False,
         ),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """List what can be found in a level, or explain one of it: what, why, an example, the fix.
+    """List all rules and error codes, or explain one: what it checks, why, and an example.
 
     Examples:
 
@@ -36,19 +37,19 @@ def rule(
 
       babyrobot rule BR503
 
-      babyrobot rule trap
+      babyrobot rule inescapable-state
     """
-    from babyrobot_levels.lint.pages import all_pages, page_of
+    from babyrobot_levels.lint.registry import all_pages, find
     from babyrobot_levels.text.words import did_you_mean
 
     if code is None:
         rules = all_pages()
     else:
-        found = page_of(code)
+        found = find(code)
         if found is None:
             words = [word for each in all_pages() for word in (each.code, each.name)]
             fail(
-                f"there is no rule {code!r}{did_you_mean(code, words)}",
+                f"unknown rule {code!r}{did_you_mean(code, words)}",
                 "`babyrobot rule` lists all rules",
             )
         rules = (found,)
@@ -70,11 +71,13 @@ def rule(
         for each in rules:
             write(f"{_bold(each.code)}  {each.name.ljust(width)}  {each.summary}\n")
     else:
-        write(f"{_bold(f'{rules[0].code} {rules[0].name}')}\n\n{_shown(rules[0].page)}\n")
+        (only,) = rules
+        former = f"Formerly named {only.aliases[0]}.\n\n" if only.aliases else ""
+        write(f"{_bold(f'{only.code} {only.name}')}\n\n{former}{_shown(only.page)}\n")
 
 
 def _shown(page: str) -> str:
-    """Return a page for the terminal: headings in bold, examples indented."""
+    """Return a page for the terminal, with bold headings, indented examples and no links."""
     lines, inside = [], False
     for line in page.rstrip().split("\n"):
         if line.startswith("```"):
@@ -82,7 +85,8 @@ def _shown(page: str) -> str:
         elif inside:
             lines.append(f"    {line}".rstrip())
         else:
-            lines.append(_bold(line.removeprefix("## ")) if line.startswith("## ") else line)
+            text = re.sub(r"\[([^\]]*)\]\([^)]*\.md\)", r"\1", line)
+            lines.append(_bold(text.removeprefix("## ")) if line.startswith("## ") else text)
     return "\n".join(lines)
 
 

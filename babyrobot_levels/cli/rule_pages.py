@@ -1,16 +1,16 @@
-"""Writes the pages of all codes: `python -m babyrobot_levels.cli.rule_pages docs/rules`."""
+"""Write the pages of all codes: `python -m babyrobot_levels.cli.rule_pages docs/rules`."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
-from babyrobot_levels.lint.pages import all_pages, as_markdown, index
+from babyrobot_levels.lint.registry import all_pages, as_markdown, index
 from babyrobot_levels.text.files import write_text
 
 
 def documents() -> dict[str, str]:
-    """Return the names and the texts of the files."""
+    """Return the contents of each file by its name."""
     pages = {f"{rule.name}.md": as_markdown(rule) for rule in all_pages()}
     return {"README.md": index(), **pages}
 

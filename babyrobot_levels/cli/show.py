@@ -102,7 +102,7 @@ def _facts(level: Level) -> dict[str, Any]:
 def _metrics(level: Level) -> dict[str, Any]:
     """Return the metrics for JSON: strings for infinities, null for what is unknown."""
     from babyrobot_levels.analysis.metrics import metrics
-    from babyrobot_levels.lint.best import MAX_SOLVED
+    from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
 
     found = metrics(level)
     numbers = found.to_dict(solve=found.cells <= MAX_SOLVED)

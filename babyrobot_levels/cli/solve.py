@@ -65,6 +65,8 @@ def solve(
     if report_format is ReportFormat.JSON:
         write_json(_data(loaded, solution))
         return
+    if solution.explanation:
+        note(solution.explanation)
     plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
     if loaded.max_steps is not None:
         note(f"max_steps ({loaded.max_steps}) is ignored: these are episodes without a time limit")

@@ -1,4 +1,4 @@
-"""`babyrobot validate`: errors, each where it stands."""
+"""`babyrobot validate`: report errors with their positions."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def validate(
     report_format: FindingsOption = FindingsFormat.TEXT,
     jobs: JobsOption = None,
 ) -> None:
-    """Check level files: every error, where it stands, and what to do.
+    """Check level files and report every error with its position and a suggestion.
 
-    Ends with status 0 if all files are valid, and with 1 if there are errors.
+    Exit status: 0 if all files are valid, 1 if there are errors.
 
     Examples:
 
@@ -52,6 +52,6 @@ def errors_of(path: Path) -> list[Diagnostic]:
 
     try:
         source = read_path(path)
-    except LevelError as fault:
-        return [*fault.diagnostics]
+    except LevelError as error:
+        return [*error.diagnostics]
     return documents.errors_of(source, None if path == STANDARD_INPUT else path)

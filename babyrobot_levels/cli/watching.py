@@ -1,4 +1,4 @@
-"""Runs something again whenever a file is saved."""
+"""Watching files for changes."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from pathlib import Path
 from babyrobot_levels.render.terminal import moves_cursor
 
 PAUSE = 0.2
-"""Seconds between two looks at the files."""
+"""Seconds between two checks of the files."""
 
 
 def each_change(files: Callable[[], list[Path]]) -> Iterator[list[Path]]:
-    """Yield the files at once, and again whenever one is saved, comes or goes, without end.
+    """Yield the files immediately, and again whenever one is saved, added or removed.
 
-    On a terminal, the screen is cleared before each round but the first. Ends with Ctrl-C.
+    On a terminal, the screen is cleared before each round except the first. Stop with Ctrl-C.
 
     Args:
-        files: gives the files that are watched now.
+        files: returns the files to watch.
     """
     shown = files()
     seen = _state(shown)
@@ -38,7 +38,7 @@ def each_change(files: Callable[[], list[Path]]) -> Iterator[list[Path]]:
 
 
 def _state(files: list[Path]) -> dict[Path, tuple[int, int] | None]:
-    """Return what tells a saved file from the one before: when, and how large."""
+    """Return the modification time and the size of each file, None if there is no such file."""
     state: dict[Path, tuple[int, int] | None] = {}
     for path in files:
         try:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 
@@ -65,11 +65,9 @@ def edge_runs(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int,
         x, y, side = edge
         return (side, x, y) if side == "E" else (side, y, x)
 
-    def row(numbered: tuple[int, Edge]) -> Any:
-        index, edge = numbered
+    def position(edge: Edge) -> tuple[Any, int]:
         side, across, along = line(edge)
-        return side, across, along - index, edges[edge]
+        return (side, across, edges[edge]), along
 
-    for _, run in groupby(enumerate(sorted(edges, key=line)), row):
-        (_, first), *more = run
-        yield first, 1 + len(more), edges[first]
+    for run in consecutive(sorted(edges, key=line), position):
+        yield run[0], len(run), edges[run[0]]

@@ -1,1 +1,1 @@
-"""Environments that play compiled levels: the only users of Gymnasium."""
+"""Gymnasium environments of levels: single and vector ones, and adapters."""

@@ -1,17 +1,26 @@
-"""Checks of what users hand to an environment, with messages that say what would be right."""
+"""Checks of the arguments of environments. Messages name the argument and what it accepts."""
 
 from __future__ import annotations
 
+import inspect
 import operator
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import Any
 
+import numpy as np
 from gymnasium import error
+from gymnasium.vector import AutoresetMode
+from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.words import did_you_mean
 
 MAX_IMAGE_SIDE = 4096
+
+_INT = np.dtype(np.intp)
+
+
+# -- making ----------------------------------------------------------------------------------
 
 
 def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
@@ -22,36 +31,25 @@ def check_choice(name: str, value: Any, choices: Collection[str]) -> None:
         raise ValueError(f"{name} must be one of {known}, not {value!r}{guess}")
 
 
-_OPTIONS = {
-    "start": "for all environments",
-    "maze_seed": "for levels that say `maze: {seed: random}`",
-    "index": "for suites",
-    "reset_mask": "for vector environments",
-}
-"""The options of resets, and for what they are."""
-
-
-def checked_options(options: Any, *known: str) -> dict[str, Any]:
-    """Return the options of a reset.
+def check_names(given: Iterable[str], function: Callable[..., Any], *others: str) -> None:
+    """Raise a TypeError if a keyword argument is none that a function accepts.
 
     Args:
-        options: what was given: a mapping, or None.
-        known: those that this environment has.
-
-    Raises:
-        ValueError: it is no mapping, or the environment has no such option.
+        given: the names of the arguments.
+        function: the function whose keyword-only parameters are accepted.
+        others: further names that are accepted.
     """
-    if options is None:
-        return {}
-    if not isinstance(options, Mapping):
-        raise ValueError(f"options must be a dict, not {options!r}")
-    for name, value in options.items():
-        if name not in _OPTIONS:
-            guess = did_you_mean(name, known) if isinstance(name, str) else ""
-            raise ValueError(f"`reset` has no option {name!r}{guess}")
-        if name not in known and value is not None:
-            raise ValueError(f"options[{name!r}] is {_OPTIONS[name]}")
-    return {**options}
+    parameters = inspect.signature(function).parameters.values()
+    accepted = [each.name for each in parameters if each.kind is each.KEYWORD_ONLY]
+    accepted += others
+    for name in given:
+        if name not in accepted:
+            guess = did_you_mean(name, accepted)
+            if name == "max_steps":
+                guess = "; use `max_episode_steps`"
+            raise TypeError(
+                f"unexpected argument {name!r}{guess}; accepted arguments: {', '.join(accepted)}"
+            )
 
 
 def checked_image_size(image_size: Any) -> tuple[int, int] | None:
@@ -74,28 +72,63 @@ def checked_image_size(image_size: Any) -> tuple[int, int] | None:
     return height, width
 
 
-def checked_action(action: Any, count: int) -> int:
-    """Return an action as a number from 0 to count - 1.
+def checked_autoreset_mode(mode: Any) -> AutoresetMode:
+    """Return an autoreset mode, given as such or as its value, for example `"SameStep"`.
 
     Raises:
-        InvalidAction: it is anything else.
+        ValueError: it is neither.
     """
     try:
-        number = operator.index(action)
-    except TypeError:
-        number = -1
-    if not 0 <= number < count:
-        raise error.InvalidAction(f"{action!r} is no action; the actions are 0 to {count - 1}")
-    return number
+        return AutoresetMode(mode)
+    except ValueError:
+        known = ", ".join(str(each) for each in AutoresetMode)
+        raise ValueError(f"autoreset_mode must be one of {known}, not {mode!r}") from None
+
+
+# -- resetting -------------------------------------------------------------------------------
+
+
+_OPTIONS = {
+    "start": "for all environments",
+    "maze_seed": "for levels that say `maze: {seed: random}`",
+    "index": "for suites",
+    "reset_mask": "for vector environments",
+}
+"""The options of `reset` of all environments, and which environments have them."""
+
+
+def checked_options(options: Any, *known: str) -> dict[str, Any]:
+    """Return the options of a reset.
+
+    Args:
+        options: a mapping, or None.
+        known: the options of this environment.
+
+    Raises:
+        ValueError: it is not a mapping, or the environment does not have such an option.
+    """
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options must be a dict, not {options!r}")
+    for name, value in options.items():
+        if name not in _OPTIONS:
+            guess = did_you_mean(name, known) if isinstance(name, str) else ""
+            names = ", ".join(f"`{each}`" for each in known)
+            stop = "" if guess.endswith("?") else ";"
+            raise ValueError(f"`reset` has no option {name!r}{guess}{stop} known options: {names}")
+        if name not in known and value is not None:
+            raise ValueError(f"options[{name!r}] is {_OPTIONS[name]}")
+    return {**options}
 
 
 def checked_start(start: Any, level: Level) -> int | None:
-    """Return the state of a cell `[x, y]` at which an episode can begin, None for None.
+    """Return the state of a cell `[x, y]` in which an episode can start, None for None.
 
-    Whether an episode can begin there does not depend on the maze.
+    Whether an episode can start in a cell does not depend on the maze.
 
     Raises:
-        ValueError: it is no cell, or the robot cannot stand there or would be done there.
+        ValueError: it is not a cell, or the robot cannot stand there or would be done there.
     """
     if start is None:
         return None
@@ -115,15 +148,15 @@ def checked_start(start: Any, level: Level) -> int | None:
             "it is an exit, blocked, or ends the episode"
         )
     if any(warp.at == (x, y) and warp.when == "enter" for warp in level.warps):
-        raise ValueError(f"the start [{x}, {y}] is a warp, and nobody can stand there")
+        raise ValueError(f"the start [{x}, {y}] is a warp, in which the robot cannot stand")
     return state
 
 
 def checked_maze_seed(maze_seed: Any) -> int | None:
-    """Return the seed of the maze that a reset asks for, None for None.
+    """Return the maze seed of a reset, None for None.
 
     Raises:
-        ValueError: it is no whole number.
+        ValueError: it is not a whole number.
     """
     if maze_seed is None:
         return None
@@ -135,3 +168,77 @@ def checked_maze_seed(maze_seed: Any) -> int | None:
         raise ValueError(
             f"options['maze_seed'] must be a whole number, not {maze_seed!r}"
         ) from None
+
+
+def checked_index(index: Any, count: int) -> int | None:
+    """Return the number of a level of a suite, None for None.
+
+    Raises:
+        ValueError: there is no such level.
+    """
+    if index is None:
+        return None
+    try:
+        number = operator.index(index)
+    except TypeError:
+        number = -1
+    if not 0 <= number < count:
+        raise ValueError(f"options['index'] must be a whole number below {count:,}, not {index!r}")
+    return number
+
+
+def checked_reset_mask(mask: Any, num_envs: int) -> NDArray[np.intp]:
+    """Return the indices of the environments that a reset is for; None stands for all.
+
+    Raises:
+        TypeError: the mask is not an array of bools.
+        ValueError: its shape is not `[num_envs]`, or no entry is True.
+    """
+    if mask is None:
+        return np.arange(num_envs)
+    if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
+        raise TypeError("options['reset_mask'] must be a NumPy array of bools")
+    if mask.shape != (num_envs,) or not mask.any():
+        raise ValueError(
+            f"options['reset_mask'] must have shape [{num_envs}] and at least one True in it"
+        )
+    return mask.nonzero()[0]
+
+
+# -- stepping --------------------------------------------------------------------------------
+
+
+def checked_action(action: Any, count: int) -> int:
+    """Return an action as a number from 0 to count - 1.
+
+    Raises:
+        InvalidAction: it is anything else.
+    """
+    try:
+        number = operator.index(action)
+    except TypeError:
+        number = -1
+    if not 0 <= number < count:
+        raise error.InvalidAction(f"{action!r} is not an action; the actions are 0 to {count - 1}")
+    return number
+
+
+def checked_actions(actions: Any, num_envs: int) -> NDArray[np.intp]:
+    """Return actions as an array `[num_envs]`. Engines check which numbers they are.
+
+    Raises:
+        InvalidAction: they are not such an array of whole numbers.
+    """
+    try:
+        array = np.asarray(actions)
+    except ValueError as reason:  # Lists of different lengths.
+        raise error.InvalidAction(f"actions must be {num_envs} whole numbers: {reason}") from None
+    # The usual case first: the checks below would take longer.
+    if array.dtype is _INT and array.shape == (num_envs,) and array.flags.carray:
+        return array
+    if array.dtype.kind not in "iu" or array.shape != (num_envs,):
+        raise error.InvalidAction(
+            f"actions must be {num_envs} whole numbers, not an array of {array.dtype} "
+            f"with shape {list(array.shape)}"
+        )
+    return array.astype(np.intp)

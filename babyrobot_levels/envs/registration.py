@@ -1,4 +1,4 @@
-"""The ids under which Gymnasium knows the levels."""
+"""Registers the environments' ids with Gymnasium."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SUITE_ID = f"{NAMESPACE}/Suite-v0"
 
 def register_all() -> None:
     """Register Level-v0, Suite-v0 and an id for each level of the gallery and of packs, once."""
-    # Here, because importing Gymnasium is what calls this function when ours is imported first.
+    # Not at the top: if this package is imported before Gymnasium, importing Gymnasium calls this.
     from gymnasium.envs.registration import register, registry
 
     from babyrobot_levels.envs.specs import VECTOR
@@ -38,8 +38,8 @@ def register_all() -> None:
 def register_levels() -> None:
     """Register an id for each level of the gallery and of packs that has none yet.
 
-    `babyrobot/NAME-v0` is a level of the gallery, `babyrobot/PACK.NAME-v0` one of a pack. A name
-    that cannot be a part of an id is left out.
+    `babyrobot/NAME-v0` is a level of the gallery, `babyrobot/PACK.NAME-v0` one of a pack. Names
+    that cannot be part of an id are skipped.
     """
     from gymnasium.envs.registration import registry
 
@@ -57,7 +57,7 @@ def _level_names() -> Iterator[str]:
     """Yield the names of levels, as their files are called; the files are not read."""
     for place in (gallery_place(), *pack_places()):
         for file in files_in(place):
-            # Suites stand in `suites/`, as a rule; one elsewhere says what it is when it is made.
+            # A suite outside a folder `suites` is recognised when its environment is made.
             in_suites = "suites" in file.path.relative_to(place.folder).parts[:-1]
             if not (in_suites and is_suite_file(file.path)):
                 yield file.name

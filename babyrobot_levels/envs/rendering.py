@@ -1,26 +1,253 @@
-"""How an environment is seen: the half of it that Gymnasium's players and notebooks ask for."""
+"""Rendering of a single environment: render modes, overlays, saved pictures, notebooks."""
 
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
 from gymnasium import logger
 
-from babyrobot_levels.envs.pictures import RENDER_FPS, RENDER_MODES, Pictures
-from babyrobot_levels.envs.spaces import keys_of_actions
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.scene.pose import STANDING, pose_of
+from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.render.frames import FramePainter
+    from babyrobot_levels.render.notebook.view import LevelView
+    from babyrobot_levels.render.scene.overlay import Overlay
+    from babyrobot_levels.render.scene.shapes import Scene
+    from babyrobot_levels.render.terminal import Terminal
+    from babyrobot_levels.render.text import TextPainter
+
+RENDER_MODES = ("human", "rgb_array", "ansi", "svg", "canvas")
+RENDER_FPS = 4
+"""Steps per second of a robot of speed 1 in animations."""
+
+SUFFIXES = (".svg", ".png", ".txt")
+"""The file types that a picture can be saved as."""
+
+
+class Pictures:
+    """The pictures of one environment. Each painter is made when it is first needed.
+
+    Args:
+        mode: the environment's `render_mode`.
+        level: the level that is played; its maze has a seed.
+        state: the robot's state.
+    """
+
+    def __init__(self, mode: str | None, level: Level, state: int) -> None:
+        self._mode = mode
+        self._state, self._pose = state, STANDING
+        self._overlay: Overlay | None = None
+        self._is_up_to_date = False
+        self._enter(level)
+        self._terminal: Terminal | None = None
+        self._view: LevelView | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        kept = {**vars(self), "_terminal": None, "_view": None, "_is_up_to_date": False}
+        return {**kept, "_frames": None, "_texts": {}}
+
+    def _enter(self, level: Level) -> None:
+        """Switch to a level."""
+        self._level = level
+        self._exits = frozenset(y * level.size[0] + x for x, y in level.exits)
+        self._forget_painters()
+
+    def _forget_painters(self) -> None:
+        self._frames: FramePainter | None = None
+        self._texts: dict[bool, TextPainter] = {}
+
+    # -- changes ---------------------------------------------------------------------------
+
+    def reset(self, level: Level, state: int) -> None:
+        """Show the start of an episode, perhaps in another level.
+
+        Overlays stay if the level is as large as the one before.
+        """
+        if level is not self._level:
+            if level.size != self._level.size:
+                self._overlay = None
+                if self._view is not None:
+                    self._view.set_overlay(None)
+            self._enter(level)
+            if self._view is not None:
+                self._view.set_level(level, state)
+        self._state, self._pose = state, STANDING
+        self._follow()
+
+    def step(self, action: int, state: int, skidded: bool) -> None:
+        """Show the robot after an action, a `brl.Action`, that leads to a state."""
+        self._pose = pose_of(
+            self._state,
+            state,
+            action,
+            self._level.size[0],
+            skidded=skidded,
+            at_exit=state in self._exits,
+        )
+        self._state = state
+        self._follow()
+
+    def show_info(self, info: Mapping[str, Any] | None) -> None:
+        """Replace the overlay; None removes it.
+
+        Raises:
+            ValueError: the info is invalid, or does not fit the level.
+        """
+        from babyrobot_levels.render.scene.info import overlay_from
+
+        self._overlay = None if info is None else overlay_from(info, self._level)
+        self._forget_painters()
+        if self._view is not None:
+            self._view.set_overlay(self._overlay)
+        self._is_up_to_date = False
+        if self._terminal is not None:
+            self.render()
+
+    def _follow(self) -> None:
+        """Update what is on the screen."""
+        self._is_up_to_date = False
+        if self._view is not None:
+            self._view.move(self._state, self._pose)
+        if self._mode == "human":
+            self.render()
+
+    # -- output ----------------------------------------------------------------------------
+
+    def render(self) -> Any:
+        """Return or show the current picture."""
+        match self._mode:
+            case "rgb_array":
+                return self._frame()
+            case "svg":
+                return self.svg()
+            case "ansi":
+                return self.text()
+            case "canvas":
+                return self._canvas().widget
+        if not self._is_up_to_date:
+            self._show()
+            self._is_up_to_date = True
+        return None
+
+    def _show(self) -> None:
+        from babyrobot_levels.render.notebook.frontend import in_notebook
+
+        if self._view is None and in_notebook():
+            self._canvas().show()
+        if self._view is not None:
+            return
+        if self._terminal is None:
+            from babyrobot_levels.render.terminal import Terminal
+
+            self._terminal = Terminal()
+        terminal = self._terminal
+        painter = self._text_painter(plain=not terminal.takes_unicode)
+        lines = painter.lines(self._state, color=terminal.takes_color, room=terminal.room)
+        terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))
+
+    def _canvas(self) -> LevelView:
+        if self._view is None:
+            from babyrobot_levels.render.notebook.view import LevelView
+
+            self._view = LevelView(self._level)
+            self._view.set_overlay(self._overlay)
+            self._view.move(self._state, self._pose)
+        return self._view
+
+    def _frame(self) -> NDArray[np.uint8]:
+        if self._frames is None:
+            from babyrobot_levels.render.frames import FramePainter
+
+            self._frames = FramePainter(self._level, overlay=self._overlay)
+        return self._frames.frame(self._state, self._pose)
+
+    def _text_painter(self, *, plain: bool) -> TextPainter:
+        if plain not in self._texts:
+            from babyrobot_levels.render.text import TextPainter
+
+            self._texts[plain] = TextPainter(self._level, plain=plain, overlay=self._overlay)
+        return self._texts[plain]
+
+    def _scene(self) -> Scene:
+        from babyrobot_levels.render.scene.build import build_scene
+
+        return build_scene(self._level, state=self._state, pose=self._pose, overlay=self._overlay)
+
+    def svg(self) -> str:
+        """Return the picture as an SVG document."""
+        from babyrobot_levels.render.svg import to_svg
+
+        return to_svg(self._scene())
+
+    def text(self) -> str:
+        """Return the picture as a text; each line ends with a newline."""
+        return "\n".join([*self._text_painter(plain=False).lines(self._state), ""])
+
+    def mimebundle(self) -> dict[str, Any]:
+        """Return the representations for the last line of a notebook cell."""
+        if self._view is not None:
+            return self._view.mimebundle()
+        from babyrobot_levels.render.notebook.bundle import (
+            MAX_CELLS,
+            level_mimebundle,
+            picture_mimebundle,
+        )
+
+        columns, rows = self._level.size
+        if columns * rows > MAX_CELLS:
+            # It contains a note that the level is too large.
+            return level_mimebundle(self._level)
+        return picture_mimebundle(self._scene(), self.text().rstrip("\n"))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the picture to a file of the type of its suffix.
+
+        Raises:
+            ValueError: the suffix is not one of `SUFFIXES`.
+            OSError: the file cannot be written.
+        """
+        from babyrobot_levels.text.files import write_bytes
+
+        file = Path(path)
+        match file.suffix.lower():
+            case ".svg":
+                data = self.svg().encode()
+            case ".txt":
+                data = self.text().encode()
+            case ".png":
+                from babyrobot_levels.render.raster import to_png
+
+                data = to_png(self._scene())
+            case suffix:
+                known = ", ".join(SUFFIXES)
+                guess = did_you_mean(suffix, SUFFIXES)
+                raise ValueError(f"the suffix must be one of {known}, not {suffix!r}{guess}")
+        write_bytes(file, data)
+
+    def close(self) -> None:
+        """Release what is on the screen; a later `render` shows it again."""
+        if self._view is not None:
+            self._view.close()
+        self._view = self._terminal = None
+        self._is_up_to_date = False
 
 
 class RenderedEnv(gymnasium.Env[Any, Any]):
-    """An environment whose level and robot can be seen. What happens in it, heirs say.
+    """An environment with a level and a robot to render. Subclasses define `reset` and `step`.
 
-    Nothing is made for pictures before there is one to show: an environment that has no
-    `render_mode` steps as fast as if it could not be seen.
+    Painters are made when the first picture is needed: without a `render_mode`, rendering costs
+    nothing.
     """
 
     metadata = {"render_modes": [*RENDER_MODES], "render_fps": RENDER_FPS}  # noqa: RUF012
@@ -32,13 +259,13 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
     _pictures: Pictures | None
 
     def render(self) -> Any:
-        """Show the level as it stands; before the first reset, as an episode begins.
+        """Render the current state; before the first reset, the start of an episode.
 
         Returns:
-            By `render_mode`: uint8 `[height, width, 3]` (`"rgb_array"`), a text (`"ansi"`), an SVG
-            document as a text (`"svg"`), or an ipycanvas `MultiCanvas`, in which the robot then
-            follows the episode (`"canvas"`). `"human"` returns None: it shows every reset and
-            step by itself, in a notebook as such a canvas, elsewhere on standard output.
+            Depending on `render_mode`: uint8 `[height, width, 3]` (`"rgb_array"`), a text
+            (`"ansi"`), an SVG document as a text (`"svg"`), or an ipycanvas `MultiCanvas` that
+            follows the episode (`"canvas"`). `"human"` returns None: every reset and step is
+            shown automatically, in a notebook on such a canvas, elsewhere on standard output.
         """
         if self.render_mode is None:
             name = self.spec.id if self.spec is not None else "babyrobot/Level-v0"
@@ -50,25 +277,25 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
         return self._picture().render()
 
     def show_info(self, info: Mapping[str, Any]) -> None:
-        """Write on the picture, in the place of what was there: values, arrows, texts.
+        """Show values, arrows or texts on the picture, in place of those shown before.
 
         Args:
-            info: what to write, by its kind; see the page on environments.
+            info: the overlays by kind; the page on environments lists them.
 
         Raises:
-            ValueError: the info is not understood, or does not fit the level.
+            ValueError: the info is invalid, or does not fit the level.
         """
         self._picture().show_info(info)
 
     def clear_info(self) -> None:
-        """Take away what `show_info` wrote."""
+        """Remove what `show_info` added."""
         self._picture().show_info(None)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the picture as it stands to a file, whole or not at all, whatever is there.
+        """Write the current picture to a file, atomically; an existing file is overwritten.
 
         Args:
-            path: a file whose suffix is `.svg`, `.png`, or `.txt` for what `"ansi"` renders.
+            path: a file with the suffix `.svg`, `.png`, or `.txt` for what `"ansi"` renders.
 
         Raises:
             ValueError: it has another suffix.
@@ -77,19 +304,19 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
         self._picture().save(path)
 
     def close(self) -> None:
-        """Let go of what is on the screen. Nothing else is held."""
+        """Release what is on the screen; there are no other resources."""
         if self._pictures is not None:
             self._pictures.close()
 
     def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
         """Return the action of each key for `gymnasium.utils.play.play`: arrows, W, A, S, D."""
-        return keys_of_actions(self._first_action)
+        return _keys_of_actions(self._first_action)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         return self._picture().mimebundle()
 
     def _picture(self) -> Pictures:
-        """Return the pictures; they are made when there is something to show."""
+        """Return the pictures, which are made when they are first needed."""
         if self._pictures is None:
             self._pictures = self._new_pictures()
         return self._pictures
@@ -97,3 +324,45 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
     def _new_pictures(self) -> Pictures:
         state = self._state if self._state >= 0 else self._starts[0]
         return Pictures(self.render_mode, self.level, state)
+
+
+_KEYS = {
+    Action.STAY: (" ", None),
+    Action.NORTH: ("w", 0x40000052),
+    Action.EAST: ("d", 0x4000004F),
+    Action.SOUTH: ("s", 0x40000051),
+    Action.WEST: ("a", 0x40000050),
+}
+"""The keys of actions: a character, and pygame's number of the arrow key (it is SDL's)."""
+
+
+def _keys_of_actions(first_action: int) -> dict[tuple[int, ...], int]:
+    """Return the number of the action of each key, by pygame's number of the key."""
+    return {
+        (key,): action - first_action
+        for action, (character, arrow) in _KEYS.items()
+        for key in (ord(character), arrow)
+        if key is not None and action >= first_action
+    }
+
+
+def show_wrapped_environments() -> None:
+    """Make IPython, if it is running, show wrapped environments as it shows unwrapped ones.
+
+    Gymnasium's wrappers pass on no representations. IPython asks its formatters before it asks an
+    object, so a formatter for wrappers is registered, unless there is one already.
+    """
+    ipython = sys.modules.get("IPython")
+    shell = ipython.get_ipython() if ipython is not None else None
+    if shell is not None:
+        formatter = shell.display_formatter.mimebundle_formatter
+        if gymnasium.Wrapper not in formatter.type_printers:
+            formatter.for_type(gymnasium.Wrapper, _mimebundle)
+
+
+def _mimebundle(wrapper: gymnasium.Wrapper[Any, Any, Any, Any]) -> Any:
+    """Return the representations of a wrapper; with None, IPython falls back to its default."""
+    own = getattr(wrapper, "_repr_mimebundle_", None)
+    if own is None and isinstance(wrapper.unwrapped, RenderedEnv):
+        own = wrapper.unwrapped._repr_mimebundle_
+    return own() if own is not None else None

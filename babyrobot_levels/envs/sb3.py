@@ -1,4 +1,4 @@
-"""Thousands of robots for Stable-Baselines3: a level's vector environment as its `VecEnv`."""
+"""A level's vector environment as a `VecEnv` of Stable-Baselines3."""
 
 from __future__ import annotations
 
@@ -25,13 +25,12 @@ _Step = tuple[NDArray[Any], NDArray[np.float32], NDArray[np.bool_], list[dict[st
 
 
 class LevelVecEnv(VecEnv):
-    """Many robots walk levels, as Stable-Baselines3 and sb3-contrib want to be told of it.
+    """Many environments that step in one call, as a `VecEnv`.
 
-    It is a `LevelVectorEnv` whose episodes begin anew in the step that ends them, and gives what
-    a `DummyVecEnv` of single environments gives: float32 rewards, one array of `dones`, and a
-    dict for each robot, with `TimeLimit.truncated` and, where an episode is over,
-    `terminal_observation`. `VecMonitor` adds the returns of episodes, and `action_masks` is there
-    for `MaskablePPO`.
+    It is a `LevelVectorEnv` with `SAME_STEP` autoreset that returns what a `DummyVecEnv` of single
+    environments returns: float32 rewards, one array of `dones`, and a dict for each environment,
+    with `TimeLimit.truncated` and, where an episode is over, `terminal_observation`. It works with
+    `VecMonitor`, and has `action_masks` for sb3-contrib's `MaskablePPO`.
 
     Attributes:
         envs: the `LevelVectorEnv`.
@@ -44,13 +43,14 @@ class LevelVecEnv(VecEnv):
 
         Args:
             level: a name, a path, a mapping or a `Level`.
-            num_envs: how many robots there are.
-            kwargs: what `LevelVectorEnv` takes beside them, but for `autoreset_mode` and `copy`.
+            num_envs: how many environments there are.
+            kwargs: the other arguments of `LevelVectorEnv`, except for `autoreset_mode` and
+                `copy`.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid.
-            ValueError: another argument has a value that it cannot have.
+            ValueError: another argument is invalid.
         """
         self.envs = LevelVectorEnv(
             level, num_envs=num_envs, autoreset_mode="SameStep", copy=True, **kwargs
@@ -61,23 +61,23 @@ class LevelVecEnv(VecEnv):
         self.metadata = self.envs.metadata
         self._actions: Any = None
 
-    # -- playing ---------------------------------------------------------------------------
+    # -- episodes --------------------------------------------------------------------------
 
     def reset(self) -> NDArray[Any]:
-        """Begin episodes, with the seeds and options that `seed` and `set_options` told.
+        """Start episodes, with the seeds and options of `seed` and `set_options`.
 
         Returns:
-            The observations, `[num_envs, …]`; `reset_infos` has an info for each robot.
+            The observations, `[num_envs, …]`; `reset_infos` has an info for each environment.
 
         Raises:
-            ValueError: the options are not the same for all robots, or cannot be.
+            ValueError: the options are invalid, or not the same for all environments.
         """
-        told = self._options
-        # Options are for one reset, also if that is refused.
+        given = self._options
+        # Options are for one reset, even if it is refused.
         self._reset_options()
-        options = told[0]
-        if any(each != options for each in told):
-            raise ValueError("all robots begin with the same options: set_options({...})")
+        options = given[0]
+        if any(each != options for each in given):
+            raise ValueError("all environments need the same options: set_options({...})")
         seeds = None if self._seeds[0] is None else self._seeds
         observations: NDArray[Any]
         observations, info = self.envs.reset(seed=seeds, options=options)
@@ -86,87 +86,88 @@ class LevelVecEnv(VecEnv):
         return observations
 
     def step_async(self, actions: Any) -> None:
-        """Note the actions, whole numbers `[num_envs]`, that `step_wait` takes."""
+        """Store the actions, whole numbers `[num_envs]`, for `step_wait`."""
         self._actions = actions
 
     def step_wait(self) -> _Step:
         """Take the actions.
 
         Returns:
-            Observations `[num_envs, …]`, of new episodes where one is over, rewards (float32
-            `[num_envs]`), dones (bool `[num_envs]`), and an info for each robot.
+            Observations `[num_envs, …]`, those of the next episode where one is over, rewards
+            (float32 `[num_envs]`), dones (bool `[num_envs]`), and an info for each environment.
         """
         observations, rewards, terminated, truncated, info = self.envs.step(self._actions)
         dones = terminated | truncated
         ends, final = info.pop("final_obs", None), info.pop("final_info", None)
         infos = _rows(info, slice(None))
         if final is not None:
-            over = dones.nonzero()[0]
-            for robot, told in zip(over.tolist(), _rows(final, over), strict=True):
-                # What the step tells of a robot that has begun anew is about the new episode.
-                self.reset_infos[robot] = infos[robot]
-                infos[robot] = told
-                told["terminal_observation"] = ends[robot]
-        for told, cut in zip(infos, (truncated & ~terminated).tolist(), strict=True):
-            told["TimeLimit.truncated"] = cut
+            done = dones.nonzero()[0]
+            for number, info_of_end in zip(done.tolist(), _rows(final, done), strict=True):
+                # After an autoreset, the info of the step is about the next episode.
+                self.reset_infos[number] = infos[number]
+                infos[number] = info_of_end
+                info_of_end["terminal_observation"] = ends[number]
+        for each, is_cut in zip(infos, (truncated & ~terminated).tolist(), strict=True):
+            each["TimeLimit.truncated"] = is_cut
         return observations, rewards.astype(np.float32), dones, infos
 
     def close(self) -> None:
-        """Let go of the pictures."""
+        """Release the painters."""
         self.envs.close()
 
-    # -- one robot of many -----------------------------------------------------------------
+    # -- attributes ------------------------------------------------------------------------
 
     def has_attr(self, attr_name: str) -> bool:
-        """Return whether robots have an attribute or a method, `action_masks` among them."""
+        """Return whether environments have an attribute or a method."""
         return hasattr(self.envs, attr_name) or attr_name == "level"
 
     def get_attr(self, attr_name: str, indices: _Indices = None) -> list[Any]:
-        """Return what an attribute is for each robot, as `LevelVectorEnv.get_attr` does."""
+        """Return the value of an attribute for each environment; see `LevelVectorEnv.call`."""
         if attr_name in ("action_space", "observation_space"):
             attr_name = f"single_{attr_name}"
         return self.env_method(attr_name, indices=indices)
 
     def set_attr(self, attr_name: str, value: Any, indices: _Indices = None) -> None:
-        """Set an attribute of all robots, which share them, as `LevelVectorEnv.set_attr` does.
+        """Set an attribute, which all environments share; see `LevelVectorEnv.set_attr`.
 
         Raises:
-            AttributeError: it is none that can be set.
-            ValueError: only some of the robots are named, or the attribute cannot have this value.
+            AttributeError: the attribute cannot be set.
+            ValueError: the indices are not those of all environments, or the value is invalid.
         """
         if set(self._get_indices(indices)) != set(range(self.num_envs)):
-            raise ValueError("robots share their attributes: set them for all, without indices")
+            raise ValueError("environments share their attributes: set them without indices")
         self.envs.set_attr(attr_name, value)
 
     def env_method(
         self, method_name: str, *method_args: Any, indices: _Indices = None, **method_kwargs: Any
     ) -> list[Any]:
-        """Return what a method says for each robot, as `LevelVectorEnv.call` does."""
-        answers = self.envs.call(method_name, *method_args, **method_kwargs)
-        return [answers[robot] for robot in self._get_indices(indices)]
+        """Return the result of a method for each environment; see `LevelVectorEnv.call`."""
+        results = self.envs.call(method_name, *method_args, **method_kwargs)
+        return [results[number] for number in self._get_indices(indices)]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: _Indices = None) -> list[bool]:
-        """Return False for each robot: there are no wrappers of single environments."""
+        """Return False for each environment: single environments are never wrapped."""
         return [False for _ in self._get_indices(indices)]
 
     def get_images(self) -> list[Any]:
-        """Return one picture, uint8 `[height, width, 3]`: the first 16 robots side by side."""
+        """Return a picture of the first 16 environments, uint8 `[height, width, 3]`, in a list."""
         return [self.envs.render()]
 
 
 def _rows(info: dict[str, Any], which: Any) -> list[dict[str, Any]]:
-    """Return what a vector environment's info tells of each robot.
+    """Return the info of each environment from that of a vector environment.
 
     Args:
-        info: values `[num_envs, …]`, and under their names with `_` before it, where they hold.
-        which: the robots, as an index of these arrays.
+        info: values `[num_envs, …]`, and for each key another one with `_` before it: where the
+            value holds.
+        which: the environments, as an index of these arrays.
     """
     names = [name for name in info if f"_{name}" in info]
     columns = [info[name][which] for name in names]
-    # Lists are what is quick to walk through; of arrays in arrays, robots get the rows.
+    # Lists are faster to iterate over; of an array with more dimensions, each gets a row.
     lists = [column if column.ndim > 1 else column.tolist() for column in columns]
     rows = [dict(zip(names, values, strict=True)) for values in zip(*lists, strict=True)]
     for name in names:
-        for robot in (~info[f"_{name}"][which]).nonzero()[0].tolist():
-            del rows[robot][name]
+        for number in (~info[f"_{name}"][which]).nonzero()[0].tolist():
+            del rows[number][name]
     return rows

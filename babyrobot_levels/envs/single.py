@@ -1,4 +1,4 @@
-"""One robot in one level: the Gymnasium environment."""
+"""The Gymnasium environment of one level."""
 
 from __future__ import annotations
 
@@ -14,21 +14,23 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import (
     check_choice,
+    check_names,
     checked_action,
     checked_image_size,
     checked_maze_seed,
     checked_options,
     checked_start,
 )
-from babyrobot_levels.envs.ipython import show_wrapped_environments
 from babyrobot_levels.envs.observations import OBSERVATIONS, Observer, make_observer
-from babyrobot_levels.envs.pictures import RENDER_MODES
-from babyrobot_levels.envs.rendering import RenderedEnv
+from babyrobot_levels.envs.rendering import (
+    RENDER_MODES,
+    RenderedEnv,
+    show_wrapped_environments,
+)
 from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.tables import GLASS, REFUSED
+from babyrobot_levels.mdp.events import Event, events_of
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
@@ -46,27 +48,34 @@ _Cell = tuple[
 """What a step needs of a state: outcomes by action, makers of observation and mask, the mask."""
 
 MAX_MAZE_SEED = 2**31
-"""Mazes of `seed: random` levels have seeds below this."""
+"""The seeds that are drawn for mazes with `seed: random` are below this."""
+
+_DERIVED = ("_mdp", "_events", "_observer", "_starts", "_cells", "_table")
+"""The attributes that `_enter` sets, all of which follow from the level."""
 
 
 class LevelEnv(RenderedEnv):
-    """A robot walks a level to an exit.
+    """A robot moves through a level to an exit.
 
-    Observations are, by `observation`:
+    Observations, by `observation`:
 
     - `"position"`: `[x, y]`, int64, in a `MultiDiscrete([width, height])`;
     - `"index"`: the state `y * width + x`, in a `Discrete`;
-    - `"walls"`: `[x, y, north, east, south, west]`, int64, the sides 1 where they are open;
+    - `"walls"`: `[x, y, north, east, south, west]`, int64, with 1 for each side that is open;
     - `"image"`: uint8 `[height, width, 3]`, or `[…, 1]` with `grayscale`.
 
-    Actions are 0 stay, 1 north, 2 east, 3 south, 4 west, or with `actions="moves"` 0 north, 1 east,
-    2 south, 3 west. `info["action_mask"]` (int8 `[actions]`) says which are possible;
-    one that is not is refused. An episode is `terminated` at an exit or a cell that ends it, and
-    truncated only by the `TimeLimit` that a level's `max_steps` gives it.
+    Actions are 0 stay, 1 north, 2 east, 3 south, 4 west; with `actions="moves"` or
+    `"valid_moves"`, they are 0 north, 1 east, 2 south, 3 west. `info["action_mask"]` (int8
+    `[actions]`) tells which ones are allowed; a wall refuses the others, and the robot stays. An
+    episode is `terminated` at an exit or in a cell that ends it, and `truncated` only by the
+    `TimeLimit` wrapper that a level's `max_steps` adds.
 
     Attributes:
-        level: the level that is played. Of a level with `seed: random`, the one of this episode.
+        level: the level of the current episode. If the level has `seed: random`, it is one of its
+            mazes.
     """
+
+    __module__ = "babyrobot_levels"
 
     def __init__(
         self,
@@ -83,24 +92,25 @@ class LevelEnv(RenderedEnv):
         Args:
             level: a name, a path, a mapping or a `Level`.
             observation: `"position"`, `"index"`, `"walls"` or `"image"`.
-            actions: `"valid"`: five actions, of which `action_space.sample()` gives only those
-                that are possible; `"all"`: five actions; `"moves"`: four, without stay.
-            render_mode: None, `"human"`, `"rgb_array"`, `"ansi"`, `"svg"` or `"canvas"`; what
-                each of them gives, `render` tells.
+            actions: `"all"`: five actions; `"moves"`: four, without stay; `"valid"` and
+                `"valid_moves"`: the same, but `action_space.sample()` gives only those that the
+                action mask allows.
+            render_mode: None, `"human"`, `"rgb_array"`, `"ansi"`, `"svg"` or `"canvas"`; see
+                `render`.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid.
-            ValueError: another argument has a value that it cannot have.
+            ValueError: another argument is invalid.
         """
         check_choice("observation", observation, OBSERVATIONS)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, RENDER_MODES)
         if observation != "image" and (image_size is not None or grayscale):
-            raise ValueError("image_size and grayscale go with observation='image'")
+            raise ValueError("image_size and grayscale need observation='image'")
         self.render_mode = render_mode
         self._given = load(level)
         self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
@@ -111,47 +121,48 @@ class LevelEnv(RenderedEnv):
         self._valid = space if isinstance(space, ValidActions) else None
         self._spec: EnvSpec | None = None
         self._state = -1
-        # Until the first reset, a level with random mazes shows the one of seed 0.
+        # Until the first reset, a level with random mazes has the maze of seed 0.
         self._enter(self._given.with_maze_seed(0) if self._given.has_random_maze else self._given)
         self.observation_space = self._observer.space
         self._pictures = None if render_mode is None else self._new_pictures()
         show_wrapped_environments()
 
     def _enter(self, level: Level) -> None:
-        """Make ready to play a level."""
+        """Switch to a level."""
         self.level = level
         self._mdp: Mdp = level.compile()
+        self._events = events_of(self._mdp)
         self._observer = self._new_observer(level)
         self._starts: list[int] = self._mdp.start.nonzero()[0].tolist()
         self._cells: list[_Cell | None] = [None] * self._mdp.num_states
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
 
     def _new_observer(self, level: Level) -> Observer:
-        """Return what shows the states of a level."""
-        return make_observer(level, self._observation, *self._image)
+        """Return the observer of a level."""
+        return make_observer(level, self._observation, level.size, *self._image)
 
-    # -- playing ---------------------------------------------------------------------------
+    # -- episodes --------------------------------------------------------------------------
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode.
+        """Start an episode.
 
         Args:
-            seed: for the environment's own generator, from which everything is drawn.
-            options: `{"start": [x, y]}` begins at that cell. Of a level with `seed: random`,
-                `{"maze_seed": n}` asks for the maze of that seed.
+            seed: seeds the environment's own generator, the only source of randomness.
+            options: `{"start": [x, y]}` starts in that cell. If the level has `seed: random`,
+                `{"maze_seed": n}` selects the maze of that seed.
 
         Returns:
-            The observation, and an info with `action_mask` and `level_digest`, or in its place,
-            for a level with `seed: random`, `maze_seed`.
+            The observation, and an info with `action_mask` and `level_digest`. If the level has
+            `seed: random`, `maze_seed` takes the place of the latter.
 
         Raises:
-            ValueError: the robot cannot start at that cell, or there is no such option.
+            ValueError: the robot cannot start in that cell, or there is no such option.
         """
         options = checked_options(options, *self._options)
-        # All that is asked for is checked before anything changes: a refused reset leaves the
-        # running episode as it is.
+        # All options are checked before anything changes: a refused reset leaves the current
+        # episode as it is.
         start = checked_start(options.get("start"), self.level)
         maze_seed = checked_maze_seed(options.get("maze_seed"))
         super().reset(seed=seed)
@@ -174,7 +185,7 @@ class LevelEnv(RenderedEnv):
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
-            self._pictures.begin(self.level, self._state)
+            self._pictures.reset(self.level, self._state)
         info["action_mask"] = copy_mask()
         return observe(), info
 
@@ -182,17 +193,18 @@ class LevelEnv(RenderedEnv):
         """Take an action.
 
         Returns:
-            Observation, reward, terminated, False (truncating is the TimeLimit's), and an info with
-            `action_mask` (int8 `[actions]`, a copy), `target_reached` (the robot stands where the
-            action leads when chance does not interfere, and was not refused) and `skidded`.
+            Observation, reward, terminated, False (`TimeLimit` truncates), and an info with
+            `action_mask` (int8 `[actions]`, a copy), `target_reached` (the robot is where the
+            action leads without chance, and no wall refused it) and `skidded` (chance took it
+            somewhere else).
 
         Raises:
-            ResetNeeded: no episode has begun.
-            InvalidAction: the action space does not contain the action.
+            ResetNeeded: there was no reset yet.
+            InvalidAction: the action is not in the action space.
         """
         cell = self._cells[self._state]
         if cell is None:
-            # Every state of a running episode was looked up when the robot came to it.
+            # During an episode, the current state was looked up when the robot came to it.
             raise error.ResetNeeded("call `reset()` before the first `step()`")
         try:
             outcomes = cell[0][action]
@@ -220,23 +232,26 @@ class LevelEnv(RenderedEnv):
         )
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return which actions are possible now, int8 `[actions]`, as sb3-contrib asks for it."""
+        """Return the current action mask, int8 `[actions]`. The name is sb3-contrib's."""
         cell = self._cells[self._state] if self._state >= 0 else None
         if cell is None:
             raise error.ResetNeeded("call `reset()` before asking for the action mask")
         return cell[2]()
 
     def _look_up(self, state: int) -> _Cell:
-        """Copy a state's rows out of the compiled tables, the first time that the robot is there.
+        """Copy a state's rows out of the compiled tables, at the robot's first visit.
 
-        Lists are several times faster than arrays for one step at a time; a large level costs
-        only for the cells that are visited.
+        For one step at a time, tuples are several times faster than arrays; in a large level, only
+        the cells that are visited cost time.
         """
-        mdp, first = self._mdp, self._first_action
-        actions = range(first, NUM_ACTIONS)
-        mask = mdp.possible[state, first:]
+        first = self._first_action
+        mask = self._mdp.possible[state, first:]
+        events = self._events[state, first:].tolist()
+        outcomes = {
+            number: self._outcomes(state, number + first, row) for number, row in enumerate(events)
+        }
         cell = (
-            {action - first: self._outcomes(state, action) for action in actions},
+            outcomes,
             self._observer.at(state),
             mask.copy,
             mask,
@@ -244,24 +259,19 @@ class LevelEnv(RenderedEnv):
         self._cells[state] = cell
         return cell
 
-    def _outcomes(self, state: int, action: int) -> tuple[_Outcome, ...]:
-        mdp = self._mdp
-        target, hindered = int(mdp.target[state, action]), int(mdp.hindered[state, action])
+    def _outcomes(self, state: int, action: int, events: list[int]) -> tuple[_Outcome, ...]:
         outcomes: list[_Outcome] = []
         total = 0.0
-        for probability, next_state, reward, terminal in mdp.outcomes(state, action):
+        for outcome, event in zip(self._mdp.outcomes(state, action), events, strict=False):
+            probability, next_state, reward, terminal = outcome
             total += probability
-            at_target = next_state == target or (
-                target == mdp.num_states and next_state in self._starts
-            )
-            reached = at_target and hindered != REFUSED
-            skidded = not at_target and hindered != GLASS
-            outcomes.append((total, next_state, reward, terminal, reached, skidded))
-        # The last one takes what rounding leaves over.
+            is_reached, is_skid = event == Event.REACHED, event == Event.SKIDDED
+            outcomes.append((total, next_state, reward, terminal, is_reached, is_skid))
+        # The last outcome takes the rounding error of the sum.
         outcomes[-1] = (2.0, *outcomes[-1][1:])
         return tuple(outcomes)
 
-    # -- what it is ------------------------------------------------------------------------
+    # -- description -----------------------------------------------------------------------
 
     @property
     def P(self) -> dict[int, dict[int, list[Outcome]]]:  # noqa: N802  (Gymnasium's name for it)
@@ -272,40 +282,48 @@ class LevelEnv(RenderedEnv):
 
     @property
     def initial_state_distrib(self) -> NDArray[np.float64]:
-        """The probability of each state at reset, `[states]`, under toy_text's name for it."""
+        """The probability of each state at reset, float64 `[states]`; the name is toy_text's."""
         return self._mdp.start.copy()
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The spec by which Gymnasium made the environment; it can be written as JSON."""
+        """The spec from which Gymnasium made the environment; it can be written as JSON."""
         return self._spec
 
     @spec.setter
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
-            self._spell_out(spec.kwargs)
+            self._make_serializable(spec.kwargs)
         self._spec = spec
 
-    def _spell_out(self, given: dict[str, Any]) -> None:
-        """Put what is JSON into the place of arguments that are not, and say the same."""
+    def _make_serializable(self, given: dict[str, Any]) -> None:
+        """Replace arguments that JSON does not have by equivalent ones that it has."""
         if not isinstance(given.get("level"), str | None):
             given["level"] = self._given.to_dict(whole=True)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "_cells": None, "_table": None}
+        return {name: value for name, value in vars(self).items() if name not in _DERIVED}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._cells = [None] * self._mdp.num_states
+        self._enter(self.level)
         if self._state >= 0:
             self._look_up(self._state)
 
 
 def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a level's environment under the time limit that its `max_steps` gives it.
+    """Return a level's environment, in a `TimeLimit` if the level has `max_steps`.
 
-    The entry point of `babyrobot/Level-v0`: Gymnasium knows no limit before it has the level.
+    The entry point of `babyrobot/Level-v0`, whose spec cannot have the limit of the level.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        kwargs: the other arguments of `LevelEnv`.
+
+    Raises:
+        TypeError: there is no such argument.
     """
+    check_names(kwargs, LevelEnv.__init__, "max_episode_steps")
     loaded = load(level)
     env = LevelEnv(loaded, **kwargs)
     return env if loaded.max_steps is None else TimeLimit(env, loaded.max_steps)

@@ -1,74 +1,128 @@
-"""Action spaces: what a robot may be told, and what of it is possible where it stands."""
+"""Action spaces of single and vector environments, whose `sample()` respects action masks."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.envs.engine.tables import masks_at
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
 
-ACTION_SETS = ("valid", "all", "moves")
+if TYPE_CHECKING:
+    from babyrobot_levels.envs.engine.state import EnvStates
+    from babyrobot_levels.envs.engine.tables import Words
+
+
+class ActionSet(NamedTuple):
+    """What a value of `actions` means.
+
+    Attributes:
+        first: the action that is number 0 of the space.
+        samples_valid: whether `sample()` gives only actions that the action mask allows.
+    """
+
+    first: Action
+    samples_valid: bool
+
+
+ACTION_SETS = {
+    "valid": ActionSet(Action.STAY, True),
+    "all": ActionSet(Action.STAY, False),
+    "moves": ActionSet(Action.NORTH, False),
+    "valid_moves": ActionSet(Action.NORTH, True),
+}
+"""The values of `actions`. From the first action of each set, all further ones belong to it."""
 
 
 class ValidActions(spaces.Discrete[Any]):
-    """A `Discrete` whose `sample()` gives only actions that are possible where the robot stands.
+    """A `Discrete` whose `sample()` gives only actions that are allowed in the current state.
 
-    It equals a plain `Discrete` of its size, and contains all its actions: an impossible one can
-    be taken too and is refused. The environment keeps `mask` up to date.
+    It equals a plain `Discrete` of its size, and contains all its actions: the others can be taken
+    too, and are refused by a wall. The environment keeps `mask` up to date.
     """
 
     mask: NDArray[np.int8] | None = None
-    """The possible actions, int8 `[actions]`; None before the environment has begun."""
+    """The current action mask, int8 `[actions]`; None before the first reset."""
 
     def sample(self, mask: Any = None, probability: Any = None) -> Any:
-        """Return a possible action, each with equal probability.
+        """Return an allowed action, each with equal probability, or 0 where none is allowed.
 
-        A `mask` or `probability` that is given is used in the place of the robot's.
+        A `mask` or `probability` that is given takes the place of the current mask.
         """
         if mask is not None or probability is not None or self.mask is None:
             return super().sample(mask, probability)
-        possible = self.mask.nonzero()[0]
-        return possible[self.np_random.integers(possible.size)]
+        allowed = self.mask.nonzero()[0]
+        if not allowed.size:
+            return self.start
+        return allowed[self.np_random.integers(allowed.size)]
 
 
 def make_action_space(actions: str) -> tuple[spaces.Discrete[Any], int]:
     """Return the space of an action set, and the action that is its number 0.
 
     Args:
-        actions: `"valid"`, `"all"` or `"moves"`.
+        actions: one of `ACTION_SETS`.
     """
-    if actions == "moves":
-        return spaces.Discrete(NUM_MOVES), Action.NORTH
-    space = ValidActions(NUM_ACTIONS) if actions == "valid" else spaces.Discrete(NUM_ACTIONS)
-    return space, Action.STAY
+    first, samples_valid = ACTION_SETS[actions]
+    count = NUM_ACTIONS - first
+    return ValidActions(count) if samples_valid else spaces.Discrete(count), first
 
 
-_KEYS = {
-    Action.STAY: " ",
-    Action.NORTH: "w",
-    Action.EAST: "d",
-    Action.SOUTH: "s",
-    Action.WEST: "a",
-}
+class BatchActions(spaces.MultiDiscrete[Any]):
+    """A `MultiDiscrete`, one action for each environment, whose `sample` takes masks as one array.
 
-_ARROW_KEYS = {
-    Action.NORTH: 0x40000052,
-    Action.EAST: 0x4000004F,
-    Action.SOUTH: 0x40000051,
-    Action.WEST: 0x40000050,
-}
-"""Pygame's numbers of the arrow keys (they are SDL's)."""
-
-
-def keys_of_actions(first_action: int) -> dict[tuple[int, ...], int]:
-    """Return the number of the action that each key means, by pygame's number of the key.
-
-    Args:
-        first_action: the action that is the space's number 0.
+    It equals the plain `MultiDiscrete` of its size, and contains the same actions.
     """
-    keys = [(ord(letter), action) for action, letter in _KEYS.items()]
-    keys += [(key, action) for action, key in _ARROW_KEYS.items()]
-    return {(key,): action - first_action for key, action in keys if action >= first_action}
+
+    state_info: Words | None = None
+    """What `Tables` has under this name, for the masks of `sample()`; None for any action."""
+
+    def __init__(self, num_actions: int, envs: EnvStates) -> None:
+        """Make the space.
+
+        Args:
+            num_actions: how many actions each environment has.
+            envs: the states of the environments.
+        """
+        super().__init__(np.full(envs.state.size, num_actions, np.int64))
+        self._envs = envs
+
+    def sample(self, mask: Any = None, probability: Any = None) -> NDArray[Any]:
+        """Return an action for each environment, each allowed one with equal probability.
+
+        Args:
+            mask: which actions are allowed, int8 `[num_envs, actions]` as in
+                `info["action_mask"]`, or a tuple of `[actions]`. An environment that allows none
+                gets action 0.
+            probability: a tuple of the probabilities of each environment's actions.
+        """
+        if isinstance(mask, np.ndarray) and probability is None:
+            if mask.shape != (self.nvec.size, self.nvec[0]):
+                raise ValueError(
+                    f"the mask must have shape [{self.nvec.size}, {self.nvec[0]}], "
+                    f"not {list(mask.shape)}"
+                )
+            return self._chosen((mask != 0).view(np.int8))
+        if mask is not None or probability is not None or self.state_info is None:
+            return super().sample(mask, probability)
+        state = self._envs.state
+        if state[0] < 0:  # Before the first reset.
+            return super().sample()
+        return self._chosen(masks_at(self.state_info, state, int(self.nvec[0])))
+
+    def _chosen(self, masks: NDArray[np.int8]) -> NDArray[Any]:
+        sets = (masks @ _WEIGHTS[: masks.shape[1]]).astype(np.intp)
+        which = (self.np_random.random(sets.size) * _COUNTS.take(sets)).astype(np.intp)
+        actions: NDArray[Any] = _MEMBERS.take(sets * NUM_ACTIONS + which)
+        return actions
+
+
+_WEIGHTS = 1 << np.arange(NUM_ACTIONS, dtype=np.int8)
+_SETS = np.arange(2**NUM_ACTIONS)[:, None] & _WEIGHTS > 0
+"""All sets of actions, bool `[sets, actions]`; a set's number is the sum of its weights."""
+_COUNTS = _SETS.sum(axis=1)
+_MEMBERS = np.argsort(~_SETS, axis=1, kind="stable").ravel().astype(np.int64)
+"""The actions of each set, its members first."""

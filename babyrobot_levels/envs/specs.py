@@ -1,4 +1,4 @@
-"""Specs of levels: what a level's file says is read when somebody asks for it."""
+"""Specs of levels by name. The file of a level is read when its spec is used."""
 
 from __future__ import annotations
 
@@ -15,19 +15,19 @@ VECTOR = "babyrobot_levels.envs.vector.env:LevelVectorEnv"
 
 
 class LevelSpec(EnvSpec):
-    """The spec of a level that the catalogue knows.
+    """The spec of a level of the catalogue.
 
-    There may be thousands: none is read only because Gymnasium is imported.
+    There may be thousands of levels, so importing Gymnasium must not read their files.
 
     Attributes:
-        level: the level's name. `kwargs` has it too, but Gymnasium's `make_vec` empties that.
+        level: the level's name. `kwargs` has it too, but Gymnasium's `make_vec` empties `kwargs`.
     """
 
     level: str | None = None
 
     @property
     def max_episode_steps(self) -> int | None:
-        """After how many steps an episode is cut off: what was set, or the level's `max_steps`."""
+        """The time limit of an episode: the one that was set, or the level's `max_steps`."""
         if self._steps is None and self.level is not None:
             return _max_steps(self.level)
         return self._steps
@@ -38,20 +38,20 @@ class LevelSpec(EnvSpec):
 
 
 def is_id(text: str) -> bool:
-    """Tell whether Gymnasium takes a text as an id."""
+    """Return whether Gymnasium accepts a text as an id."""
     try:
         parse_env_id(text)
     except error.Error:
         return False
-    # What stands before a colon would be the module to import.
+    # Gymnasium would import the part before a colon as a module.
     return ":" not in text
 
 
 def level_spec(env_id: str, level: str) -> LevelSpec:
     """Return the spec under which a level is registered.
 
-    The environments check the order of calls themselves (`ResetNeeded`), so that a first `render`
-    needs no `reset`, and Gymnasium's wrapper for it is left out.
+    The environments check the order of calls themselves (`ResetNeeded`), without Gymnasium's
+    wrapper for it, because `render` is allowed before `reset`.
     """
     spec = LevelSpec(
         env_id,
@@ -65,7 +65,7 @@ def level_spec(env_id: str, level: str) -> LevelSpec:
 
 
 def _max_steps(level: str) -> int | None:
-    """Return the `max_steps` of a level's file, which need not be valid, or even be there."""
+    """Return the `max_steps` of a level's file; None if the file is missing or invalid."""
     try:
         data = read(read_source(find(level))).data
     except (LevelNotFoundError, LevelError):

@@ -1,8 +1,7 @@
-"""One robot in the levels of a suite, another level in each episode."""
+"""The Gymnasium environment of a suite: another of its levels in each episode."""
 
 from __future__ import annotations
 
-import operator
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -10,9 +9,13 @@ from typing import Any
 import gymnasium
 from gymnasium.wrappers import TimeLimit
 
-from babyrobot_levels.envs.arguments import checked_options, checked_start
-from babyrobot_levels.envs.observations import Observer
-from babyrobot_levels.envs.padding import make_padded_observer
+from babyrobot_levels.envs.arguments import (
+    check_names,
+    checked_index,
+    checked_options,
+    checked_start,
+)
+from babyrobot_levels.envs.observations import Observer, make_observer
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.level import Level
@@ -21,16 +24,16 @@ SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
 
 class SuiteEnv(LevelEnv):
-    """A robot walks the levels of a suite: each reset draws one, evenly, from `np_random`.
+    """A robot moves through the levels of a suite: each reset draws one, uniformly.
 
-    It is played as `LevelEnv` is. The spaces are those of a level of the largest size, so that
-    they never change: a cell has the same observation in levels of all sizes, `"index"` counts
-    `y * largest width + x`, and images show smaller levels in their upper left corner, black
-    around them.
+    Actions, rewards and ends of episodes are those of `LevelEnv`. The observation space is that of
+    the largest level and never changes: a cell has the same observation in levels of all sizes,
+    `"index"` is `y * largest width + x`, and images show smaller levels in their upper left
+    corner, with black around them.
 
     Attributes:
-        suite: the levels, or the split of them, that are played.
-        level: the level of this episode.
+        suite: the suite, or the split of it.
+        level: the level of the current episode.
     """
 
     def __init__(self, suite: SuiteLike, *, split: str | None = None, **kwargs: Any) -> None:
@@ -38,62 +41,69 @@ class SuiteEnv(LevelEnv):
 
         Args:
             suite: a name, a path, a mapping or a `Suite`.
-            split: the split whose levels are played; all of them if left out.
-            kwargs: what `LevelEnv` takes beside `level`.
+            split: the split that is used; by default, the whole suite.
+            kwargs: the arguments of `LevelEnv` other than `level`.
 
         Raises:
             SuiteNotFoundError: there is no such suite.
             LevelError: the suite is not valid.
-            ValueError: there is no such split, no level at all, or another argument has a value
-                that it cannot have.
+            ValueError: there is no such split, it has no levels, or another argument is invalid.
         """
         self._given_suite, self.suite = suite_and_split(suite, split)
         super().__init__(self.suite[0], **kwargs)
         self._options = ("start", "index")
 
     def _new_observer(self, level: Level) -> Observer:
-        return make_padded_observer(level, self.suite.largest, self._observation, *self._image)
+        return make_observer(level, self._observation, self.suite.largest, *self._image)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin an episode in another level.
+        """Start an episode in another level.
 
         Args:
-            seed: for the environment's own generator, from which everything is drawn.
-            options: `{"index": i}` asks for level i of the suite or split; `{"start": [x, y]}`
-                begins at that cell.
+            seed: seeds the environment's own generator, the only source of randomness.
+            options: `{"index": i}` selects level i of the suite or split; `{"start": [x, y]}`
+                starts in that cell.
 
         Returns:
             The observation, and an info with `action_mask`, `level_index` (its number in the suite
             or split) and `level_digest`.
 
         Raises:
-            ValueError: there is no such level or option, or the robot cannot start at that cell.
+            ValueError: there is no such level or option, or the robot cannot start in that cell.
             StarvedError: no level meets the suite's conditions.
         """
         options = checked_options(options, *self._options)
-        index = _checked_index(options.get("index"), len(self.suite))
+        index = checked_index(options.get("index"), len(self.suite))
         gymnasium.Env.reset(self, seed=seed)
         if index is None:
             index = int(self.np_random.random() * len(self.suite))
         level = self.suite[index]
-        # A refused reset leaves the running episode as it is.
+        # A refused reset leaves the current episode as it is.
         checked_start(options.get("start"), level)
         self._enter(level)
         observation, info = super().reset(options=options)
         info["level_index"], info["level_digest"] = index, level.digest
         return observation, info
 
-    def _spell_out(self, given: dict[str, Any]) -> None:
-        spell_out_suite(given, self._given_suite)
+    def _make_serializable(self, given: dict[str, Any]) -> None:
+        make_suite_serializable(given, self._given_suite)
 
 
 def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a suite's environment under the time limit that its `max_steps` gives it.
+    """Return a suite's environment, in a `TimeLimit` if the suite has `max_steps`.
 
     The entry point of `babyrobot/Suite-v0`.
+
+    Args:
+        suite: a name, a path, a mapping or a `Suite`.
+        kwargs: the other arguments of `SuiteEnv`.
+
+    Raises:
+        TypeError: there is no such argument.
     """
+    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps")
     loaded = load_suite(suite)
     env, limit = SuiteEnv(loaded, **kwargs), loaded.fields.max_steps
     return env if limit is None else TimeLimit(env, limit)
@@ -103,12 +113,12 @@ make_suite.metadata = SuiteEnv.metadata  # type: ignore[attr-defined]
 
 
 def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
-    """Return a suite, and what is played of it.
+    """Return a suite, and the split of it (or the suite again).
 
     Raises:
         SuiteNotFoundError: there is no such suite.
         LevelError: the suite is not valid.
-        ValueError: there is no such split, or no level at all.
+        ValueError: there is no such split, or it has no levels.
     """
     loaded = load_suite(suite)
     played = loaded if split is None else loaded.split(split)
@@ -117,10 +127,10 @@ def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
     return loaded, played
 
 
-def spell_out_suite(given: dict[str, Any], suite: Suite) -> None:
-    """Put what a suite says, which is JSON, into the place of a suite or a path, which is not.
+def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:
+    """Replace a suite or a path among arguments by the fields of the suite, which JSON has.
 
-    A slice of a suite has no such form.
+    A slice of a suite has no such form and stays.
 
     Args:
         given: the arguments of an environment; changed in place.
@@ -128,20 +138,3 @@ def spell_out_suite(given: dict[str, Any], suite: Suite) -> None:
     """
     if not isinstance(given.get("suite"), str):
         given |= suite.to_arguments() or {}
-
-
-def _checked_index(index: Any, count: int) -> int | None:
-    """Return the number of a level that a reset asks for, None for None.
-
-    Raises:
-        ValueError: there is no such level.
-    """
-    if index is None:
-        return None
-    try:
-        number = operator.index(index)
-    except TypeError:
-        number = -1
-    if not 0 <= number < count:
-        raise ValueError(f"options['index'] must be a whole number below {count:,}, not {index!r}")
-    return number

@@ -9,8 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.analysis.metrics import Metrics
-from babyrobot_levels.analysis.walks import neighbours
+from babyrobot_levels.analysis.metrics import Metrics, neighbours
 from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain

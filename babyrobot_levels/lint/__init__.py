@@ -1,5 +1,5 @@
-"""Faults of play and of style: levels that load, and are not what their authors meant.
+"""The linter: rules of play and of style for levels that load but are not what was intended.
 
-Rules are proved from the compiled tables where they speak of play. Each has a file of its own in
-`rules/`, whose docstring is the rule's page.
+Rules of play are proved from the compiled tables. `rules/` contains the rules, `errors/` the pages
+of the error codes.
 """

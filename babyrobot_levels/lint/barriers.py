@@ -1,8 +1,7 @@
-"""What each wall and each opening of a level does to the grid, beside all the others.
+"""The effect of each wall and each opening on the grid, given all the others.
 
-Entries are looked at from the last one to the first, and one that does nothing counts as gone
-from then on. So of two that say the same the later one is told, and all that are told can go
-together.
+Entries are checked from last to first, and one without effect counts as removed from then on. Of
+two equal entries the later one is reported, and all reported entries can be removed together.
 """
 
 from __future__ import annotations
@@ -14,24 +13,24 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.walls import Opening, Wall
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.lint.drawn import count_drawn
+from babyrobot_levels.lint.finding import count_drawn
 from babyrobot_levels.mdp.grid import BIT, Grid
 
 Flags = NDArray[np.bool_]
 Numbers = NDArray[np.int32]
 Place = tuple[int, tuple[slice, slice]]
-"""Sides that lie in a row: 0 for sides across (N and S) or 1 for sides that run down, and where."""
+"""A run of sides: 0 for horizontal sides (N and S) or 1 for vertical ones, and the slices."""
 
 
 @dataclass(frozen=True, slots=True)
 class Undoing:
-    """An opening that takes a wall of the level away.
+    """An opening that removes a wall of the level.
 
     Attributes:
-        opening: its number.
-        wall: the number of the wall.
-        wholly: whether nothing is left of it that would not be there anyway.
-        idle: whether without that wall the opening would take nothing away.
+        opening: the index of the opening.
+        wall: the index of the wall.
+        wholly: whether nothing is left of the wall that would not exist without it.
+        idle: whether the opening would have no effect without that wall.
     """
 
     opening: int
@@ -41,19 +40,19 @@ class Undoing:
 
 
 class Barriers:
-    """The walls and openings of a level that do nothing, or undo each other.
+    """The walls and openings of a level that have no effect or cancel each other.
 
-    Numbers count the level's walls and openings from 0, those of its drawing included.
+    Indices count the level's walls and openings from 0, including those of its drawing.
 
     Attributes:
-        idle_walls: walls without which grid and picture would be the same. Those that an opening
-            takes away are not among them.
+        idle_walls: walls without which grid and picture would be the same, except for those that
+            an opening removes.
         idle_openings: openings without which grid and picture would be the same.
-        undoings: openings that take walls of the level away.
+        undoings: openings that remove walls of the level.
     """
 
     def __init__(self, level: Level, bare: Grid) -> None:
-        """Look at a level.
+        """Compare the entries of a level.
 
         Args:
             level: the level.
@@ -71,50 +70,50 @@ class Barriers:
         self.idle_walls = self._idle_walls(before)
 
     def _count(self) -> dict[int, NDArray[np.float64]]:
-        """Count walls and openings; return what each `pass` that is given takes the place of."""
+        """Count walls and openings; return the values that each given `pass` replaces."""
         before = {}
         passes = [np.zeros(sides.shape) for sides in self._base]
         drawn = count_drawn(self._level, "walls")
         for number, wall in enumerate(self._level.walls):
-            way, where = place(wall)
-            self._walls[way][where] += 1
-            self._owner[way][where] = number
+            axis, where = place(wall)
+            self._walls[axis][where] += 1
+            self._owner[axis][where] = number
             if "pass_" in wall.model_fields_set:
-                before[number] = passes[way][where].copy()
-                # What a drawing leaves open is never the same as what an entry says.
-                passes[way][where] = np.nan if number < drawn else wall.pass_
+                before[number] = passes[axis][where].copy()
+                # The `pass` that a drawing implies never equals one that is given.
+                passes[axis][where] = np.nan if number < drawn else wall.pass_
         for opening in self._level.openings:
-            way, where = place(opening)
-            self._openings[way][where] += 1
+            axis, where = place(opening)
+            self._openings[axis][where] += 1
         return before
 
     def _undoings(self) -> list[Undoing]:
         found = []
         for number, opening in enumerate(self._level.openings):
-            way, where = place(opening)
-            owner = self._owner[way][where]
-            for wall in np.unique(owner[(owner >= 0) & ~self._hidden[way][where]]).tolist():
-                rest = self._walls[way][where] - (owner == wall) > 0
-                idle = not self._takes_away(way, where, self._base[way][where] | rest)
+            axis, where = place(opening)
+            owner = self._owner[axis][where]
+            for wall in np.unique(owner[(owner >= 0) & ~self._hidden[axis][where]]).tolist():
+                rest = self._walls[axis][where] - (owner == wall) > 0
+                idle = not self._removes_wall(axis, where, self._base[axis][where] | rest)
                 found.append(Undoing(number, wall, self._is_undone(wall), idle))
         return found
 
     def _is_undone(self, number: int) -> bool:
-        """Tell whether openings leave nothing of a wall, or nothing that is not there anyway."""
+        """Return whether openings leave nothing of a wall that would not exist without it."""
         wall = self._level.walls[number]
-        way, where = place(wall)
-        gone = (self._openings[way][where] > 0) | self._hidden[way][where]
+        axis, where = place(wall)
+        gone = (self._openings[axis][where] > 0) | self._hidden[axis][where]
         if "pass_" not in wall.model_fields_set and not _has_looks(wall):
-            gone |= self._base[way][where] | (self._walls[way][where] > 1)
+            gone |= self._base[axis][where] | (self._walls[axis][where] > 1)
         return bool(gone.all())
 
     def _idle_openings(self) -> list[int]:
         found = []
         for number, opening in reversed([*enumerate(self._level.openings)]):
-            way, where = place(opening)
-            if not self._takes_away(way, where, self._is_wall(way, where)):
+            axis, where = place(opening)
+            if not self._removes_wall(axis, where, self._is_wall(axis, where)):
                 found.append(number)
-                self._openings[way][where] -= 1
+                self._openings[axis][where] -= 1
         return found[::-1]
 
     def _idle_walls(self, before: dict[int, NDArray[np.float64]]) -> list[int]:
@@ -122,35 +121,35 @@ class Barriers:
         later = [np.zeros(sides.shape, bool) for sides in self._base]
         drawn = count_drawn(self._level, "walls")
         for number, wall in reversed([*enumerate(self._level.walls)][drawn:]):
-            way, where = place(wall)
-            opened = self._openings[way][where] > 0
-            stands = ~opened & ~self._hidden[way][where]
-            alone = stands & ~self._base[way][where] & (self._walls[way][where] == 1)
+            axis, where = place(wall)
+            opened = self._openings[axis][where] > 0
+            stands = ~opened & ~self._hidden[axis][where]
+            alone = stands & ~self._base[axis][where] & (self._walls[axis][where] == 1)
             matters = bool(alone.any() or opened.any())
             if number in before:
                 new = before[number] != wall.pass_
-                joins = self._joins[way][where]
-                matters = matters or bool((stands & joins & new & ~later[way][where]).any())
+                joins = self._joins[axis][where]
+                matters = matters or bool((stands & joins & new & ~later[axis][where]).any())
             if matters or (_has_looks(wall) and stands.any()):
-                later[way][where] |= number in before
+                later[axis][where] |= number in before
             else:
                 found.append(number)
-                self._walls[way][where] -= 1
+                self._walls[axis][where] -= 1
         return found[::-1]
 
-    def _is_wall(self, way: int, where: tuple[slice, slice]) -> Flags:
-        return self._base[way][where] | (self._walls[way][where] > 0)
+    def _is_wall(self, axis: int, where: tuple[slice, slice]) -> Flags:
+        return self._base[axis][where] | (self._walls[axis][where] > 0)
 
-    def _takes_away(self, way: int, where: tuple[slice, slice], walls: Flags) -> bool:
-        """Tell whether there is a wall that no other opening takes away."""
-        alone = self._openings[way][where] == 1
-        return bool((walls & alone & ~self._hidden[way][where]).any())
+    def _removes_wall(self, axis: int, where: tuple[slice, slice], walls: Flags) -> bool:
+        """Return whether there is a wall that no other opening removes."""
+        alone = self._openings[axis][where] == 1
+        return bool((walls & alone & ~self._hidden[axis][where]).any())
 
 
 def place(entry: Opening) -> Place:
-    """Return where a wall or an opening stands in arrays over the sides of cells.
+    """Return the position of a wall or an opening in arrays over the sides of cells.
 
-    Sides across are `[height + 1, width]`, sides that run down `[height, width + 1]`.
+    Horizontal sides have shape `[height + 1, width]`, vertical ones `[height, width + 1]`.
     """
     x, y = entry.at
     if entry.side in ("N", "S"):

@@ -1,4 +1,4 @@
-"""Applies fixes to a text, again and again until there is nothing left to mend."""
+"""Applying fixes to a text until none is left."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ from babyrobot_levels.lint.runner import Report, lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Edit, Fix
 from babyrobot_levels.text.source import SourceFile
 
-MAX_ROUNDS = 20
-"""A fix may lay bare another; rules that undo each other's fixes would never end."""
+MAX_ROUNDS = 100
+"""One fix may enable another. Rules that undo each other's fixes would never finish."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,8 +21,8 @@ class Fixed:
 
     Attributes:
         text: the text.
-        count: how many fixes were applied.
-        report: what linting finds in it now.
+        count: the number of fixes that were applied.
+        report: the findings that are left.
     """
 
     text: str
@@ -33,37 +33,41 @@ class Fixed:
 def fix(
     source: SourceFile, rules: Sequence[Rule], path: Path | None = None, *, unsafe: bool = False
 ) -> Fixed:
-    """Apply all safe fixes to a text, and with `unsafe` the others too.
+    """Apply all safe fixes to a text and, with `unsafe`, the others too.
 
-    A safe fix never changes the game: one that did would be dropped. Whatever does not
-    load after its fix is dropped too.
+    A fix is refused if the level does not load after it, or if the fix claims to be safe and
+    changes the MDP. Refused fixes are tried again after the others: some depend on them, such as
+    the removal of an anchored value after the removal of its last alias.
     """
     report = lint_source(source, rules, path)
-    count, dropped = 0, set[str]()
-    for _ in range(MAX_ROUNDS):
-        found = [each for each in report.diagnostics if each.code not in dropped]
-        batch = _apart(_wanted(found, unsafe))
+    count, rounds, since = 0, 0, 0
+    refused: set[Diagnostic] = set()
+    while rounds < MAX_ROUNDS:
+        found = [each for each in report.diagnostics if each not in refused]
+        batch = _disjoint(_wanted(found, unsafe))
         if not batch:
-            break
-        text = apply((edit for each in batch for edit in _edits(each)), source)
-        mended = SourceFile(source.name, text)
-        after = lint_source(mended, rules, path)
-        if _is_broken(report, after, safe=all(_is_safe(each) for each in batch)):
-            # Only one at a time tells who is to blame.
-            batch = batch[:1] if len(batch) > 1 else batch
-            text = apply((edit for edit in _edits(batch[0])), source)
-            mended = SourceFile(source.name, text)
-            after = lint_source(mended, rules, path)
-            if _is_broken(report, after, safe=_is_safe(batch[0])):
-                dropped.add(batch[0].code)
-                continue
-        source, report = mended, after
-        count += len(batch)
+            if not refused or since == count:
+                break
+            refused.clear()
+            since = count
+            continue
+        while True:
+            text = apply((edit for each in batch for edit in _edits(each)), source)
+            fixed = SourceFile(source.name, text)
+            after = lint_source(fixed, rules, path)
+            if not _is_broken(report, after, safe=all(_is_safe(each) for each in batch)):
+                source, report = fixed, after
+                count, rounds = count + len(batch), rounds + 1
+                break
+            if len(batch) == 1:
+                refused.add(batch[0])
+                break
+            batch = batch[: len(batch) // 2]
     return Fixed(source.text, count, report)
 
 
 def apply(edits: Iterable[Edit], source: SourceFile) -> str:
-    """Return a text with edits, which must not overlap, applied to it."""
+    """Return a text after edits, which must not overlap."""
     text = source.text
     for edit in sorted(edits, key=lambda each: each.span, reverse=True):
         first, last = source.index(edit.span.start), source.index(edit.span.end)
@@ -75,19 +79,19 @@ def _wanted(found: Iterable[Diagnostic], unsafe: bool) -> list[Diagnostic]:
     return [each for each in found if each.fix is not None and (each.fix.safe or unsafe)]
 
 
-def _apart(found: Sequence[Diagnostic]) -> list[Diagnostic]:
-    """Return those whose edits do not touch the edits of others before them."""
+def _disjoint(found: Sequence[Diagnostic]) -> list[Diagnostic]:
+    """Return those whose edits do not touch the edits of earlier ones."""
     taken: list[Edit] = []
     batch = []
     for each in found:
         edits = _edits(each)
-        if not any(_overlap(edit, other) for edit in edits for other in taken):
+        if not any(_touch(edit, other) for edit in edits for other in taken):
             taken += edits
             batch.append(each)
     return batch
 
 
-def _overlap(one: Edit, other: Edit) -> bool:
+def _touch(one: Edit, other: Edit) -> bool:
     return one.span.start <= other.span.end and other.span.start <= one.span.end
 
 
@@ -100,5 +104,5 @@ def _is_safe(found: Diagnostic) -> bool:
 
 
 def _is_broken(before: Report, after: Report, *, safe: bool) -> bool:
-    """Tell whether the level no longer loads, or is another game though it must not be."""
+    """Return whether the level no longer loads, or changed although it must not."""
     return not after.is_valid or (safe and before.digest != after.digest)

@@ -1,21 +1,76 @@
-"""Fixes that rules share: entries that go, and entries that come."""
+"""Fixes: edits of a level file that leave comments, quotes and the order of fields unchanged."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
+from typing import Any
 
-from babyrobot_levels.lint.edits import remove
-from babyrobot_levels.lint.rule import Route
-from babyrobot_levels.text.diagnostics import Edit, Fix
+from babyrobot_levels.text.diagnostics import Edit, Fix, Route
 from babyrobot_levels.text.document import Document, Node
-from babyrobot_levels.text.source import Position, Span
+from babyrobot_levels.text.emitter import flow
+from babyrobot_levels.text.source import Position, SourceFile, Span
+
+
+def replace(document: Document, route: Route, text: str) -> Edit:
+    """Return the edit that replaces a value by `text`.
+
+    Raises:
+        KeyError: the file has no such value.
+    """
+    return Edit(_node(document, route).span, text)
+
+
+def remove(document: Document, route: Route) -> Edit:
+    """Return the edit that removes a field or an entry of a list.
+
+    A list or mapping that would be left empty is removed as well.
+
+    Raises:
+        KeyError: the file has no such value.
+    """
+    _node(document, route)
+    parent = _node(document, route[:-1])
+    while len(parent.children) == 1 and len(route) > 1:
+        route = route[:-1]
+        parent = _node(document, route[:-1])
+    first, last = _extent(parent, route[-1])
+    places = [*parent.children]
+    number = places.index(route[-1])
+    source = document.source
+    if _is_flow(parent) or not _has_its_lines(route[-1], first, source):
+        if number + 1 < len(places):
+            return _cut(source, first, _extent(parent, places[number + 1])[0])
+        return _cut(source, _extent(parent, places[number - 1])[1], last)
+    start, end = source.position(first).line, source.position(last - 1).line
+    if isinstance(route[-1], int):
+        # The dash may be on a line of its own.
+        while not source.line(start).lstrip().startswith("-"):
+            start -= 1
+    while not source.line(end).strip():
+        end -= 1
+    return Edit(Span(Position(start, 1), Position(end + 1, 1)), "")
+
+
+def merge(
+    document: Document, field: str, first: int, count: int, merged: dict[str, Any]
+) -> Fix | None:
+    """Return the fix that replaces several consecutive entries by one.
+
+    Returns None if the list is in flow style, where entries cannot be removed safely.
+    """
+    if _is_flow(_node(document, (field,))):
+        return None
+    entry = replace(document, (field, first), flow(merged))
+    rest = [remove(document, (field, number)) for number in range(first + 1, first + count)]
+    return Fix(f"write `{flow(merged)}`", (entry, *rest))
 
 
 def removal(document: Document, message: str, *routes: Route, safe: bool = True) -> Fix | None:
-    """Return the fix that takes some values away.
+    """Return the fix that removes some values.
 
-    None where the text does not have them, or where aliases make one text stand for several values.
+    Returns None if the text does not contain them, or if they are part of an anchored value that
+    aliases repeat.
     """
     try:
         edits = tuple(remove(document, route) for route in routes)
@@ -29,17 +84,17 @@ def removal(document: Document, message: str, *routes: Route, safe: bool = True)
 def append(
     document: Document, field: str, entries: Sequence[str], after: Sequence[str]
 ) -> Edit | None:
-    """Return the edit that adds entries to a list of the file, which need not be there yet.
+    """Return the edit that adds entries to a list of the file, creating the list if necessary.
 
     Args:
         document: the file.
         field: the list.
         entries: the entries as YAML in flow style.
-        after: the fields below which a new list belongs; one of them is there.
+        after: fields after which a new list is inserted; the file has at least one of them.
 
     Returns:
-        None where there is no good place for them: the whole file is in flow style, or the list
-        is an alias.
+        None if there is no good position: the whole file is in flow style, or the list is an
+        alias.
     """
     source, root = document.source, document.root
     newline = "\r\n" if "\r\n" in source.text else "\n"
@@ -71,8 +126,36 @@ def append(
     return Edit(Span(place, place), f"{text}{newline}")
 
 
+def _node(document: Document, route: Route) -> Node:
+    node, depth = document.node(route)
+    if depth < len(route):
+        raise KeyError(route)
+    return node
+
+
+def _extent(parent: Node, key: str | int) -> tuple[int, int]:
+    """Return the bounds of a field (with its name) or of an entry."""
+    child = parent.children[key]
+    return parent.keys.get(key, child).first, child.last
+
+
+def _is_flow(node: Node) -> bool:
+    return node.source.text[node.first] in "[{"
+
+
+def _has_its_lines(key: str | int, first: int, source: SourceFile) -> bool:
+    """Return whether nothing but an entry's own dash precedes it on its line."""
+    position = source.position(first)
+    before = source.line(position.line)[: position.column - 1].strip()
+    return before in (("", "-") if isinstance(key, int) else ("",))
+
+
+def _cut(source: SourceFile, first: int, last: int) -> Edit:
+    return Edit(Span(source.position(first), source.position(last)), "")
+
+
 def _is_shared(document: Document, route: Route) -> bool:
-    """Tell whether a container on the way to a value is anchored text that aliases repeat."""
+    """Return whether a container on the route to a value is anchored and repeated by aliases."""
     if "*" not in document.source.text:
         return False
     times: Counter[int] = Counter()
@@ -85,10 +168,6 @@ def _is_shared(document: Document, route: Route) -> bool:
             waiting += node.children.values()
     nodes = [document.node(route[:depth])[0] for depth in range(len(route) + 1)]
     return any(times[id(node.children)] > 1 for node in nodes)
-
-
-def _is_flow(node: Node) -> bool:
-    return node.source.text[node.first] in "[{"
 
 
 def _end(node: Node) -> int:

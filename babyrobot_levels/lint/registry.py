@@ -1,44 +1,55 @@
-"""The rules there are: one module of `rules/` each."""
+"""All rules and error codes: selection, lookup, and their pages."""
 
 from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Sequence
+import re
+from collections.abc import Iterable, Sequence
 from functools import cache, lru_cache
-from inspect import cleandoc
-from types import ModuleType
+from importlib.resources import files
 
 from babyrobot_levels.lint import rules as rules_package
-from babyrobot_levels.lint.rule import Rule
+from babyrobot_levels.lint.rule import REGISTERED, Rule
+from babyrobot_levels.text.diagnostics import Severity
 from babyrobot_levels.text.words import did_you_mean
+
+_FIRST_LINE = re.compile(r"(?P<name>[a-z0-9-]+)(?: \(formerly (?P<formerly>[a-z0-9-]+)\))?")
 
 
 class UnknownRuleError(ValueError):
-    """Somebody asks for a rule that there is not."""
+    """A rule that does not exist was selected or ignored."""
 
 
 @cache
 def all_rules() -> tuple[Rule, ...]:
-    """Return all rules, in the order of their codes."""
-    modules = (
+    """Return all rules, sorted by code."""
+    for module in pkgutil.iter_modules(rules_package.__path__):
         importlib.import_module(f"{rules_package.__name__}.{module.name}")
-        for module in pkgutil.iter_modules(rules_package.__path__)
-    )
-    return tuple(sorted(map(rule_of, modules), key=lambda rule: rule.code))
+    return tuple(sorted(REGISTERED.values(), key=lambda rule: rule.code))
+
+
+@cache
+def all_pages() -> tuple[Rule, ...]:
+    """Return all errors and rules, sorted by code."""
+    return (*_errors(), *all_rules())
+
+
+def find(word: str) -> Rule | None:
+    """Return the rule or error with a code, a name or a former name; None if there is none."""
+    return next((rule for rule in all_pages() if rule.is_called(word)), None)
 
 
 def select(select: Sequence[str] | None, ignore: Sequence[str] = ()) -> tuple[Rule, ...]:
     """Return the rules that are selected and not ignored.
 
     Args:
-        select: codes, beginnings of codes (`BR5`), names, or `ALL`; None selects those that are
-            on by themselves.
-        ignore: the same for rules that are not wanted. A longer beginning wins over a shorter
-            one, so that `BR503` can be selected where `BR5` is ignored.
+        select: codes, prefixes of codes (`BR5`), names, or `ALL`; None selects the default rules.
+        ignore: the same for rules to leave out. The longer prefix takes precedence, so that
+            `BR503` can be selected while `BR5` is ignored.
 
     Raises:
-        UnknownRuleError: no rule is meant by one of them.
+        UnknownRuleError: one of them matches no rule.
     """
     return _selected(None if select is None else tuple(select), tuple(ignore))
 
@@ -46,51 +57,94 @@ def select(select: Sequence[str] | None, ignore: Sequence[str] = ()) -> tuple[Ru
 @lru_cache(maxsize=64)
 def _selected(select: tuple[str, ...] | None, ignore: tuple[str, ...]) -> tuple[Rule, ...]:
     for word in [*(select or ()), *ignore]:
-        if not any(_meant(word, rule) for rule in all_rules()):
+        if not any(_match(word, rule) for rule in all_rules()):
             known = [each for rule in all_rules() for each in (rule.code, rule.name)]
-            raise UnknownRuleError(f"there is no rule `{word}`{did_you_mean(word, known)}")
+            raise UnknownRuleError(f"unknown rule `{word}`{did_you_mean(word, known)}")
     return tuple(
         rule
         for rule in all_rules()
-        if _wanted(rule, select) > max((_meant(word, rule) for word in ignore), default=0)
+        if _selection(rule, select) > max((_match(word, rule) for word in ignore), default=0)
     )
 
 
-def find(word: str) -> Rule | None:
-    """Return the rule of a code or a name, None where there is no such rule."""
-    for rule in all_rules():
-        if rule.is_called(word):
-            return rule
-    return None
-
-
-def _wanted(rule: Rule, select: Sequence[str] | None) -> int:
-    """Return how exactly a rule is selected, 0 if it is not."""
+def _selection(rule: Rule, select: Sequence[str] | None) -> int:
+    """Return how specifically a rule is selected, 0 if it is not."""
     if select is None:
         return int(rule.default)
-    return max((_meant(word, rule) for word in select), default=0)
+    return max((_match(word, rule) for word in select), default=0)
 
 
-def _meant(word: str, rule: Rule) -> int:
-    """Return how exactly a word means a rule, 0 if it does not."""
+def _match(word: str, rule: Rule) -> int:
+    """Return how specifically a word matches a rule, 0 if it does not."""
     if word.upper() == "ALL":
         return 1
-    if word.lower() == rule.name:
+    if word.lower() == rule.name or word.lower() in rule.aliases:
         return len(rule.code) + 1
-    is_beginning = len(word) >= 2 and rule.code.startswith(word.upper())
-    return len(word) if is_beginning else 0
+    is_prefix = len(word) >= 2 and rule.code.startswith(word.upper())
+    return len(word) if is_prefix else 0
 
 
-def rule_of(module: ModuleType) -> Rule:
-    """Return the rule of a module: its docstring is the page, its name the rule's."""
-    page = cleandoc(module.__doc__ or "")
-    return Rule(
-        module.CODE,
-        module.__name__.rpartition(".")[2].replace("_", "-"),
-        page.partition("\n")[0],
-        page,
-        module.SEVERITY,
-        module.NEEDS,
-        getattr(module, "check", None),
-        getattr(module, "DEFAULT", True),
-    )
+def renamed(words: Iterable[str]) -> dict[str, str]:
+    """Return the former rule names among some words, each with the rule's current name."""
+    return {
+        word: rule.name for word in words for rule in all_rules() if word.lower() in rule.aliases
+    }
+
+
+def titles() -> dict[str, str]:
+    """Return the summary of each code."""
+    return {rule.code: rule.summary for rule in all_pages()}
+
+
+def as_markdown(rule: Rule) -> str:
+    """Return a page of the documentation."""
+    kind = {
+        Severity.ERROR: "Error: the level does not load.",
+        Severity.WARNING: "Rule of play, severity `warning`.",
+        Severity.INFO: "Rule of style, severity `info`.",
+    }[rule.severity]
+    if rule.code.startswith("BR7"):
+        kind = "Error: no pack is written."
+    if not rule.default:
+        kind += " Off by default."
+    for alias in rule.aliases:
+        kind += f" Formerly named `{alias}`, which still works."
+    return f"# {rule.name} ({rule.code})\n\n{kind}\n\n{rule.page.rstrip()}\n"
+
+
+def index() -> str:
+    """Return the page that lists all others, Markdown."""
+    parts = [
+        "# Errors and rules\n\n"
+        "`babyrobot validate` reports errors; `babyrobot lint` also reports what the rules find. "
+        "`babyrobot rule CODE` shows a page in the terminal. See also [linting](../linting.md).\n"
+    ]
+    for title, severity in (
+        ("Errors", Severity.ERROR),
+        ("Rules of play", Severity.WARNING),
+        ("Rules of style", Severity.INFO),
+    ):
+        parts.append(f"\n## {title}\n\n| Code | Name | Description |\n|---|---|---|\n")
+        parts += [
+            f"| [{rule.code}]({rule.name}.md) | `{rule.name}` | {rule.summary} |\n"
+            for rule in all_pages()
+            if rule.severity is severity
+        ]
+    return "".join(parts)
+
+
+def _errors() -> list[Rule]:
+    """Read the pages of the errors: a line with the name, the summary, and the page."""
+    found = []
+    for file in files("babyrobot_levels.lint").joinpath("errors").iterdir():
+        first, _, rest = file.read_text("utf-8").partition("\n")
+        summary, _, page = rest.strip().partition("\n")
+        names = _FIRST_LINE.fullmatch(first)
+        if names is None:
+            raise ValueError(f"{file.name}: the first line must be a name")
+        aliases = (names["formerly"],) if names["formerly"] else ()
+        code = file.name.removesuffix(".md")
+        found.append(
+            Rule(code, names["name"], summary, page.strip() + "\n", Severity.ERROR, aliases=aliases)
+        )
+    return sorted(found, key=lambda rule: rule.code)

@@ -1,70 +1,35 @@
-"""What a rule is, and what it finds."""
+"""What a rule is, and the decorator that registers one."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from enum import Enum, auto
-from typing import TYPE_CHECKING
+from functools import cached_property
+from inspect import cleandoc
+from typing import Any, TypeVar
 
-from babyrobot_levels.text.diagnostics import Fix, Severity
-from babyrobot_levels.text.source import Span
+from babyrobot_levels.lint.context import LintContext
+from babyrobot_levels.lint.finding import Finding, Needs
+from babyrobot_levels.text.diagnostics import Severity
 
-if TYPE_CHECKING:
-    from babyrobot_levels.lint.case import Case
-
-Route = tuple[str | int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """Something that a rule found, told by the route of keys to where it stands in the file.
-
-    Attributes:
-        route: the way to the value; one that goes deeper than the file gives the deepest part
-            that is there, and an empty one the file's first line.
-        message: what is wrong, in the user's words.
-        help: what to do about it.
-        key: whether the field itself is meant, and not its value.
-        mark: a place in the drawing: line and character (from 0), and how many characters.
-        fix: edits that mend it.
-        span: the place itself, where no route leads to it: a comment, a line.
-    """
-
-    route: Route
-    message: str
-    help: str | None = None
-    key: bool = False
-    mark: tuple[int, int, int] | None = None
-    fix: Fix | None = None
-    span: Span | None = None
+Check = Callable[[LintContext], Iterable[Finding]]
+Function = TypeVar("Function", bound=Callable[[Any], Iterable[Finding]])
 
 
-class Needs(Enum):
-    """What must be there for a rule to look at a level."""
-
-    LEVEL = auto()
-    """The level and its text."""
-    TABLES = auto()
-    """The compiled tables: a level with random mazes has none."""
-
-
-Check = Callable[["Case"], Iterable[Finding]]
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Rule:
-    """A rule: what `babyrobot rule` lists, and the check that finds it.
+    """A rule, or the page of an error code.
 
     Attributes:
-        code: the stable code: `BR5xx` of play, `BR6xx` of style.
-        name: the rule's name, a slug.
-        summary: what it finds, in one sentence.
-        page: its page, Markdown.
-        severity: how bad a finding is.
-        needs: what must be there for the check to run.
-        check: the check; None for a rule that looks at several files at once.
-        default: whether it runs where nobody selects rules.
+        code: the stable code: `BR5xx` for rules of play, `BR6xx` for rules of style.
+        name: the name, in kebab case.
+        summary: what the rule finds, one line.
+        page: the page, Markdown.
+        severity: the severity of its findings.
+        needs: what the check needs.
+        check: the check; None for errors, and for a rule that compares files.
+        default: whether the rule runs unless it is ignored.
+        aliases: former names, which still work.
     """
 
     code: str
@@ -72,10 +37,66 @@ class Rule:
     summary: str
     page: str
     severity: Severity
-    needs: Needs
-    check: Check | None
+    needs: Needs = Needs.LEVEL
+    check: Check | None = None
     default: bool = True
+    aliases: tuple[str, ...] = ()
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """The code, the name and the former names, in lower case."""
+        return frozenset((self.code.lower(), self.name, *self.aliases))
 
     def is_called(self, word: str) -> bool:
-        """Tell whether a word is the rule's code or its name."""
-        return word.upper() == self.code or word.lower() == self.name
+        """Return whether a word is the rule's code, its name or a former name."""
+        return word.lower() in self.names
+
+
+REGISTERED: dict[str, Rule] = {}
+"""The rules that have been defined so far, by code. Use `registry.all_rules` to get all of them."""
+
+
+def rule(
+    code: str,
+    severity: Severity = Severity.WARNING,
+    *,
+    needs: Needs = Needs.TABLES,
+    formerly: str | None = None,
+    default: bool = True,
+    compares_files: bool = False,
+) -> Callable[[Function], Function]:
+    """Register a function as a rule.
+
+    The function's name gives the rule's name, the first line of its docstring the summary, and the
+    rest of the docstring the page.
+
+    Args:
+        code: the code.
+        severity: the severity of the findings.
+        needs: what the check needs.
+        formerly: a former name of the rule, which still works.
+        default: whether the rule runs unless it is ignored.
+        compares_files: whether the function is called for two files instead of for each file.
+    """
+
+    def register(function: Function) -> Function:
+        summary, _, page = cleandoc(function.__doc__ or "").partition("\n")
+        REGISTERED[code] = Rule(
+            code,
+            function.__name__.replace("_", "-"),
+            summary,
+            page.strip() + "\n",
+            severity,
+            needs,
+            None if compares_files else function,
+            default,
+            () if formerly is None else (formerly,),
+        )
+        return function
+
+    return register
+
+
+def is_known(word: str) -> bool:
+    """Return whether a word is the code, the name or a former name of a registered rule."""
+    return any(each.is_called(word) for each in REGISTERED.values())

@@ -1,7 +1,7 @@
-"""Which rules a project wants.
+"""The linter's settings of a project.
 
-`[tool.babyrobot.lint]` of a `pyproject.toml`, or `[lint]` of a `babyrobot.toml`: the nearest one
-upward from the level file counts.
+They are the table `[tool.babyrobot.lint]` of a `pyproject.toml` or `[lint]` of a `babyrobot.toml`,
+in the nearest such file above the level file.
 """
 
 from __future__ import annotations
@@ -25,35 +25,43 @@ _TABLES: dict[str, tuple[str, ...]] = {
     "babyrobot.toml": (),
     "pyproject.toml": ("tool", "babyrobot"),
 }
-"""The settings files, and the table of each that is ours."""
+"""The settings files, each with the table that contains the settings of this package."""
 
 
 class SettingsError(BabyRobotError):
-    """A settings file says something that it cannot say."""
+    """A settings file is invalid."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """Which rules are wanted.
+    """The rules that a project selects.
 
     Attributes:
-        select: codes, beginnings of codes, names or `ALL`; None for all rules.
-        ignore: the same for rules that are not wanted.
-        per_file_ignores: the same for the files that a pattern matches, relative to `folder`.
-        folder: the folder of the settings file, None where there is none.
+        select: codes, prefixes of codes, names or `ALL`; None for the default rules.
+        ignore: the same for rules to leave out.
+        per_file_ignores: the same for files that match a pattern, relative to `folder`.
+        folder: the folder of the settings file, None if there is none.
+        file: the settings file, None if there is none.
     """
 
     select: tuple[str, ...] | None = None
     ignore: tuple[str, ...] = ()
     per_file_ignores: tuple[tuple[str, tuple[str, ...]], ...] = ()
     folder: Path | None = None
+    file: Path | None = None
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """All codes and names in the settings."""
+        extra = (word for _, words in self.per_file_ignores for word in words)
+        return (*(self.select or ()), *self.ignore, *extra)
 
     def ignoring(self, words: tuple[str, ...]) -> Settings:
-        """Return the settings with further rules that are not wanted."""
+        """Return the settings with further rules to leave out."""
         return replace(self, ignore=(*self.ignore, *words)) if words else self
 
     def rules_for(self, path: Path) -> tuple[Rule, ...]:
-        """Return the rules that are to look at a file."""
+        """Return the rules that are selected for a file."""
         extra = (
             word
             for pattern, words in self.per_file_ignores
@@ -73,7 +81,7 @@ def settings_for(path: Path) -> Settings:
     """Return the settings for a level file: those of the nearest settings file above it.
 
     Raises:
-        SettingsError: that file is faulty.
+        SettingsError: that file is invalid.
     """
     for folder in path.absolute().parents:
         for name in _TABLES:
@@ -88,7 +96,7 @@ def settings_for(path: Path) -> Settings:
 
 @lru_cache
 def _settings_in(path: Path, _state: tuple[int, int]) -> Settings | None:
-    """Return what a file says, which is in that state; None if it says nothing of levels."""
+    """Return the settings in a file, None if it has none. The state makes the cache current."""
     try:
         data: Any = tomllib.loads(path.read_text("utf-8-sig"))
     except (OSError, ValueError) as error:
@@ -102,10 +110,10 @@ def _settings_in(path: Path, _state: tuple[int, int]) -> Settings | None:
     for key in data:
         if key in _KEYS:
             table = ".".join((*_TABLES[path.name], "lint"))
-            raise SettingsError(f"{path}: `{key}` has its place in the table `[{table}]`")
+            raise SettingsError(f"{path}: `{key}` belongs in the table `[{table}]`")
         if key != "lint":
             hint = did_you_mean(key, ("lint",))
-            raise SettingsError(f"{path}: there is no setting `{key}`{hint}")
+            raise SettingsError(f"{path}: unknown setting `{key}`{hint}")
     return _settings(path, data.get("lint", {}))
 
 
@@ -114,7 +122,7 @@ def _settings(path: Path, data: Any) -> Settings:
         raise SettingsError(f"{path}: `lint` must be a table")
     for key in data:
         if key not in _KEYS:
-            raise SettingsError(f"{path}: there is no setting `{key}`{did_you_mean(key, _KEYS)}")
+            raise SettingsError(f"{path}: unknown setting `{key}`{did_you_mean(key, _KEYS)}")
     ignores = data.get("per-file-ignores", {})
     if not isinstance(ignores, Mapping):
         raise SettingsError(f"{path}: `per-file-ignores` must be a table of lists")
@@ -123,6 +131,7 @@ def _settings(path: Path, data: Any) -> Settings:
         _words(path, "ignore", data.get("ignore", [])),
         tuple((name, _words(path, name, words)) for name, words in ignores.items()),
         path.parent,
+        path,
     )
     try:
         select(settings.select, settings.ignore)
@@ -135,5 +144,5 @@ def _settings(path: Path, data: Any) -> Settings:
 
 def _words(path: Path, key: str, value: Any) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(word, str) for word in value):
-        raise SettingsError(f'{path}: `{key}` must be a list of codes, as in `["BR5"]`')
+        raise SettingsError(f'{path}: `{key}` must be a list of codes, for example `["BR5"]`')
     return tuple(value)

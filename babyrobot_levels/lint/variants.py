@@ -1,6 +1,7 @@
-"""The level with something else in the place of a field: what a part of it does, by proof.
+"""Variants of a level: what a part of it does, by compiling the level without that part.
 
-Compiling takes time, so that rules do it last, where nothing simpler tells, and not too often.
+Compiling takes time, so rules use variants only where simpler checks are inconclusive, and only a
+limited number of them.
 """
 
 from __future__ import annotations
@@ -16,10 +17,10 @@ from babyrobot_levels.mdp.digest import digest
 from babyrobot_levels.mdp.tables import Mdp
 
 MAX_VARIANTS = 50
-"""A rule compiles no more variants of a level than this."""
+"""The maximum number of variants that a rule compiles."""
 
 MAX_CELLS = 1 << 21
-"""Nor more cells in all its variants, but for the first one."""
+"""The maximum number of cells in all variants together, except for the first one."""
 
 
 def max_variants(level: Level) -> int:
@@ -29,20 +30,20 @@ def max_variants(level: Level) -> int:
 
 
 def variant(level: Level, **fields: Any) -> Mdp:
-    """Return the tables with other values for some fields, none of which shapes the grid.
+    """Return the tables of a level with other values for fields that do not affect the grid.
 
-    Values are not validated: a reward may be nan, to see where it goes.
+    Values are not validated: a reward may be NaN, to see where it occurs.
     """
     return compile_mdp(level.model_copy(update=fields), level.grid())
 
 
-def is_same_game(level: Level, mdp: Mdp) -> bool:
-    """Tell whether tables on a level's grid are those of the level."""
+def is_equivalent(level: Level, mdp: Mdp) -> bool:
+    """Return whether tables on a level's grid are equal to the level's tables."""
     return digest(level.grid(), mdp) == level.digest
 
 
-def is_same_play(one: Mdp, other: Mdp, states: NDArray[np.intp]) -> bool:
-    """Tell whether the same can happen in some of the states."""
+def has_equal_outcomes(one: Mdp, other: Mdp, states: NDArray[np.intp]) -> bool:
+    """Return whether two MDPs have the same outcomes in some states."""
     return all(map(np.array_equal, _outcomes(one, states), _outcomes(other, states)))
 
 
@@ -54,15 +55,15 @@ def _outcomes(mdp: Mdp, states: NDArray[np.intp]) -> tuple[NDArray[Any], ...]:
 
 
 def gives(level: Level, field: str) -> bool:
-    """Tell whether any outcome of a level has one of its `rewards`."""
+    """Return whether any outcome of a level includes one of its `rewards`."""
     rewards = level.rewards.model_copy(update={field: np.nan})
     return bool(np.isnan(variant(level, rewards=rewards).reward).any())
 
 
 def rewarded_cells(level: Level) -> NDArray[np.bool_]:
-    """Return the cells whose own reward some outcome has, `[height, width]`.
+    """Return the cells whose own reward some outcome includes, `[height, width]`.
 
-    That is the reward of a puddle, an area, or the level's step.
+    A cell's own reward is that of its puddle, its area, or the level's `step`.
     """
     types = {
         size: getattr(level.puddle_types, size).model_copy(update={"reward": np.nan})

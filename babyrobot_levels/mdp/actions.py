@@ -46,4 +46,4 @@ def unwrapped_policy(policy: Any) -> tuple[Any, int | None]:
     The latter is None for a policy that is not in a `HasPolicy`, such as an array.
     """
     first = getattr(policy, "first_action", None)
-    return (policy if first is None else policy.policy), first
+    return (policy if first is None else getattr(policy, "policy", policy)), first

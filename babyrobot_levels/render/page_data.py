@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import DELTAS, NUM_ACTIONS, Action
-from babyrobot_levels.mdp.tables import GLASS, REFUSED
+from babyrobot_levels.mdp.events import Event, events_of
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
@@ -56,6 +56,7 @@ PHASES = 4
 
 Row = tuple[float | int, ...]
 
+_NAMES: dict[int, str] = {Event.BUMPED: "bump", Event.SKIDDED: "skid", Event.BOUNCED: "bounce"}
 _NUMBERS = {pose: number for number, pose in enumerate(POSES)}
 
 
@@ -203,11 +204,12 @@ def playable(level: GridWorld) -> dict[str, Any]:
         LevelError: the maze has no seed yet (`seed: random`).
     """
     mdp = level.compile()
+    events = events_of(mdp)
     rows: dict[Row, int] = {}
     table: list[int] = []
     for state, over in enumerate(mdp.over.tolist()):
         for action in range(NUM_ACTIONS):
-            row = None if over else tuple(_row(mdp, state, action))
+            row = None if over else tuple(_row(mdp, events[state, action].tolist(), state, action))
             table.append(-1 if row is None else rows.setdefault(row, len(rows)))
     return {
         "width": mdp.width,
@@ -226,27 +228,23 @@ def playable(level: GridWorld) -> dict[str, Any]:
     }
 
 
-def _row(mdp: Mdp, state: int, action: int) -> list[float | int]:
+def _row(mdp: Mdp, events: list[int], state: int, action: int) -> list[float | int]:
     row: list[float | int] = []
-    for probability, next_state, reward, terminal in mdp.outcomes(state, action):
-        event = _event(mdp, state, action, next_state)
+    outcomes = mdp.outcomes(state, action)
+    for (probability, next_state, reward, terminal), code in zip(outcomes, events, strict=False):
+        event = _NAMES.get(code) or _movement(mdp.width, state, action, next_state)
         pose = pose_of(state, next_state, action, mdp.width, skidded=event == "skid")
         row += [_short(probability), next_state - state, _short(reward), int(terminal)]
         row += [EVENTS.index(event), _NUMBERS[pose]]
     return row
 
 
-def _event(mdp: Mdp, state: int, action: int, next_state: int) -> str:
-    target, hindered = int(mdp.target[state, action]), int(mdp.hindered[state, action])
-    to_start = target == mdp.num_states and mdp.start[next_state] > 0
-    if next_state != target and not to_start:
-        return "bounce" if hindered == GLASS else "skid"
-    if hindered == REFUSED:
-        return "bump"
+def _movement(width: int, state: int, action: int, next_state: int) -> str:
+    """Return how the robot comes where its action leads: by its own move, or carried there."""
     if next_state == state:
         return "stay"
-    before_y, before_x = divmod(state, mdp.width)
-    y, x = divmod(next_state, mdp.width)
+    before_y, before_x = divmod(state, width)
+    y, x = divmod(next_state, width)
     is_own_move = DELTAS.get(Action(action)) == (x - before_x, y - before_y)
     return "move" if is_own_move else "carried"
 

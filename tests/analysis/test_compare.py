@@ -1,4 +1,4 @@
-"""Certificates say that two games are the same where they are, and find what differs."""
+"""Certificates: equivalent MDPs are found equivalent, and else the first difference is found."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.compare import Certificate, compare
-from babyrobot_levels.analysis.transition_tables import ComparisonError
+from babyrobot_levels.analysis.compare import Certificate, ComparisonError, compare
 from babyrobot_levels.mdp.tables import Outcome
 
 Table = dict[int, dict[int, list[Outcome]]]
@@ -43,7 +42,7 @@ def tables(name: str) -> tuple[Table, list[float]]:
 
 
 @pytest.mark.parametrize(("name", "peer", "kwargs", "actions", "states"), PEERS)
-def test_the_gallery_plays_the_games_of_gymnasium(
+def test_the_gallery_is_equivalent_to_gymnasium(
     name: str, peer: str, kwargs: dict[str, Any], actions: tuple[int, ...], states: int
 ) -> None:
     level = brl.load(name)
@@ -60,7 +59,7 @@ def test_the_gallery_plays_the_games_of_gymnasium(
         assert compare(level, (env.unwrapped.P, env.unwrapped.initial_state_distrib)) == certificate  # type: ignore[attr-defined]
 
 
-def test_other_actions_are_another_game() -> None:
+def test_other_actions_make_another_mdp() -> None:
     assert compare("frozen-lake", "gymnasium:FrozenLake-v1", actions=LAKE).equal
     turned = compare("frozen-lake", "gymnasium:FrozenLake-v1", actions=CLIFF)
     assert (turned.equal, turned.actions) == (False, CLIFF)
@@ -87,11 +86,21 @@ def test_levels_that_are_written_differently() -> None:
     assert certificate.digest == drawn.digest
 
 
-@pytest.mark.parametrize("info", brl.levels(), ids=lambda info: info.name)
-def test_every_level_is_the_same_game_as_its_table(info: brl.LevelInfo) -> None:
-    level = brl.load(info.path)
-    if level.has_random_maze:
-        level = level.with_maze_seed(3)
+# Nothing but walls; puddles; glass; warps; wind; ends that are no exits; several starts.
+@pytest.mark.parametrize(
+    "name",
+    [
+        "walls",
+        "puddles",
+        "glasshouse",
+        "teleport-pads",
+        "windy-gridworld",
+        "frozen-lake",
+        "gridworld-4-1",
+    ],
+)
+def test_a_level_is_equivalent_to_its_table(name: str) -> None:
+    level = brl.load(name)
     certificate = compare(level, (level.compile().to_toy_text(1), level.compile().start))
     assert (certificate.equal, certificate.everywhere) == (True, True)
 
@@ -167,7 +176,7 @@ def off_the_grid(table: Table) -> None:
     ("change", "told"),
     [
         (reward, "[2, 2] with probability 0.333333, reward -0.5"),
-        (probability, "[1, 1] with probability 0.5, reward 0, the end;"),
+        (probability, "[1, 1] with probability 0.5, reward 0, terminal;"),
         (terminal, "[1, 1] with probability 0.333333, reward 0;"),
         (off_the_grid, "state 99 with probability 1, reward 0"),
     ],
@@ -202,7 +211,7 @@ def test_a_difference_is_told_with_all_the_digits_that_it_takes() -> None:
     table[0][1] = []
     difference = compare("frozen-lake-dry", (table, start)).difference
     assert difference is not None
-    assert difference.endswith("  the other:  nothing")
+    assert difference.endswith("  the other:  no outcome")
 
 
 def test_the_first_of_several_differences_is_told() -> None:
@@ -230,11 +239,11 @@ BASE = {"version": 1, "size": [4, 3]}
             {"exit": [3, 1]},
             "at [3, 0], south (in the other: south):\n"
             "  this level: [3, 1] with probability 1, reward -1\n"
-            "  the other:  [3, 1] with probability 1, reward 0, the end",
+            "  the other:  [3, 1] with probability 1, reward 0, terminal",
         ),
         (
             {"start": [[0, 0], [2, 1]]},
-            "episodes begin at [0, 0] with probability 1 in this level, 0.5 in the other",
+            "episodes start at [0, 0] with probability 1 in this level, 0.5 in the other",
         ),
         ({"size": [5, 3]}, "this level has 12 cells (4 by 3), the other has 15 states"),
     ],
@@ -252,7 +261,7 @@ def test_too_many_actions() -> None:
     for actions in table.values():
         actions[4] = actions[5] = actions[0]
     certificate = compare("frozen-lake", (table, start))
-    told = "this level has four moves, and can stay; the other has 6 actions"
+    told = "this level has 4 moves and stay, the other has 6 actions"
     assert (certificate.difference, certificate.actions, certificate.states) == (told, None, 0)
 
 

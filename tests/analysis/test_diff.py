@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 from support.worlds import World, decorated_worlds, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.diff.changes import Change
-from babyrobot_levels.analysis.diff.levels import Difference, diff
+from babyrobot_levels.analysis.diff import Change, Difference, diff
 
 PLAIN: World = {"version": 1, "size": [3, 2]}
 

@@ -1,4 +1,4 @@
-"""Metrics: against counts by hand and by brute force, and a difficulty that grows with trouble."""
+"""Metrics: against counts by hand and by brute force, and a difficulty that grows as it should."""
 
 from __future__ import annotations
 
@@ -14,12 +14,10 @@ from hypothesis import given, settings
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.metrics import SHAPE, WAYS, WORTH
+from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
-NAMES = (*SHAPE, *WAYS, *WORTH)
-GALLERY = sorted(path.stem for path in yaml_files(gallery_folder()) if path.parent.name != "suites")
+NAMES = (*SHAPE, *PATHS, *RETURNS)
 
 
 def drawn(text: str, **fields: Any) -> Level:
@@ -72,7 +70,7 @@ def fewest_turns(level: Level, start: int, length: int) -> int:
     return min(turns for (state, _), turns in poses.items() if state in exits)
 
 
-def check_shape_and_ways(level: Level) -> None:
+def check_shape_and_paths(level: Level) -> None:
     found, grid = brl.metrics(level), level.grid()
     open_sides, free = grid.open.sum(axis=2), ~grid.blocked
     assert found.cells == free.sum()
@@ -114,16 +112,10 @@ def check_shape_and_ways(level: Level) -> None:
     assert found.turns == fewest_turns(level, path[0], found.path_length)
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_the_gallery_is_counted_right(name: str) -> None:
-    level = brl.load(name)
-    check_shape_and_ways(level.with_maze_seed(5) if level.has_random_maze else level)
-
-
 @settings(deadline=None, max_examples=400)
 @given(world=worlds(6))
 def test_any_level_is_counted_right(world: World) -> None:
-    check_shape_and_ways(level_of(world))
+    check_shape_and_paths(level_of(world))
 
 
 @settings(deadline=None, max_examples=150)
@@ -132,7 +124,7 @@ def test_levels_with_nothing_but_walls_are_counted_right(world: World) -> None:
     """They need no tables."""
     for field in ("warps", "wind", "areas", "skid", "puddle_types"):
         world.pop(field, None)
-    check_shape_and_ways(level_of(world))
+    check_shape_and_paths(level_of(world))
 
 
 # -- by hand ---------------------------------------------------------------------------------
@@ -222,8 +214,11 @@ def test_without_an_exit_there_is_no_path_but_all_else() -> None:
 # -- what it is worth ------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", [name for name in GALLERY if name != "random-maze"])
-def test_policies_are_worth_what_the_solver_says(name: str) -> None:
+# Puddles; no exit; a discount; holes; several starts.
+@pytest.mark.parametrize(
+    "name", ["final-maze", "treasure-chests", "gridworld-3-5", "frozen-lake", "gridworld-4-1"]
+)
+def test_returns_are_those_of_the_solver(name: str) -> None:
     found, best, at_random = brl.metrics(name), brl.solve(name), brl.evaluate(name, "random")
     assert (found.best_return, found.best_steps) == (best.expected_return, best.expected_steps)
     assert (found.random_return, found.random_steps) == (
@@ -247,7 +242,7 @@ def test_what_has_no_value_is_none() -> None:
             "rewards": {"stay": -5, "bump": -5},
         }
     )
-    with pytest.raises(brl.NoTotalError):
+    with pytest.raises(brl.UndefinedReturnError):
         brl.solve(level)
     found = brl.metrics(level)
     assert (found.best_return, found.best_steps, found.wet_share) == (None, None, None)
@@ -425,7 +420,7 @@ def test_shape_and_ways_ask_for_no_tables(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(Level, "compile", refuse)
     found = brl.metrics("final-maze")
     assert found.path_length == 17
-    assert found.to_dict(solve=False) == {name: getattr(found, name) for name in SHAPE + WAYS}
+    assert found.to_dict(solve=False) == {name: getattr(found, name) for name in SHAPE + PATHS}
     with pytest.raises(AssertionError, match="compiled"):
         _ = found.difficulty
 
@@ -434,7 +429,7 @@ def test_each_is_worked_out_once(monkeypatch: pytest.MonkeyPatch) -> None:
     found = brl.metrics("final-maze")
     difficult, path = found.difficulty, found.path
     monkeypatch.setattr("babyrobot_levels.analysis.solver.optimum.solve", None)
-    monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest", None)
+    monkeypatch.setattr("babyrobot_levels.analysis.metrics.straightest_path", None)
     assert (found.difficulty, found.path) == (difficult, path)
     assert found.wet_share == pytest.approx(4 / 18)
 

@@ -82,7 +82,7 @@ def test_who_names_a_level_to_be_checked_is_told_its_file(command: str) -> None:
     (path,) = (info.path for info in levels() if info.name == "final-maze")
     told = babyrobot(command, "final-maze", status=1)
     assert "final-maze:1:1: error BR101: no such file" in told.out
-    assert told.err.endswith(f"what is checked here are files: {path}\n")
+    assert told.err.endswith(f"but this command takes files: {path}\n")
     assert babyrobot(command, "no-such-level", status=1).err == ""
 
 

@@ -72,6 +72,15 @@ def test_what_pays_for_ever_is_shown(tmp_path: Path) -> None:
     assert texts(picture.out) == ["START", "EXIT"]
 
 
+def test_an_unbounded_return_names_its_rule_and_cells(tmp_path: Path) -> None:
+    name = written(tmp_path, HEAD + "areas: [{at: [0, 0], reward: 2}]\n")
+    done = babyrobot(tmp_path, "solve", name)
+    assert (done.status, "expected return: inf" in done.out) == (0, True)
+    assert "around [0, 0], where rewards add up without bound (rule BR504" in done.err
+    assert babyrobot(tmp_path, "solve", name, "--discount", "0.9").err == ""
+    assert babyrobot(tmp_path, "solve", name, "--format", "json").err == ""
+
+
 @pytest.mark.parametrize("command", ["preview --values", "preview --policy --format svg", "solve"])
 def test_a_level_without_an_answer_says_why(command: str, tmp_path: Path) -> None:
     name, *options = command.split()

@@ -82,10 +82,12 @@ def test_the_fields_are_those_of_the_schema_and_of_the_reference() -> None:
     assert fields <= rows((DOCS / "level-format.md").read_text(encoding="utf-8"))
 
 
-def test_each_rule_has_a_module_and_a_page() -> None:
+def test_each_rule_has_a_function_and_a_page() -> None:
     names = {rule.name for rule in registry("rule")()}
     modules = (ROOT / "babyrobot_levels" / "lint" / "rules").glob("*.py")
-    assert {path.stem.replace("_", "-") for path in modules} - {"--init--"} == names
+    sources = "".join(path.read_text(encoding="utf-8") for path in modules)
+    functions = re.findall(r"^@rule\([^)]*\)\ndef (\w+)", sources, re.MULTILINE)
+    assert {name.replace("_", "-") for name in functions} == names
     pages = {path.stem for path in (DOCS / "rules").glob("*.md")}
     assert names <= pages
 

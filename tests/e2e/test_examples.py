@@ -1,4 +1,4 @@
-"""The examples, run as users run them: they learn, and say truly how much."""
+"""The examples, run as users run them: they learn, and report exact returns."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def check_mean(text: str, table: Table) -> None:
 @pytest.mark.parametrize(
     ("example", "level", "arguments"),
     [
-        ("q_learning", "russell-norvig-4x3", ["--robots", 512, "--steps", 1_000_000]),
+        ("q_learning", "russell-norvig-4x3", ["--num-envs", 512, "--steps", 1_000_000]),
         ("offline", "final-maze", ["--steps", 200_000]),
     ],
 )
@@ -64,12 +64,12 @@ def test_tables_of_values_find_the_best_policy(
 
 
 def test_a_single_step_of_q_learning_finds_nothing(tmp_path: Path) -> None:
-    text = printed_by("q_learning", "--robots", 512, "--steps", 512, cwd=tmp_path)
+    text = printed_by("q_learning", "--num-envs", 512, "--steps", 512, cwd=tmp_path)
     assert re.search(r"^learned, greedy +-inf +-$", text, re.MULTILINE)
 
 
 def test_learned_values_are_shown_above_exact_ones(tmp_path: Path) -> None:
-    text = printed_by("q_learning", "--robots", 512, "--steps", 1_000_000, cwd=tmp_path)
+    text = printed_by("q_learning", "--num-envs", 512, "--steps", 1_000_000, cwd=tmp_path)
     table = table_of(text)
     check_figures(table, "final-maze", actions="moves")
     assert table["learned, greedy"][1] > 99.9
@@ -125,9 +125,9 @@ def test_where_no_policy_is_better_there_are_no_shares(tmp_path: Path) -> None:
     [
         (["--level", "final-maz"], "did you mean 'final-maze'"),
         (["--level", "small-mazes"], "this is a suite of levels, not a level"),
-        (["--steps", "0"], "'0' is no whole number that is at least 1"),
-        (["--seed", "-1"], "'-1' is no whole number that is at least 0"),
-        (["--robots", "x"], "'x' is no whole number that is at least 1"),
+        (["--steps", "0"], "'0' is not a whole number of at least 1"),
+        (["--seed", "-1"], "'-1' is not a whole number of at least 0"),
+        (["--robots", "x"], "'x' is not a whole number of at least 1"),
     ],
 )
 @pytest.mark.parametrize("example", ["q_learning", "offline"])

@@ -34,6 +34,8 @@ info = {{"text": [((1, 1), "here")]}};
 INFO = {"text": [((1, 1), "here")]}
 SVG = "image/svg+xml"
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def run_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Any:

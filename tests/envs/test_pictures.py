@@ -235,7 +235,11 @@ def test_saving_writes_over_what_is_there(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("name", "told"),
-    [("a.jpg", r"\.svg, \.png, \.txt"), ("a", r"not as ''"), ("a.pgn", "did you mean `.png`")],
+    [
+        ("a.jpg", r"\.svg, \.png, \.txt"),
+        ("a", r", not ''"),
+        ("a.pgn", "did you mean `.png`"),
+    ],
 )
 def test_other_files_are_refused(name: str, told: str, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=told):

@@ -392,8 +392,13 @@ ALL_KINDS: dict[str, Callable[[], Any]] = {
 
 NO_OPTIONS: list[tuple[Any, str, str]] = [
     # Options, what is told, and a word in the kinds that have them.
-    ({"strat": [1, 1]}, "`reset` has no option 'strat'; did you mean `start`?", "none"),
-    ({7: 1}, "`reset` has no option 7", "none"),
+    (
+        {"strat": [1, 1]},
+        "`reset` has no option 'strat'; did you mean `start`? known options: `start`",
+        "none",
+    ),
+    ({7: 1}, "`reset` has no option 7; known options: `start`", "none"),
+    ({"initial_pos": [1, 1]}, "no option 'initial_pos'; known options: `start`", "none"),
     ([1], "options must be a dict, not [1]", "none"),
     ({"index": 1}, "options['index'] is for suites", "suite"),
     (
@@ -586,7 +591,7 @@ def test_gray_is_the_brightness_of_the_colours() -> None:
         ({"observation": "pixels"}, "one of 'position', 'index', 'image', 'walls'"),
         ({"observation": None}, "one of 'position'"),
         ({"actions": "move"}, "did you mean `moves`"),
-        ({"actions": 5}, "one of 'valid', 'all', 'moves'"),
+        ({"actions": 5}, "one of 'valid', 'all', 'moves', 'valid_moves'"),
         ({"render_mode": "rgb"}, "render_mode must be one of"),
         ({"render_mode": "rgb_aray"}, "did you mean `rgb_array`"),
         ({"image_size": (40, 40)}, "observation='image'"),

@@ -17,7 +17,7 @@ from PIL import Image
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.pictures import RENDER_MODES
+from babyrobot_levels.envs.rendering import RENDER_MODES
 
 EAST, SOUTH = brl.Action.EAST, brl.Action.SOUTH
 

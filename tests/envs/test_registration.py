@@ -56,24 +56,28 @@ print("gymnasium" in sys.modules, "PIL" in sys.modules, "ipycanvas" in sys.modul
 # -- the order of imports --------------------------------------------------------------------
 
 
+IMPORTS = (
+    "import babyrobot_levels, gymnasium",
+    "import gymnasium, babyrobot_levels",
+    "import babyrobot_levels; from gymnasium.envs.registration import registry",
+    "import babyrobot_levels.envs.single",
+    "import babyrobot_levels.envs.registration",
+    "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium.envs')",
+)
+FURTHER_IMPORTS = (
+    "import babyrobot_levels, gymnasium.envs",
+    "import gymnasium.envs, babyrobot_levels",
+    "from gymnasium.envs.registration import registry; import babyrobot_levels",
+    "import babyrobot_levels; from gymnasium import spaces",
+    "import babyrobot_levels; from gymnasium.wrappers import TimeLimit",
+    "from babyrobot_levels.library.level import Level; import gymnasium.vector",
+    "import babyrobot_levels, importlib; importlib.import_module('gymnasium.envs')",
+    "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium'); import gymnasium",
+)
+
+
 @pytest.mark.parametrize(
-    "imports",
-    [
-        "import babyrobot_levels, gymnasium",
-        "import gymnasium, babyrobot_levels",
-        "import babyrobot_levels, gymnasium.envs",
-        "import gymnasium.envs, babyrobot_levels",
-        "import babyrobot_levels; from gymnasium.envs.registration import registry",
-        "from gymnasium.envs.registration import registry; import babyrobot_levels",
-        "import babyrobot_levels; from gymnasium import spaces",
-        "import babyrobot_levels; from gymnasium.wrappers import TimeLimit",
-        "import babyrobot_levels.envs.single",
-        "import babyrobot_levels.envs.registration",
-        "from babyrobot_levels.library.level import Level; import gymnasium.vector",
-        "import babyrobot_levels, importlib; importlib.import_module('gymnasium.envs')",
-        "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium.envs')",
-        "import babyrobot_levels, importlib.util as u; u.find_spec('gymnasium'); import gymnasium",
-    ],
+    "imports", [*IMPORTS, *(pytest.param(each, marks=pytest.mark.slow) for each in FURTHER_IMPORTS)]
 )
 def test_the_ids_are_known_after(imports: str, tmp_path: Path) -> None:
     known = run(imports + SHOW_IDS, tmp_path).split()
@@ -170,17 +174,17 @@ print(brl.load("default").compile().num_states)
 # -- the ids ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", GALLERY)
-def test_each_level_of_the_gallery_has_its_id(name: str) -> None:
-    level = level_named(name)
-    spec = gymnasium.spec(f"babyrobot/{name}-v0")
-    assert spec.max_episode_steps == level.max_steps
-    env = gymnasium.make(spec)
-    bare = env.unwrapped
-    assert isinstance(bare, LevelEnv)
-    assert bare.level.name == name
-    if not level.has_random_maze:
-        assert bare.level.digest == level.digest
+def test_each_level_of_the_gallery_has_its_id() -> None:
+    for name in GALLERY:
+        level = level_named(name)
+        spec = gymnasium.spec(f"babyrobot/{name}-v0")
+        assert spec.max_episode_steps == level.max_steps, name
+        env = gymnasium.make(spec)
+        bare = env.unwrapped
+        assert isinstance(bare, LevelEnv)
+        assert bare.level.name == name
+        if not level.has_random_maze:
+            assert bare.level.digest == level.digest
 
 
 def test_no_other_ids_are_taken() -> None:

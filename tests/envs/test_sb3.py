@@ -11,7 +11,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from support.playing import CORNERS, GALLERY, level_named
+from support.playing import each_level_and, level_named
 
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.spaces import ACTION_SETS
@@ -36,9 +36,7 @@ def make(name: str, **kwargs: Any) -> gymnasium.Env[Any, Any]:
     return gymnasium.make("babyrobot/Level-v0", level=level_named(name), **kwargs)
 
 
-@pytest.mark.parametrize("actions", ACTION_SETS)
-@pytest.mark.parametrize("observation", OBSERVATIONS)
-@pytest.mark.parametrize("name", [*GALLERY, *CORNERS])
+@each_level_and(("observation", OBSERVATIONS), ("actions", [*ACTION_SETS]))
 def test_its_checker_is_content(name: str, observation: str, actions: str) -> None:
     from stable_baselines3.common.env_checker import check_env
 

@@ -64,7 +64,7 @@ def test_reports_write_slashes(
     found = [at(path, each) for each in brl.check("version: 1\nnonsense: 1\n")]
     assert github.render(found, {}).startswith(f"::error file={posix.replace(':', '%3A')},")
     assert f'<testcase name="{posix}"' in junit.render(found, [path])
-    (result,) = json.loads(sarif.render(found, {}))["runs"][0]["results"]
+    (result,) = json.loads(sarif.render(found, {}, ""))["runs"][0]["results"]
     place = result["locations"][0]["physicalLocation"]["artifactLocation"]
     assert place["uri"] == uri
     assert ("uriBaseId" in place) == (not uri.startswith("file:"))

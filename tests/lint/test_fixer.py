@@ -1,4 +1,4 @@
-"""Fixes: what they leave as it stands, and what they never do."""
+"""Fixes: what they leave unchanged, and which of them are refused."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ from collections.abc import Iterator
 
 import pytest
 
-from babyrobot_levels.lint.case import Case
-from babyrobot_levels.lint.edits import remove, replace
+from babyrobot_levels.lint.context import LintContext
+from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.fixer import apply, fix
-from babyrobot_levels.lint.rule import Finding, Needs, Rule
+from babyrobot_levels.lint.fixes import remove, replace
+from babyrobot_levels.lint.registry import all_rules
+from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
@@ -46,11 +48,11 @@ def without(text: str, route: Route) -> str:
         ("y: 1\r\nx: 2\r\nz: 3\r\n", ("x",), "y: 1\r\nz: 3\r\n"),
     ],
 )
-def test_what_is_removed_and_nothing_else(text: str, route: Route, after: str) -> None:
+def test_only_the_value_is_removed(text: str, route: Route, after: str) -> None:
     assert without(text, route) == after
 
 
-def test_what_is_not_there_cannot_be_removed() -> None:
+def test_missing_values_cannot_be_removed() -> None:
     document = read(SourceFile("x.yaml", "a: {b: 1}\n"))
     with pytest.raises(KeyError):
         remove(document, ("a", "c"))
@@ -61,39 +63,102 @@ def test_what_is_not_there_cannot_be_removed() -> None:
 def rule(text: str, new: str, *, safe: bool = True) -> Rule:
     """Return a rule that writes `new` for `text`, wherever it stands."""
 
-    def check(case: Case) -> Iterator[Finding]:
-        at = case.source.text.find(text)
+    def check(context: LintContext) -> Iterator[Finding]:
+        at = context.source.text.find(text)
         if at >= 0:
-            start, end = case.source.position(at), case.source.position(at + len(text))
-            edit = Edit(type(case.document.root.span)(start, end), new)
-            yield Finding((), "odd", fix=Fix("mend it", (edit,), safe))
+            start, end = context.source.position(at), context.source.position(at + len(text))
+            edit = Edit(type(context.document.root.span)(start, end), new)
+            yield Finding((), "a problem", fix=Fix("fix it", (edit,), safe))
 
-    return Rule("BR999", "odd", "", "", Severity.INFO, Needs.LEVEL, check)
+    return Rule("BR999", "problem", "", "", Severity.INFO, Needs.LEVEL, check)
 
 
-def test_a_safe_fix_is_applied_an_unsafe_one_only_on_request() -> None:
+def test_unsafe_fixes_are_applied_on_request_only() -> None:
     source = SourceFile("x.yaml", "version: 1\ntitle: old # c\n")
     assert fix(source, [rule("old", "new")]).text == "version: 1\ntitle: new # c\n"
-    daring = rule("old", "new", safe=False)
-    assert fix(source, [daring]).count == 0
-    assert fix(source, [daring], unsafe=True).text == "version: 1\ntitle: new # c\n"
+    unsafe = rule("old", "new", safe=False)
+    assert fix(source, [unsafe]).count == 0
+    assert fix(source, [unsafe], unsafe=True).text == "version: 1\ntitle: new # c\n"
 
 
-def test_a_fix_that_calls_itself_safe_and_changes_the_game_is_dropped() -> None:
+def test_a_safe_fix_that_changes_the_mdp_is_refused() -> None:
     source = SourceFile("x.yaml", "version: 1\nsize: [3, 4]\n")
-    mended = fix(source, [rule("[3, 4]", "[4, 4]")])
-    assert (mended.text, mended.count) == (source.text, 0)
+    fixed = fix(source, [rule("[3, 4]", "[4, 4]")])
+    assert (fixed.text, fixed.count) == (source.text, 0)
     assert fix(source, [rule("[3, 4]", "[4, 4]", safe=False)], unsafe=True).count == 1
 
 
 @pytest.mark.parametrize("new", ["[3, 0]", "[", "{"])
-def test_a_fix_after_which_the_level_does_not_load_is_dropped(new: str) -> None:
+def test_a_fix_after_which_the_level_does_not_load_is_refused(new: str) -> None:
     source = SourceFile("x.yaml", "version: 1\nsize: [3, 4]\n")
-    mended = fix(source, [rule("[3, 4]", new, safe=False)], unsafe=True)
-    assert (mended.text, mended.count) == (source.text, 0)
+    fixed = fix(source, [rule("[3, 4]", new, safe=False)], unsafe=True)
+    assert (fixed.text, fixed.count) == (source.text, 0)
 
 
-def test_fixes_that_lay_bare_others_are_followed_and_rounds_are_bounded() -> None:
+def test_fixes_are_repeated_up_to_a_limit() -> None:
     source = SourceFile("x.yaml", "version: 1\ntitle: aaaa\n")
     assert fix(source, [rule("aa", "a")]).text == "version: 1\ntitle: a\n"
     assert fix(source, [rule("a", "b"), rule("b", "a")]).count > 1
+
+
+ANCHORED = """\
+source: " x"
+theme: "high_contrast"
+wind: {east: &b1 [ 0.0, 0 ]}
+start:
+ - +0
+ - 1
+size:
+ - 1
+ - 2
+walls:
+ - &x
+  at:
+   - 0
+   - 1
+  side: 'N'
+ -
+  at: *b1
+  side: 'S'
+ -
+  at:
+  - 0x0
+  - 1
+  side: "N"
+# é漢
+  pass: 0.25
+  fit: true
+ -
+  at:
+   - 0
+   - 0o1
+  side: "N"
+ -
+  at:
+  - 0
+  - &b3 0
+  side: "S"
+version: 1
+rewards:
+ exit: 1000000.0  #c
+ step: &b4 5e-324
+exit: "none"
+"""
+
+
+def test_a_fix_that_others_make_possible_is_applied_in_the_same_run() -> None:
+    """The wind can only be removed once the alias of its value is gone."""
+    once = fix(SourceFile("x.yaml", ANCHORED), all_rules(), unsafe=True)
+    assert "wind" not in once.text
+    twice = fix(SourceFile("x.yaml", once.text), all_rules(), unsafe=True)
+    assert (twice.text, twice.count) == (once.text, 0)
+
+
+def test_one_bad_fix_does_not_stop_the_others() -> None:
+    """More good fixes than rounds would allow if each were applied by itself."""
+    names = [f"x{number}" for number in range(150)]
+    text = "version: 1\nsize: [3, 4]\nsource: |\n" + "".join(f"  {name}.\n" for name in names)
+    rules = [rule("[3, 4]", "[4, 4]"), *(rule(f"{name}.", "y") for name in names)]
+    fixed = fix(SourceFile("x.yaml", text), rules)
+    assert fixed.count == len(names)
+    assert fixed.text == "version: 1\nsize: [3, 4]\nsource: |\n" + "  y\n" * len(names)

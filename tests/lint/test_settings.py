@@ -1,4 +1,4 @@
-"""Which rules a project wants, and which a call does."""
+"""The rules that a project or a command selects."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ DEFAULT = {rule.code for rule in all_rules() if rule.default}
 ALL = {rule.code for rule in all_rules()}
 
 
-def test_without_settings_the_usual_rules_run(tmp_path: Path) -> None:
+def test_without_settings_the_default_rules_run(tmp_path: Path) -> None:
     assert codes(tmp_path / "x.yaml") == DEFAULT < ALL
 
 
@@ -33,21 +33,21 @@ def test_settings_are_found_upward(tmp_path: Path, name: str, head: str) -> None
     assert found == {code for code in ALL if code.startswith("BR6")} - {"BR608"}
 
 
-def test_the_nearest_settings_count_alone(tmp_path: Path) -> None:
+def test_only_the_nearest_settings_apply(tmp_path: Path) -> None:
     (tmp_path / "babyrobot.toml").write_text('[lint]\nselect = ["BR6"]\n')
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / "pyproject.toml").write_text('[tool.babyrobot.lint]\nselect = ["BR503"]\n')
     assert codes(tmp_path / "deep" / "x.yaml") == {"BR503"}
 
 
-def test_a_project_that_says_nothing_of_us_is_passed_over(tmp_path: Path) -> None:
+def test_a_file_without_settings_is_skipped(tmp_path: Path) -> None:
     (tmp_path / "babyrobot.toml").write_text('[lint]\nselect = ["BR503"]\n')
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / "pyproject.toml").write_text('[project]\nname = "x"\n')
     assert codes(tmp_path / "deep" / "x.yaml") == {"BR503"}
 
 
-def test_some_files_can_be_spared_some_rules(tmp_path: Path) -> None:
+def test_rules_can_be_ignored_per_file(tmp_path: Path) -> None:
     (tmp_path / "babyrobot.toml").write_text(
         '[lint]\nselect = ["BR503", "BR608"]\n[lint.per-file-ignores]\n"old/*" = ["BR608"]\n'
     )
@@ -56,40 +56,44 @@ def test_some_files_can_be_spared_some_rules(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ('[lint]\nselct = ["BR5"]\n', "did you mean `select`?"),
         ('[lint]\nselect = "BR5"\n', "must be a list of codes"),
-        ('[lint]\nselect = ["trp"]\n', "did you mean `trap`?"),
-        ('[lint]\nignore = ["BR999"]\n', "no rule `BR999`"),
+        ('[lint]\nselect = ["unreachable-cell"]\n', "did you mean `unreachable-cells`?"),
+        ('[lint]\nignore = ["BR999"]\n', "unknown rule `BR999`"),
         ('[lint]\nper-file-ignores = ["x"]\n', "table of lists"),
-        ('[lint.per-file-ignores]\n"x" = ["nonsense"]\n', "no rule `nonsense`"),
+        ('[lint.per-file-ignores]\n"x" = ["nonsense"]\n', "unknown rule `nonsense`"),
         ("lint = 3\n", "must be a table"),
         ("[lint\n", "cannot be read"),
-        ('[lnt]\nselect = ["BR5"]\n', "no setting `lnt`; did you mean `lint`?"),
-        ('ignore = ["BR5"]\n', "`ignore` has its place in the table `[lint]`"),
+        ('[lnt]\nselect = ["BR5"]\n', "unknown setting `lnt`; did you mean `lint`?"),
+        ('ignore = ["BR5"]\n', "`ignore` belongs in the table `[lint]`"),
     ],
 )
-def test_faulty_settings_are_told_with_their_file(tmp_path: Path, text: str, told: str) -> None:
+def test_invalid_settings_are_reported_with_their_file(
+    tmp_path: Path, text: str, message: str
+) -> None:
     (tmp_path / "babyrobot.toml").write_text(text)
     with pytest.raises(SettingsError) as caught:
         settings_for(tmp_path / "x.yaml")
-    assert told in str(caught.value)
+    assert message in str(caught.value)
     assert str(tmp_path / "babyrobot.toml") in str(caught.value)
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "message"),
     [
         ("[tool]\nbabyrobot = 3\n", "`tool.babyrobot` must be a table"),
         ("[tool.babyrobot]\nlint = 3\n", "`lint` must be a table"),
-        ("[tool.babyrobot.lnt]\n", "no setting `lnt`; did you mean `lint`?"),
+        ("[tool.babyrobot.lnt]\n", "unknown setting `lnt`; did you mean `lint`?"),
         ("[tool.babyrobot]\nselect = []\n", "in the table `[tool.babyrobot.lint]`"),
     ],
 )
-def test_faults_of_a_project_are_told(tmp_path: Path, text: str, told: str) -> None:
+def test_invalid_settings_in_pyproject_are_reported(
+    tmp_path: Path, text: str, message: str
+) -> None:
     (tmp_path / "pyproject.toml").write_text(text)
-    with pytest.raises(SettingsError, match=re.escape(told)):
+    with pytest.raises(SettingsError, match=re.escape(message)):
         settings_for(tmp_path / "x.yaml")
 
 
@@ -102,7 +106,7 @@ def test_settings_may_change_while_python_runs(tmp_path: Path) -> None:
     assert codes(tmp_path / "x.yaml") == DEFAULT
 
 
-def test_a_byte_order_mark_is_no_fault(tmp_path: Path) -> None:
+def test_a_byte_order_mark_is_allowed(tmp_path: Path) -> None:
     text = '[lint]\nselect = ["BR503"]\n'
     (tmp_path / "babyrobot.toml").write_text(text, encoding="utf-8-sig")
     assert codes(tmp_path / "x.yaml") == {"BR503"}
@@ -112,18 +116,19 @@ def selected(wanted: list[str] | None, ignore: list[str]) -> set[str]:
     return {rule.code for rule in select(wanted, ignore)}
 
 
-def test_the_longer_beginning_wins() -> None:
+def test_the_longer_prefix_takes_precedence() -> None:
     play = {code for code in ALL if code.startswith("BR5")}
     assert selected(["ALL"], []) == ALL
     assert selected(["ALL"], ["BR5"]) == ALL - play
     assert selected(["BR503"], ["BR5"]) == {"BR503"}
     assert selected(["BR5"], ["BR503"]) == play - {"BR503"}
+    assert selected(["inescapable-state"], ["BR503"]) == {"BR503"}
     assert selected(["trap"], ["BR503"]) == {"BR503"}
     assert selected(["BR503"], ["trap"]) == set()
     assert selected(None, ["BR5"]) == DEFAULT - play
 
 
-def test_no_rule_is_meant_by_too_little() -> None:
+def test_too_short_prefixes_match_no_rule() -> None:
     for word in ("", "B", "BR7", "tra"):
         with pytest.raises(UnknownRuleError):
             select([word])
@@ -132,7 +137,7 @@ def test_no_rule_is_meant_by_too_little() -> None:
 # -- from Python -----------------------------------------------------------------------------
 
 
-def test_check_lints_on_request_by_the_rules_of_the_project(tmp_path: Path) -> None:
+def test_check_applies_the_rules_of_the_project_if_requested(tmp_path: Path) -> None:
     path = tmp_path / "x.yaml"
     path.write_text("version: 1\nopenings: []\n")
     assert brl.check(path) == []

@@ -97,7 +97,7 @@ class Reference:
 def where(envs: LevelVectorEnv, number: int) -> tuple[int, int]:
     """Return the cell `[x, y]` in which a robot stands."""
     level = envs.call("level")[number]
-    state = int(envs._robots.state[number] - envs._tables.offset[envs._robots.level[number]])
+    state = int(envs._envs.state[number] - envs._tables.offset[envs._envs.level[number]])
     y, x = divmod(state, level.size[0])
     return x, y
 

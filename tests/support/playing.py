@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from functools import cache
+from itertools import cycle, product
 from typing import Any
 
 import gymnasium
 import numpy as np
+import pytest
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -55,7 +58,36 @@ CORNERS: dict[str, dict[str, Any]] = {
         "max_steps": 25,
     },
 }
-"""Worlds that the gallery has none of, because they are no fun to play."""
+"""Levels with features that no level of the gallery has."""
+
+FEATURES = {
+    **dict.fromkeys(CORNERS, "what their names say"),
+    "final-maze": "puddles and walls in a maze",
+    "frozen-lake": "skidding, cells that end the episode, a time limit",
+    "four-corners": "several starts",
+    "teleport-pads": "warps",
+}
+"""A level for each feature that environments could get wrong, for tests of all combinations."""
+
+
+def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorator:
+    """Parametrise a test by `name` and parameters, so that no cross product of all is needed.
+
+    Every level of `FEATURES` is combined with values of the parameters, and every combination of
+    values comes up in the end. The other levels of the gallery follow, once each, marked as slow.
+    """
+    combinations = list(product(*(values for _, values in parameters)))
+    count = max(len(FEATURES), len(combinations))
+    rest = [name for name in GALLERY if name not in FEATURES]
+    cases = [
+        pytest.param(name, *values)
+        for _, name, values in zip(range(count), cycle(FEATURES), cycle(combinations), strict=False)
+    ]
+    cases += [
+        pytest.param(name, *values, marks=pytest.mark.slow)
+        for name, values in zip(rest, cycle(combinations), strict=False)
+    ]
+    return pytest.mark.parametrize(("name", *(name for name, _ in parameters)), cases)
 
 
 @cache

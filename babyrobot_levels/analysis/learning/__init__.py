@@ -1,13 +1,12 @@
 """Learning a level step by step: textbook algorithms that can be watched while they converge."""
 
-from babyrobot_levels.analysis.learning.monte_carlo import monte_carlo
+from babyrobot_levels.analysis.learning.episodes import monte_carlo, q_learning, sarsa
 from babyrobot_levels.analysis.learning.results import Sweep, Trials
 from babyrobot_levels.analysis.learning.sweeps import (
     policy_evaluation,
     policy_iteration,
     value_iteration,
 )
-from babyrobot_levels.analysis.learning.temporal_difference import q_learning, sarsa
 
 __all__ = [
     "Sweep",

@@ -1,4 +1,4 @@
-"""What the algorithms yield while they learn, and the problem that they all learn from."""
+"""The results that the algorithms yield, and the problem that they all learn."""
 
 from __future__ import annotations
 
@@ -7,27 +7,27 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import model_of, on_the_grid
+from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, model_of, on_the_grid
 from babyrobot_levels.analysis.solver.model import Floats, Ints, Model
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy, read_policy
-from babyrobot_levels.analysis.solver.results import ReadOnly, check_actions, check_discount
-from babyrobot_levels.analysis.solver.simulation import MAX_STEPS
+from babyrobot_levels.analysis.solver.results import Result, check_actions, check_discount
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep(ReadOnly):
-    """What is known after a sweep, a round or some episodes. All arrays are read-only copies.
+class Sweep(Result):
+    """The estimates after a sweep, a round or some episodes. All arrays are read-only copies.
 
     Attributes:
-        number: how many sweeps, rounds or episodes there were so far.
-        values: the estimated return from each cell, float64 `[height, width]`: 0 where the
-            episode is over, nan at blocked cells.
-        policy: the greedy action for each cell, int64 `[height, width]`, the first one of equally
-            good ones; -1 at blocked cells and where the episode is over. Actions are numbered as
-            in an environment made with the same `actions`.
+        number: the number of sweeps, rounds or episodes so far.
+        values: the estimated return from each cell, float64 `[height, width]`: 0 at terminal
+            cells, nan at blocked cells.
+        policy: the greedy action for each cell, int64 `[height, width]`, the first one of ties;
+            -1 at blocked and terminal cells. Actions are numbered as in an environment made with
+            the same `actions`; the array carries this set, which `evaluate` and everything
+            else that takes a policy respects.
         delta: the largest change of an estimate since the sweep before; inf for number 0.
         actions: `"all"` or `"moves"`.
     """
@@ -49,11 +49,11 @@ class Sweep(ReadOnly):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Trials(Sweep):
-    """What a robot knows after some episodes in an environment: a `Sweep`, and more.
+    """The estimates after some episodes in an environment: a `Sweep`, and more.
 
     Attributes:
         action_values: the estimated return if an action is taken first, float64
-            `[height, width, actions]`; `values` are the best of them.
+            `[height, width, actions]`; `values` are their maxima.
         returns: the (discounted) sum of the rewards of each episode so far, float64 `[number]`.
     """
 
@@ -63,7 +63,7 @@ class Trials(Sweep):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A level as it is learnt: its model, the discount that counts, and the set of actions."""
+    """A level to learn: its model, the discount, and the set of actions."""
 
     level: Level
     model: Model
@@ -72,7 +72,7 @@ class Problem:
 
     @property
     def max_steps(self) -> int:
-        """The number of steps after which an episode is cut off."""
+        """The number of steps after which an episode is truncated."""
         return self.level.max_steps or MAX_STEPS
 
     def weights(self, policy: Policy) -> Floats:
@@ -84,14 +84,14 @@ class Problem:
         return read_policy(policy, self.level.compile(), self.actions)[self.model.states]
 
     def greedy(self, ahead: Floats) -> Ints:
-        """Return the best actions, `[n]`: the first of those that differ by rounding only."""
+        """Return the greedy actions, `[n]`: the first of those that differ by rounding only."""
         best = ahead.max(axis=1, keepdims=True)
         size = np.where(np.isfinite(best), np.abs(best), 0.0)
         first: Ints = (ahead >= best - TOLERANCE * np.maximum(1.0, size)).argmax(axis=1)
         return first
 
     def sweep(self, number: int, values: Floats, delta: float, policy: Ints | None = None) -> Sweep:
-        """Return what is known when states are worth `values`, `[n]`.
+        """Return the `Sweep` of some state values, `[n]`.
 
         Args:
             number: the sweep's number.
@@ -106,7 +106,7 @@ class Problem:
         return Sweep(number, cells, self._policy(policy), delta, self.actions)
 
     def trials(self, number: int, ahead: Floats, delta: float, returns: list[float]) -> Trials:
-        """Return what is known when actions are worth `ahead`, `[n, actions]`."""
+        """Return the `Trials` of some action values, `[n, actions]`."""
         cells, rows = on_the_grid(self.level, self.model, ahead.max(axis=1), ahead)
         policy = self._policy(self.greedy(ahead))
         return Trials(number, cells, policy, delta, self.actions, rows, np.array(returns))
@@ -119,12 +119,12 @@ class Problem:
 
 
 def read_problem(level: Any, discount: float | None, actions: str) -> Problem:
-    """Return the problem that a level poses.
+    """Return the problem of learning a level.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
-        ValueError: another argument has a value that it cannot have.
+        ValueError: another argument has an invalid value.
     """
     level = load(level)
     model = model_of(level, check_actions(actions))
@@ -143,6 +143,6 @@ def check_counts(**counts: int) -> None:
 
 
 def largest_change(after: Floats, before: Floats) -> float:
-    """Return the largest change of an estimate; what stays infinite does not change."""
+    """Return the largest change of an estimate; values that stay infinite do not change."""
     changed = after != before
     return float(np.abs(after[changed] - before[changed]).max(initial=0.0))

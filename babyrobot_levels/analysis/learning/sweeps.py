@@ -1,4 +1,4 @@
-"""Dynamic programming: the tables are known, and sweeps over all states make values of them.
+"""Dynamic programming: values from sweeps over all states of the known tables.
 
 After Sutton and Barto, Reinforcement Learning: An Introduction (2nd edition), chapter 4.
 """
@@ -18,8 +18,7 @@ from babyrobot_levels.analysis.learning.results import (
     read_problem,
 )
 from babyrobot_levels.analysis.solver.evaluation import action_values, chain_values
-from babyrobot_levels.analysis.solver.graphs import surely_ending
-from babyrobot_levels.analysis.solver.model import Floats, Model
+from babyrobot_levels.analysis.solver.model import Floats, Model, surely_ending
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy
 
@@ -36,9 +35,9 @@ def value_iteration(
 ) -> Iterator[Sweep]:
     """Yield the sweeps of value iteration, from values of 0 towards the optimal ones.
 
-    A sweep gives each state the value of its best action, by the values of the sweep before
-    (two arrays). Number 0 is before the first one. Without a discount, values that have no bound
-    grow or sink until `max_sweeps` ends it.
+    A sweep gives each state the value of its greedy action, by the values of the sweep before
+    (two arrays). Number 0 is before the first one. Without a discount, unbounded values grow or
+    sink until `max_sweeps` ends it.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
@@ -50,7 +49,7 @@ def value_iteration(
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
-        ValueError: another argument has a value that it cannot have.
+        ValueError: another argument has an invalid value.
     """
     problem = read_problem(level, discount, actions)
     return _sweeps(problem, problem.model, tolerance, max_sweeps)
@@ -82,7 +81,7 @@ def policy_evaluation(
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
-        ValueError: another argument has a value that it cannot have.
+        ValueError: another argument has an invalid value.
     """
     problem = read_problem(level, discount, actions)
     chain = problem.model.mixed(problem.weights(policy))
@@ -99,12 +98,12 @@ def policy_iteration(
     """Yield the rounds of policy iteration, from the random policy to an optimal one.
 
     A round evaluates a policy exactly (`values`) and improves it (`policy`); number 1 has the
-    values of going in random directions. An action gives way only to a better one. The last round
-    finds nothing to improve: its values are those of its policy.
+    values of the random policy. An action is replaced only by a better one. The last round finds
+    nothing to improve: its values are those of its policy.
 
-    Without a discount, the random policy avoids what may lead into a trap from where the episode
-    can surely be ended. Where the best is to go on for ever, since that pays or costs nothing, the
-    rounds may come to rest below the optimum, or never; `solve` knows better.
+    Without a discount, the random policy leaves out actions that may lead to inescapable states
+    from where the episode can surely be ended. Where it is optimal to go on for ever, because the
+    rewards are positive or zero, the rounds may stop below the optimum, or never; `solve` does not.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
@@ -115,16 +114,16 @@ def policy_iteration(
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
-        ValueError: another argument has a value that it cannot have.
-        NoTotalError: while iterating: there is no discount, and a policy on the way goes round
-            for ever while rewards cancel out.
+        ValueError: another argument has an invalid value.
+        UndefinedReturnError: while iterating: there is no discount, and an intermediate policy
+            goes on for ever while rewards cancel out.
     """
     check_counts(max_sweeps=max_sweeps)
     return _rounds(read_problem(level, discount, actions), max_sweeps)
 
 
 def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -> Iterator[Sweep]:
-    """Check the bounds and return the sweeps. In a policy's chain, the best action is its only."""
+    """Check the bounds and return the sweeps. The chain of a policy has a single action."""
     check_counts(max_sweeps=max_sweeps)
     if not tolerance >= 0:
         raise ValueError(f"tolerance must not be negative, not {tolerance!r}")
@@ -145,10 +144,10 @@ def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -
 def _rounds(problem: Problem, max_sweeps: int) -> Iterator[Sweep]:
     model, discount = problem.model, problem.discount
     # States keep the random mixture until an action is better: without a discount, a policy that
-    # commits itself where nothing is won might go round in circles.
+    # commits itself without an improvement might go round in circles.
     weights = problem.weights("random")
     if discount == 1:
-        weights = _out_of_traps(model, weights)
+        weights = _without_risks(model, weights)
     values = np.zeros(model.size)
     for number in range(1, max_sweeps + 1):
         chain = model.mixed(weights)
@@ -163,8 +162,8 @@ def _rounds(problem: Problem, max_sweeps: int) -> Iterator[Sweep]:
             return
 
 
-def _out_of_traps(model: Model, weights: Floats) -> Floats:
-    """Return a policy without the actions that put a sure end at risk, `[n, actions]`.
+def _without_risks(model: Model, weights: Floats) -> Floats:
+    """Return a policy without the actions that risk an endless episode, `[n, actions]`.
 
     From -inf no action looks better than another if each has a chance to lead to -inf again.
     """

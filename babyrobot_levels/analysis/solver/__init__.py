@@ -1,1 +1,1 @@
-"""Exact answers about a level: the best policy, what a given policy is worth, and trial runs."""
+"""Exact solutions of a level: optimal policies, values of given policies, simulations."""

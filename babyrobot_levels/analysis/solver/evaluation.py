@@ -1,49 +1,83 @@
-"""What a given policy is worth, exactly."""
+"""The values of a given policy: exactly, from simulated episodes, and within a number of steps."""
 
 from __future__ import annotations
 
+import math
+import warnings
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.errors import TooLongError
-from babyrobot_levels.analysis.solver.graphs import attractor
-from babyrobot_levels.analysis.solver.linear import expected_sums
-from babyrobot_levels.analysis.solver.loops import long_run
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Model, build_model
-from babyrobot_levels.analysis.solver.policies import Policy, read_policy
-from babyrobot_levels.analysis.solver.results import Evaluation, check_actions, check_discount
+from babyrobot_levels.analysis.solver.linear import diverging_class, expected_sums, long_run
+from babyrobot_levels.analysis.solver.model import (
+    Flags,
+    Floats,
+    Ints,
+    Model,
+    attractor,
+    build_model,
+)
+from babyrobot_levels.analysis.solver.policies import Policy, looks_like_moves, read_policy
+from babyrobot_levels.analysis.solver.results import (
+    EpisodeTooLongError,
+    Evaluation,
+    Simulation,
+    check_actions,
+    check_discount,
+    check_seed,
+)
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.tables import Mdp
+
+MAX_STEPS = 10_000
+"""The limit of steps of simulated episodes in levels without a limit of their own."""
 
 
 def evaluate(
     level: Any, policy: Policy, discount: float | None = None, actions: str = "all"
 ) -> Evaluation:
-    """Return what a policy is worth in a level, exactly.
+    """Return the values of a policy in a level, exactly.
 
-    Without a discount the return is the total reward. It is inf from where the robot may come,
-    with any probability, into a loop that pays for ever; else -inf from where it may come into
-    one that costs for ever. A loop without end in which all rewards are 0 adds nothing.
+    Without a discount the return is the total reward. It is inf from where the robot may reach,
+    with any probability, a loop of positive reward; else -inf from where it may go on for ever at
+    a cost. A loop without end in which all rewards are 0 adds nothing. If the expected return from
+    the starts is infinite, a `RuntimeWarning` names the cells of such a loop.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
         policy: `"random"` (evenly all actions that are possible where the robot stands),
             `"uniform"` (evenly all actions, also those that a wall refuses), an array of actions
             `[height, width]`, an array of probabilities `[height, width, actions]` or
-            `[states, actions]`, a function `(x, y) -> action`, or a `Solution`. What it says of
-            blocked cells, and of those where the episode is over, does not matter.
+            `[states, actions]`, a function `(x, y) -> action`, a `Solution` or a `Sweep`. Its
+            entries for blocked and terminal cells are ignored.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, or `"moves"` without stay: the actions of `"random"` and `"uniform"`, and
+            how a policy's actions are numbered. Results of this package and the `policy` of one
+            carry their own numbering.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
-        ValueError: another argument has a value that it cannot have.
-        NoTotalError: there is no discount, and rewards cancel out in a loop without end.
-        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
+        ValueError: another argument has an invalid value.
+        UndefinedReturnError: there is no discount, and rewards cancel out in a loop without end.
+        EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
+            end.
     """
+    found = evaluation_of(level, policy, discount, actions)
+    if found.explanation:
+        message = f"with this policy, {found.explanation}"
+        if actions == "all" and looks_like_moves(policy):
+            message += "; if its action 0 is north, give actions='moves'"
+        warnings.warn(message, RuntimeWarning, stacklevel=2)
+    return found
+
+
+def evaluation_of(
+    level: Any, policy: Policy, discount: float | None = None, actions: str = "all"
+) -> Evaluation:
+    """Do what `evaluate` does, without a warning where the expected return is infinite."""
     level = load(level)
     discount = check_discount(discount, level.discount)
     model, mdp = model_of(level, check_actions(actions)), level.compile()
@@ -52,15 +86,17 @@ def evaluate(
     values = chain_values(chain, discount, mdp.width)
     ahead = action_values(model, values, discount)
     cells, rows = on_the_grid(level, model, values, ahead)
+    expected = at_start(values, model, mdp)
     steps, success = episode(chain, mdp)
     return Evaluation(
         values=cells,
         action_values=rows,
-        expected_return=at_start(values, model, mdp),
+        expected_return=expected,
         expected_steps=steps,
         exit_probability=success,
         discount=discount,
         actions=actions,
+        diverging_cells=diverging_cells(chain, expected, mdp),
     )
 
 
@@ -74,7 +110,7 @@ def chain_values(chain: Model, discount: float, width: int) -> Floats:
     """Return the values of a chain's states, `[n]`.
 
     Raises:
-        NoTotalError: there is no discount, and rewards cancel out in a loop without end.
+        UndefinedReturnError: there is no discount, and rewards cancel out in a loop without end.
     """
     if discount < 1:
         return expected_sums(chain, chain.reward[:, 0], discount)
@@ -86,8 +122,17 @@ def chain_values(chain: Model, discount: float, width: int) -> Floats:
     return values
 
 
+def diverging_cells(chain: Model, expected_return: float, mdp: Mdp) -> tuple[tuple[int, int], ...]:
+    """Return the cells `(x, y)` of a loop that makes a chain's return infinite; none if finite."""
+    if math.isfinite(expected_return):
+        return ()
+    starts = np.flatnonzero(mdp.start[chain.states] > 0)
+    found = chain.states[diverging_class(chain, starts, np.sign(expected_return))]
+    return tuple((state % mdp.width, state // mdp.width) for state in found.tolist())
+
+
 def action_values(model: Model, values: Floats, discount: float) -> Floats:
-    """Return what actions are worth, `[n, actions]`, if states have values that may be infinite."""
+    """Return the action values, `[n, actions]`, for state values that may be infinite."""
     ahead = model.action_values(np.where(np.isinf(values), 0.0, values), discount)
     for extreme in (-np.inf, np.inf):
         ahead[model.leads_to(np.append(values == extreme, False))] = extreme
@@ -95,16 +140,16 @@ def action_values(model: Model, values: Floats, discount: float) -> Floats:
 
 
 def episode(chain: Model, mdp: Mdp) -> tuple[float, float]:
-    """Return how long a chain's episodes are expected to be, and how likely they reach an exit.
+    """Return the expected length of a chain's episodes and the probability to reach an exit.
 
-    Where that is too long for floating point, it is inf, and how likely is not known: nan.
+    Episodes that are too long for floating point have the length inf and the probability nan.
     """
     ends = _may_reach(chain, chain.end)
     steps, success = np.zeros(chain.size), np.zeros(chain.size)
     columns = np.stack([np.ones(chain.size), chain.success[:, 0]], axis=1)[ends]
     try:
         steps[ends], success[ends] = expected_sums(chain.restrict(ends), columns, 1.0).T
-    except TooLongError:
+    except EpisodeTooLongError:
         return float("inf"), float("nan")
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
     return at_start(steps, chain, mdp), min(1.0, at_start(success, chain, mdp))
@@ -116,7 +161,7 @@ def _may_reach(chain: Model, goals: Flags) -> Flags:
 
 
 def at_start(values: Floats, model: Model, mdp: Mdp) -> float:
-    """Return what is expected at the starts; inf wins over -inf."""
+    """Return the expectation over the starts; inf wins over -inf."""
     chances = mdp.start[model.states]
     expected = values[chances > 0]
     if np.isposinf(expected).any():
@@ -133,3 +178,141 @@ def on_the_grid(level: Level, model: Model, values: Floats, ahead: Floats) -> tu
     rows = np.repeat(cells[:, None], ahead.shape[1], axis=1)
     cells[model.states], rows[model.states] = values, ahead
     return cells.reshape(shape), rows.reshape(*shape, -1)
+
+
+# -- simulated episodes, and limits of steps -------------------------------------------------
+
+
+def simulate(
+    level: Any,
+    policy: Policy,
+    episodes: int = 1000,
+    seed: int = 0,
+    *,
+    discount: float | None = None,
+    max_steps: int | None = None,
+    actions: str = "all",
+) -> Simulation:
+    """Simulate episodes of a policy.
+
+    The same arguments give the same episodes. They are not those of the environments, which draw
+    from generators of their own.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        policy: as `evaluate` takes it.
+        episodes: how many, at least 1.
+        seed: what all chance is drawn from.
+        discount: above 0 and at most 1; by default, the level's.
+        max_steps: episodes that are longer are truncated. By default, the level's `max_steps`, or
+            10,000 where it has none.
+        actions: `"all"`, or `"moves"` without stay.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+        ValueError: another argument has an invalid value.
+    """
+    level = load(level)
+    discount = check_discount(discount, level.discount)
+    limit = max_steps if max_steps is not None else level.max_steps or MAX_STEPS
+    if episodes < 1 or limit < 1:
+        raise ValueError("episodes and max_steps must be at least 1")
+    chain = _chain(level, policy, actions)
+    mdp = level.compile()
+    rng = np.random.default_rng(check_seed(seed))
+    state = rng.choice(mdp.num_states, size=episodes, p=mdp.start)
+    returns, steps = np.zeros(episodes), np.zeros(episodes, np.int64)
+    going = np.arange(episodes)
+    factor = 1.0
+    for _ in range(limit):
+        here = state[going]
+        which = (rng.random(going.size)[:, None] >= chain.cumulated[here]).sum(axis=1)
+        returns[going] += factor * chain.reward[here, which]
+        steps[going] += 1
+        state[going] = chain.next_state[here, which]
+        factor *= discount
+        going = going[~mdp.over[state[going]]]
+        if not going.size:
+            break
+    return Simulation(
+        returns=returns,
+        steps=steps,
+        at_exit=_exits(level)[state],
+        cut=~mdp.over[state],
+        max_steps=limit,
+        discount=discount,
+    )
+
+
+def success_within(
+    level: Any, policy: Policy, steps: int | None = None, *, actions: str = "all"
+) -> float:
+    """Return the exact probability of reaching an exit within a number of steps.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        policy: as `evaluate` takes it.
+        steps: how many steps there are; by default, the level's `max_steps`.
+        actions: `"all"`, or `"moves"` without stay.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+        ValueError: another argument has an invalid value, or neither `steps` nor `max_steps` of
+            the level is given.
+    """
+    level = load(level)
+    steps = level.max_steps if steps is None else steps
+    if steps is None or steps < 0:
+        raise ValueError("steps must be 0 or more; the level has no max_steps of its own")
+    model, mdp = model_of(level, check_actions(actions)), level.compile()
+    chain = model.mixed(read_policy(policy, mdp, actions)[model.states])
+    success = np.zeros(chain.size)
+    for _ in range(steps):
+        following = np.append(success, 0.0)[chain.next_state[:, 0]]
+        ahead = np.einsum("so,so->s", chain.probability[:, 0], following)
+        ahead += chain.success[:, 0]
+        if np.array_equal(ahead, success):
+            break
+        success = ahead
+    return min(1.0, at_start(success, chain, mdp))
+
+
+@dataclass(frozen=True, eq=False)
+class _Chain:
+    """The outcomes of a policy's step from each state, `[states, outcomes]` each."""
+
+    cumulated: Floats
+    next_state: Ints
+    reward: Floats
+
+
+def _chain(level: Level, policy: Policy, actions: str) -> _Chain:
+    """Return the outcomes of a policy's steps, the possible ones first."""
+    first, mdp = check_actions(actions), level.compile()
+    weights = read_policy(policy, mdp, actions)
+    count = mdp.num_states
+    probability = (weights[:, :, None] * mdp.probability[:, first:]).reshape(count, -1)
+    order = np.argsort(probability == 0, axis=1, kind="stable")
+    order = order[:, : int((probability > 0).sum(axis=1).max())]
+    probability = np.take_along_axis(probability, order, axis=1)
+    next_state = mdp.next_state[:, first:].reshape(count, -1)
+    reward = mdp.reward[:, first:].reshape(count, -1)
+    cumulated = np.cumsum(probability, axis=1)
+    # Rounding must not leave a gap at the top: the last possible outcome takes what is left.
+    last = np.maximum((probability > 0).sum(axis=1) - 1, 0)
+    cumulated[np.arange(probability.shape[1]) >= last[:, None]] = 1.0
+    return _Chain(
+        cumulated,
+        np.take_along_axis(next_state, order, axis=1).astype(np.intp),
+        np.take_along_axis(reward, order, axis=1),
+    )
+
+
+def _exits(level: Level) -> Flags:
+    """Return which states are exits, `[states]`."""
+    width, height = level.size
+    flags = np.zeros(width * height, bool)
+    flags[[y * width + x for x, y in level.exits]] = True
+    return flags

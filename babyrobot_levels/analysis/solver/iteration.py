@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.errors import TooLongError
-from babyrobot_levels.analysis.solver.graphs import surely_ending
 from babyrobot_levels.analysis.solver.linear import expected_sums
-from babyrobot_levels.analysis.solver.model import Floats, Ints, Model
+from babyrobot_levels.analysis.solver.model import Floats, Ints, Model, surely_ending
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 
 SLACK = 1e-14
-"""What is better by no more than this share of the largest value is better by rounding only."""
+"""Improvements by no more than this share of the largest value are rounding errors."""
 
 TIE = 1e-13
 """Actions that differ by no more than this share of the largest value are equally good."""
@@ -19,19 +18,19 @@ MAX_SWEEPS = 30
 """Sweeps between two exact evaluations. They only save time."""
 
 IMPATIENCE = 1e-5
-"""The chance to give up at each step, where a policy that ends soon is looked for."""
+"""The chance to give up at each step, in the search for a policy that ends soon."""
 
 
 def iterate_policies(model: Model, policy: Ints, discount: float) -> tuple[Floats, Ints, int]:
     """Return optimal values, `[n]`, a policy that attains them, `[n]`, and the rounds it took.
 
     Without a discount, `policy` must lead to the end with probability one, and so does the
-    result: an action gives way only to one that is strictly better, and with these, no loop comes
-    into being unless it pays.
+    result: an action is replaced only by one that is strictly better, which creates no loop unless
+    its rewards are positive.
 
     Each round evaluates the policy exactly and then improves it by sweeps of value iteration, so
-    that news travels the whole level and not one cell. A round that raises no value by more than
-    rounding is the last one, and values cannot rise for ever: it comes to an end.
+    that a change spreads over the whole level and not by one cell. The last round raises no value
+    by more than rounding; values cannot rise for ever, so there is one.
     """
     values = expected_sums(model.under(policy), _rewards(model, policy), discount)
     rounds = 1
@@ -77,14 +76,14 @@ def in_good_time(model: Model, policy: Ints) -> Ints:
 
     Args:
         model: the states and actions, of which every state can surely end.
-        policy: a policy that ends with probability one, but perhaps only by a chain of luck that
-            takes longer than floating point can tell.
+        policy: a policy that ends with probability one, but perhaps only after more steps than
+            floating point can count.
     """
     chain = model.under(policy)
     if np.isin(chain.probability, (0.0, 1.0)).all():
         return policy
-    # With a chance to give up at each step, any start will do. And whoever makes the most of his
-    # chances to end never settles in a loop: there, he would have none.
+    # With a chance to give up at each step, any policy will do to start from. And a policy that
+    # maximizes its chance to end never settles in a loop: there, it would have none.
     ends = np.where(model.next_state == model.size, model.probability, 0.0).sum(axis=2)
     chances = model.with_rewards(np.where(model.allowed, ends, -np.inf))
     own = expected_sums(chain, _rewards(chances, policy), 1.0 - IMPATIENCE)
@@ -113,7 +112,7 @@ def prefer_ending(model: Model, values: Floats, policy: Ints, discount: float) -
     counting = ending.with_rewards(np.where(ending.allowed, -1.0, -np.inf))
     try:
         _, quickest, _ = iterate_policies(counting, in_good_time(ending, action[sure]), 1.0)
-    except TooLongError:
+    except EpisodeTooLongError:
         return policy
     policy = policy.copy()
     policy[sure] = quickest

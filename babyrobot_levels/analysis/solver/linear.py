@@ -1,34 +1,38 @@
-"""The linear systems of chains, solved directly: dense where small, sparse where large."""
+"""Linear systems of Markov chains: expected sums until the end, and averages in the long run."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.errors import TooLongError
-from babyrobot_levels.analysis.solver.graphs import closed_classes
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model
+from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model, closed_classes
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, undefined_return
+from babyrobot_levels.mdp.graph import Graph
 
 MAX_STEPS = 1e10
 """Sums over more steps than this have lost too many digits: each step takes a part in 10^16."""
+
+ZERO = 1e-12
+"""Averages of this share of the largest reward are rounding errors: they count as zero."""
 
 DENSE_STATES = 150
 """Up to so many states, dense elimination is faster than sparse, and needs no SciPy."""
 
 
 def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
-    """Return the expected discounted sum of what each step gives, until the end.
+    """Return the expected discounted sum of some rewards until the end.
 
     Args:
         chain: a model with one action. Without a discount, each state must lead to the end with
             probability one.
-        rewards: what a step from each state gives, `[n]`, or several such columns, `[n, columns]`.
+        rewards: the reward of a step from each state, `[n]`, or several such columns,
+            `[n, columns]`.
         discount: the factor by which each further step counts less.
 
     Returns:
         The sums, shaped as `rewards`.
 
     Raises:
-        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
+        EpisodeTooLongError: there is no discount, and it takes more than 10^10 steps on average.
     """
     if chain.size == 0:
         return rewards.copy()
@@ -38,9 +42,9 @@ def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
     try:
         sums = _solved(chain, columns, 1.0)
     except ArithmeticError:
-        raise TooLongError from None
+        raise EpisodeTooLongError from None
     if not ((sums[:, -1] > 0) & (sums[:, -1] < MAX_STEPS)).all():
-        raise TooLongError
+        raise EpisodeTooLongError
     return sums[:, :-1].reshape(rewards.shape)
 
 
@@ -90,15 +94,15 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
 
 
 def cycles(chain: Model, homes: Flags) -> Floats:
-    """Return what happens on the way to the next visit of one of some states, the homes.
+    """Return rewards and steps until the next visit of one of some states, the homes.
 
     Args:
-        chain: a model with one action that gets to a home from each state, and never ends.
+        chain: a model with one action that reaches a home from each state, and never ends.
         homes: the homes, `[n]`.
 
     Returns:
         The expected sum of rewards, and the expected number of steps, `[n, 2]`; from a home, until
-        the robot is back at one. Their ratio is a home's average reward.
+        the next visit of one. Their ratio is a home's average reward.
     """
     columns = np.stack([chain.reward[:, 0], np.ones(chain.size)], axis=1)
     ahead = np.zeros((chain.size + 1, 2))
@@ -120,3 +124,44 @@ def class_averages(chain: Model) -> Floats:
     total, steps = cycles(chain.restrict(kept), homes)[first].T
     found[kept] = (total / steps)[number]
     return found
+
+
+def long_run(chain: Model, width: int) -> tuple[Floats, Flags]:
+    """Return the sign of the long-run average reward of each state of a chain.
+
+    Returns:
+        The sign of the average reward of a state's closed class, `[n]`, nan outside of them; and
+        which states these are, `[n]`.
+
+    Raises:
+        UndefinedReturnError: there is a class in which rewards cancel out.
+    """
+    average = class_averages(chain)
+    closed = ~np.isnan(average)
+    if not closed.any():
+        return average, closed
+    scale = float(np.abs(chain.reward[closed]).max())
+    sign = np.where(np.abs(average) <= ZERO * scale, 0.0, np.sign(average))
+    unclear = (sign == 0) & (chain.reward[:, 0] != 0)
+    if unclear.any():
+        raise undefined_return(chain, unclear, width)
+    return sign, closed
+
+
+def diverging_class(chain: Model, starts: Ints, sign: float) -> Ints:
+    """Return the states of a closed class in which an undiscounted return diverges.
+
+    Args:
+        chain: a model with one action.
+        starts: the states in which an episode can start.
+        sign: the sign of the return, which is infinite.
+
+    Returns:
+        The class with the most extreme average reward of those reached from the starts, sorted.
+    """
+    edges = np.flatnonzero(chain.probability > 0)
+    source, target = edges // chain.probability.shape[2], chain.next_state.ravel()[edges]
+    reached = Graph(chain.size + 1, source, target).distances(starts.tolist())[:-1] >= 0
+    average = np.where(reached, sign * class_averages(chain), np.nan)
+    label = closed_classes(chain)
+    return np.flatnonzero(label == label[np.nanargmax(average)])

@@ -1,8 +1,8 @@
-"""The best that can be done in a level, exactly.
+"""The optimal values of a level and an optimal policy, exactly.
 
-With a discount: policy iteration. Without one, the structure of the level is looked at first: a
-loop that pays makes values infinite, a loop that costs nothing is as good as stopping, and where
-the end cannot be reached with probability one, costs have no end. Policy iteration does the rest.
+With a discount: policy iteration. Without one, the loops of the level are found first: a loop of
+positive reward makes values infinite, a loop without rewards is as good as stopping, and where the
+end cannot be reached with probability one, costs are infinite. Policy iteration does the rest.
 """
 
 from __future__ import annotations
@@ -12,31 +12,49 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.errors import no_total
 from babyrobot_levels.analysis.solver.evaluation import (
     action_values,
     at_start,
+    diverging_cells,
     episode,
     model_of,
     on_the_grid,
 )
-from babyrobot_levels.analysis.solver.graphs import attractor, surely_ending
 from babyrobot_levels.analysis.solver.iteration import in_good_time, iterate_policies, prefer_ending
-from babyrobot_levels.analysis.solver.loops import find_loops
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model
-from babyrobot_levels.analysis.solver.results import Solution, check_actions, check_discount
+from babyrobot_levels.analysis.solver.linear import ZERO, class_averages, cycles
+from babyrobot_levels.analysis.solver.model import (
+    Flags,
+    Floats,
+    Ints,
+    Model,
+    attractor,
+    closed_classes,
+    end_components,
+    surely_ending,
+)
+from babyrobot_levels.analysis.solver.results import (
+    Solution,
+    check_actions,
+    check_discount,
+    undefined_return,
+)
 from babyrobot_levels.library.catalogue import load
 
 TOLERANCE = 1e-9
-"""Actions whose values differ by no more than this share of the best one are all greedy."""
+"""Actions whose values differ by no more than this share of the optimal one are all greedy."""
+
+MAX_ROUNDS = 1000
+"""A bound that rounding cannot exceed: a policy that is no better repeats after a few rounds."""
 
 
 def solve(level: Any, discount: float | None = None, *, actions: str = "all") -> Solution:
-    """Return the highest expected returns of a level and a policy that earns them, exactly.
+    """Return the optimal values of a level and an optimal policy, exactly.
 
-    Without a discount the return is the total reward. It is inf from where the robot can come,
-    with any probability, to a loop that pays for ever; else -inf from where, whatever it does, it
-    may have to go on at a cost for ever. Going on for ever with rewards of 0 adds nothing.
+    Without a discount the return is the total reward. It is inf from where the robot can reach,
+    with any probability, a loop of positive reward; else -inf from where every policy risks going
+    on at a cost for ever: `explanation` of the result says so. Going on for ever with rewards of 0
+    adds nothing. A time limit (`max_steps`) is not part of the MDP and is ignored;
+    `success_within` counts steps.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
@@ -47,15 +65,16 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has a value that it cannot have.
-        NoTotalError: there is no discount, and it may be best to stay in a loop without end in
-            which rewards cancel out: +1, -1, +1, …, which has no total. Where ending is at least
-            as good as whatever such a loop comes to, that is no matter.
-        TooLongError: there is no discount, and on average it takes more than 10^10 steps to end.
+        UndefinedReturnError: there is no discount, and it may be optimal to stay in a loop without
+            end in which rewards cancel out: +1, -1, +1, … Where ending is at least as good as any
+            partial sum of such a loop, this does not matter.
+        EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
+            end.
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
     model, mdp = model_of(level, check_actions(actions)), level.compile()
-    found = _discounted(model, discount) if discount < 1 else _total(model, mdp.width)
+    found = _discounted(model, discount) if discount < 1 else _undiscounted(model, mdp.width)
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
     greedy = np.zeros((mdp.num_states, ahead.shape[1]), bool)
@@ -64,15 +83,17 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
     policy[model.states] = found.policy
     finite = np.isfinite(found.values)
     cells, rows = on_the_grid(level, model, found.values, ahead)
-    steps, success = episode(model.under(found.policy), mdp)
+    chain, expected = model.under(found.policy), at_start(found.values, model, mdp)
+    steps, success = episode(chain, mdp)
     return Solution(
         values=cells,
         action_values=rows,
-        expected_return=at_start(found.values, model, mdp),
+        expected_return=expected,
         expected_steps=steps,
         exit_probability=success,
         discount=discount,
         actions=actions,
+        diverging_cells=diverging_cells(chain, expected, mdp),
         greedy=greedy.reshape(mdp.height, mdp.width, -1),
         policy=policy.reshape(mdp.height, mdp.width),
         method="policy iteration",
@@ -95,39 +116,167 @@ def _discounted(model: Model, discount: float) -> _Optimum:
     return _Optimum(values, prefer_ending(model, values, policy, discount), rounds)
 
 
-def _total(model: Model, width: int) -> _Optimum:
-    """Return the optimum without a discount."""
+def _undiscounted(model: Model, width: int) -> _Optimum:
     loops = find_loops(model)
-    unbounded, towards = attractor(model, np.append(loops.pays, False), model.allowed)
-    policy = np.where(loops.pays, loops.action, towards)
+    unbounded, towards = attractor(model, np.append(loops.positive, False), model.allowed)
+    policy = np.where(loops.positive, loops.action, towards)
     # No action of the others leads there: it would make them unbounded too.
     others = np.flatnonzero(~unbounded)
     rest = model.restrict(~unbounded).with_stops(loops.idle[others])
     sure, action, rows = surely_ending(rest, rest.allowed)
     core = rest.restrict(sure, rows)
     inside = others[sure]
-    best_values, best, rounds = iterate_policies(core, in_good_time(core, action[sure]), 1.0)
+    found = iterate_policies(core, in_good_time(core, action[sure]), 1.0)
+    core_values, core_policy, rounds = found
     stop = model.reward.shape[1]
-    # Where stopping is best, it means to stay in the loop; but who can end as well, should.
+    # Where stopping is optimal, it means to stay in the loop, unless ending is just as good.
     is_stop = np.arange(core.reward.shape[1]) == stop
     going_on = core.with_rewards(np.where(is_stop, -np.inf, core.reward))
-    best = prefer_ending(going_on, best_values, best, 1.0)
-    policy[inside] = np.where(best == stop, loops.action[inside], best)
-    # Elsewhere nothing helps. Perhaps it ends nevertheless.
+    core_policy = prefer_ending(going_on, core_values, core_policy, 1.0)
+    policy[inside] = np.where(core_policy == stop, loops.action[inside], core_policy)
+    # From the other states no policy surely ends the episode, but it may still end by chance.
     _, perhaps = attractor(rest, np.append(sure, True), rest.allowed)
     perhaps = np.where(perhaps >= 0, perhaps, rest.reward.argmax(axis=1))
     policy[others[~sure]] = perhaps[~sure]
     values = np.where(unbounded, np.inf, -np.inf)
-    values[inside] = best_values
+    values[inside] = core_values
     unclear = values < loops.ceiling - TOLERANCE * np.maximum(1.0, np.abs(loops.ceiling))
     if unclear.any():
-        raise no_total(model, unclear, width)
+        raise undefined_return(model, unclear, width)
     return _Optimum(values, policy, rounds)
 
 
 def _greedy(model: Model, ahead: Floats, best: Floats) -> Flags:
-    """Return the actions that are as good as the best one, `[n, actions]`."""
+    """Return the actions whose values are those of the optimal one, `[n, actions]`."""
     rewards = np.abs(model.reward).max(initial=0.0)
     size = np.where(np.isfinite(best), np.abs(best), 0.0)
     margin = TOLERANCE * np.maximum(size, min(1.0, rewards))
     return ahead >= (best - margin)[:, None]
+
+
+# -- loops without a discount --------------------------------------------------------------
+
+
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """The states, `[n]` each, in which an episode can go on for ever at no loss.
+
+    Attributes:
+        positive: where it can do so with a positive average reward.
+        idle: where it can do so with rewards of 0 only.
+        action: how: in each of these states, an action that keeps to the loop; -1 elsewhere.
+        ceiling: where rewards and costs can cancel out for ever, float64: a bound that no sum
+            of them ever exceeds. -inf elsewhere.
+    """
+
+    positive: Flags
+    idle: Flags
+    action: Ints
+    ceiling: Floats
+
+
+def find_loops(model: Model) -> Loops:
+    """Find the loops of a model."""
+    positive, action = np.zeros(model.size, bool), np.full(model.size, -1)
+    ceiling = np.full(model.size, -np.inf)
+    inner = model.allowed & ~model.leads_to(model.end)
+    if not (inner & (model.reward >= 0)).any():
+        return Loops(positive, positive, action, ceiling)
+    label, inside = end_components(model, model.allowed)
+    gains = (inside & (model.reward > 0)).any(axis=1)
+    rising = np.unique(label[gains])
+    idle_rows = inside & (model.reward == 0) & ~np.isin(label, rising)[:, None]
+    by_label = np.argsort(label, kind="stable")
+    bounds = np.searchsorted(label[by_label], np.stack([rising, rising + 1]))
+    for begin, end in bounds.T:
+        members = np.sort(by_label[begin:end])
+        average = optimal_average(_part(model, members, inside))
+        if average.gain > 0:
+            positive[members], action[members] = True, average.policy
+        elif average.gain == 0:
+            idle_rows[members] = average.tight & (model.reward[members] == 0)
+            ceiling[members] = _ceiling(_part(model, members, inside), average)
+    idle_label, idle_inside = end_components(model, idle_rows)
+    idle = idle_label >= 0
+    action[idle] = idle_inside[idle].argmax(axis=1)
+    return Loops(positive, idle, action, ceiling)
+
+
+def _ceiling(model: Model, average: Average) -> Floats:
+    """Return what no sum of rewards that cancel out exceeds, `[n]`; -inf where none do.
+
+    Along actions that lose nothing, a step gives on average the fall of the bias. So a sum is at
+    most the bias where it begins minus the least bias that the loop has.
+    """
+    label, inside = end_components(model, average.tight)
+    ceiling = np.full(model.size, -np.inf)
+    for one in np.unique(label[(inside & (model.reward != 0)).any(axis=1)]):
+        members = label == one
+        ceiling[members] = average.bias[members] - average.bias[members].min()
+    return ceiling
+
+
+def _part(model: Model, members: Ints, inside: Flags) -> Model:
+    keep = np.zeros(model.size, bool)
+    keep[members] = True
+    return model.restrict(keep, inside)
+
+
+@dataclass(frozen=True, eq=False)
+class Average:
+    """The optimal average reward of a component, or a positive one.
+
+    Attributes:
+        gain: the average reward per step; exactly 0 where it differs from 0 by rounding only.
+        policy: an action for each state, `[n]`, that earns it.
+        bias: how much more than the average a state earns before a home state, `[n]`.
+        tight: the actions that lose nothing, `[n, actions]`.
+    """
+
+    gain: float
+    policy: Ints
+    bias: Floats
+    tight: Flags
+
+
+def optimal_average(model: Model) -> Average:
+    """Return the optimal average reward of a strongly connected component.
+
+    Howard's policy iteration: each round has a policy with a single closed class, in which
+    either the average is higher than before, or it is the same and the bias is higher. It
+    stops as soon as the average is positive, which is all that matters then.
+    """
+    scale = float(np.abs(model.reward[model.allowed]).max())
+    rows = np.arange(model.size)
+    policy = model.reward.argmax(axis=1)
+    for rounds_left in reversed(range(MAX_ROUNDS)):
+        policy, home = _with_one_class(model, policy)
+        total, steps = cycles(model.under(policy), home).T
+        gain = float((total[home] / steps[home])[0])
+        bias = np.where(home, 0.0, total - gain * steps)
+        ahead = model.action_values(bias, 1.0) - gain
+        slack = 10 * ZERO * max(scale, float(np.abs(bias).max()))
+        best = ahead.argmax(axis=1)
+        better = ahead[rows, best] > bias + slack
+        if gain > ZERO * scale or not better.any() or not rounds_left:
+            gain = gain if abs(gain) > ZERO * scale else 0.0
+            return Average(gain, policy, bias, ahead >= bias[:, None] - 10 * slack)
+        policy = np.where(better, best, policy)
+    raise AssertionError("the last round returns")
+
+
+def _with_one_class(model: Model, policy: Ints) -> tuple[Ints, Flags]:
+    """Return the policy, led from everywhere to its optimal closed class, and a state of it."""
+    chain = model.under(policy)
+    label = closed_classes(chain)
+    home = np.zeros(model.size, bool)
+    if np.unique(label[label >= 0]).size == 1:
+        home[label.argmax()] = True
+        return policy, home
+    home[np.nanargmax(class_averages(chain))] = True
+    goals = np.append(label == label[home], False)
+    _, action = attractor(model, goals, model.allowed)
+    others = ~goals[:-1]
+    policy = policy.copy()
+    policy[others] = in_good_time(model.restrict(others), action[others])
+    return policy, home

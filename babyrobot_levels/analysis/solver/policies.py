@@ -1,4 +1,4 @@
-"""The ways of telling a policy, read into one table of probabilities."""
+"""Policies in all forms that functions take, read into one table of probabilities."""
 
 from __future__ import annotations
 
@@ -11,64 +11,78 @@ from numpy.typing import ArrayLike
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats
 from babyrobot_levels.analysis.solver.results import num_actions
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, HasPolicy, unwrapped_policy
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, HasPolicy, unwrapped_policy
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean
 
 Policy = str | ArrayLike | Callable[[int, int], int] | HasPolicy
-"""How a policy can be told; see `read_policy`."""
+"""The forms of a policy; see `read_policy`."""
 
-WORDS = ("random", "uniform")
+NAMED = ("random", "uniform")
+
+
+def looks_like_moves(policy: Any) -> bool:
+    """Return whether a policy is a plain array of actions that could be meant without stay."""
+    if isinstance(policy, str) or callable(policy) or hasattr(policy, "first_action"):
+        return False
+    table = np.asarray(policy)
+    return table.ndim == 2 and table.dtype.kind in "iu" and bool((table < NUM_MOVES).all())
 
 
 def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
-    """Return a policy as probabilities, `[states, actions]`; zeros where the episode is over.
+    """Return a policy as probabilities, `[states, actions]`; zeros at terminal states.
 
     Args:
         policy: one of
 
             - `"random"`: all actions that are possible where the robot stands, evenly, as
-              `env.action_space.sample()` draws them; where none is (a cell shut in, without
+              `env.action_space.sample()` draws them; where none is (an enclosed cell, without
               `stay`), all of them;
             - `"uniform"`: all actions evenly, also those that a wall refuses;
             - an array of ints `[height, width]`: an action for each cell;
             - an array `[height, width, actions]` or `[states, actions]` of probabilities;
             - a function that is called with `x, y` and returns an action;
-            - a `Solution`, or a `Sweep` of learning, whose policy it is.
+            - a `Solution`, or a `Sweep` of learning, or the `policy` of one.
         mdp: the level's tables.
-        actions: the set of actions that the policy's numbers mean, `"all"` or `"moves"`.
+        actions: the set of actions, `"all"` or `"moves"`. It also numbers the actions of a policy
+            that does not carry its own set.
 
     Raises:
         ValueError: it is none of these, or does not fit the level.
     """
     count = num_actions(actions)
     if isinstance(policy, str):
-        return _in_words(policy, mdp, count)
+        return _named(policy, mdp, count)
     policy, first_action = unwrapped_policy(policy)
-    first = 0 if first_action is None else first_action - (NUM_ACTIONS - count)
+    first = NUM_ACTIONS - count if first_action is None else first_action
     if callable(policy):
         policy = _called(policy, mdp)
     table = np.asarray(policy)
-    if table.shape == (mdp.height, mdp.width):
-        return _chosen(table.ravel(), mdp, count, first)
-    if table.shape in ((mdp.height, mdp.width, count), (mdp.num_states, count)):
+    shape = (mdp.height, mdp.width)
+    if table.shape == shape:
+        return _chosen(table.ravel(), mdp, actions, first)
+    if table.shape in ((*shape, count), (mdp.num_states, count)):
         return _weighed(table.reshape(-1, count), mdp)
-    raise ValueError(
-        f"a policy for this level and actions={actions!r} is an array "
-        f"[{mdp.height}, {mdp.width}] of actions, or an array [{mdp.height}, {mdp.width}, {count}] "
-        f"or [{mdp.num_states}, {count}] of probabilities, not one of shape {list(table.shape)}"
+    message = (
+        f"a policy for this level and actions={actions!r} is an array {list(shape)} of actions, or "
+        f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, "
+        f"not one of shape {list(table.shape)}"
     )
+    other, others = ("moves", NUM_MOVES) if actions == "all" else ("all", NUM_ACTIONS)
+    if table.shape in ((*shape, others), (mdp.num_states, others)):
+        message += f"; {others} probabilities for each cell need actions={other!r}"
+    raise ValueError(message)
 
 
-def _in_words(word: str, mdp: Mdp, count: int) -> Floats:
-    if word not in WORDS:
-        known = " or ".join(map(repr, WORDS))
+def _named(name: str, mdp: Mdp, count: int) -> Floats:
+    if name not in NAMED:
+        known = " or ".join(map(repr, NAMED))
         raise ValueError(
-            f"a policy in a word is {known}, not {word!r}{did_you_mean(word, WORDS)}; "
-            "the best one is what `brl.solve(level)` returns"
+            f"a policy given by name is {known}, not {name!r}{did_you_mean(name, NAMED)}; "
+            "the optimal one is `brl.solve(level)`"
         )
     weights = np.ones((mdp.num_states, count))
-    if word == "random":
+    if name == "random":
         possible = mdp.possible[:, -count:]
         weights = np.where(possible.any(axis=1, keepdims=True), possible, weights)
     even: Floats = weights / weights.sum(axis=1, keepdims=True)
@@ -88,18 +102,28 @@ def _called(function: Callable[[int, int], Any], mdp: Mdp) -> Any:
     return table
 
 
-def _chosen(table: np.ndarray[Any, Any], mdp: Mdp, count: int, first: int) -> Floats:
-    """Return the probabilities of a policy that names actions, of which `first` is number 0."""
+def _chosen(table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int) -> Floats:
+    """Return the probabilities of a policy given by actions, of which `first` is number 0."""
     if not np.issubdtype(table.dtype, np.integer):
-        raise ValueError("a policy [height, width] is an array of whole numbers, the actions")
+        raise ValueError("a policy [height, width] is an array of integers, the actions")
+    count = num_actions(actions)
     states = np.flatnonzero(~mdp.over)
-    chosen = table[states].astype(np.int64) + first
+    chosen = table[states].astype(np.int64) + first - (NUM_ACTIONS - count)
     wrong = (chosen < 0) | (chosen >= count)
     if wrong.any():
-        raise ValueError(
-            f"the policy's action at {_cell(states, wrong, mdp)} is {table[states][wrong][0]}; "
-            f"here, the actions are {-first} to {count - 1 - first}"
+        number, cell = int(table[states][wrong][0]), _cell(states, wrong, mdp)
+        if number >= 0 and number + first < NUM_ACTIONS:
+            name = Action(number + first).name.lower()
+            raise ValueError(
+                f"the policy's action at {cell} is {name}, which actions={actions!r} does not have"
+            )
+        known = ", ".join(
+            f"{action - first} {action.name.lower()}" for action in Action if action >= first
         )
+        message = f"the policy's action at {cell} is {number}; actions={actions!r} has {known}"
+        if actions == "moves" and 0 <= number < NUM_ACTIONS:
+            message += "; if its action 0 is stay, give actions='all'"
+        raise ValueError(message)
     weights = np.zeros((mdp.num_states, count))
     weights[states, chosen] = 1.0
     return weights

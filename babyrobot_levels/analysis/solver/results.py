@@ -1,49 +1,159 @@
-"""What solving, evaluating and simulating answer."""
+"""What solving, evaluating and simulating return and raise, and the arguments that they share."""
 
 from __future__ import annotations
 
+import math
 import operator
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
+from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.text.errors import BabyRobotError
 
 ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH}
 """The sets of actions, and the action that is number 0 of each."""
 
+MAX_LISTED = 5
+"""How many cells an explanation lists."""
 
-class ReadOnly:
-    """Makes the arrays of a frozen dataclass read-only."""
+
+# -- errors --------------------------------------------------------------------------------
+
+
+class UndefinedReturnError(BabyRobotError, ArithmeticError):
+    """The undiscounted return of a level or of a policy is undefined.
+
+    Raised where rewards that differ from zero cancel out in a loop without end: +1, -1, +1, …
+    `cell` is a cell `(x, y)` of such a loop.
+    """
+
+    def __init__(self, cell: tuple[int, int]):
+        self.cell = cell
+        super().__init__(cell)
+
+    def __str__(self) -> str:
+        x, y = self.cell
+        return (
+            f"around [{x}, {y}] an episode can go on for ever while rewards and costs cancel out, "
+            "so that its return is undefined; give a discount below 1"
+        )
+
+
+class EpisodeTooLongError(BabyRobotError, ArithmeticError):
+    """Episodes are too long for floating point to compute their undiscounted return."""
+
+    def __str__(self) -> str:
+        return (
+            "the expected episode length exceeds 10^10 steps, too many for an exact return; "
+            "give a discount below 1"
+        )
+
+
+# Under their old names, pickles find them here.
+NoTotalError, TooLongError = UndefinedReturnError, EpisodeTooLongError
+
+
+def undefined_return(model: Model, unclear: Flags, width: int) -> UndefinedReturnError:
+    """Return the error that names the first of the unclear states, `[n]`, of a model."""
+    y, x = divmod(int(model.states[unclear.argmax()]), width)
+    return UndefinedReturnError((x, y))
+
+
+# -- results -------------------------------------------------------------------------------
+
+
+class PolicyArray(np.ndarray[Any, np.dtype[np.int64]]):
+    """An array of actions that carries its set of actions, which gives its numbers a meaning.
+
+    Views and copies carry it too. The results of arithmetic and comparisons are plain arrays,
+    because their numbers may mean something else.
+
+    Args:
+        table: the actions, integers of any shape.
+        actions: `"all"` or `"moves"`.
+    """
+
+    actions: str | None
+
+    def __new__(cls, table: ArrayLike, actions: str | None) -> PolicyArray:
+        """Return a view of a table of actions."""
+        array = np.asarray(table).view(cls)
+        array.actions = actions
+        return array
+
+    @property
+    def first_action(self) -> int:
+        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
+        if self.actions is None:
+            raise AttributeError("this array has no set of actions")
+        return check_actions(self.actions)
+
+    def __array_finalize__(self, obj: Any) -> None:
+        self.actions = getattr(obj, "actions", None)
+
+    def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **kwargs: Any) -> Any:
+        if "out" in kwargs:
+            kwargs["out"] = tuple(map(_plain, kwargs["out"]))
+        return getattr(ufunc, method)(*map(_plain, inputs), **kwargs)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return PolicyArray, (np.asarray(self), self.actions)
+
+    def __repr__(self) -> str:
+        return f"{np.array_repr(self)[:-1]}, actions={self.actions!r})"
+
+
+def _plain(array: Any) -> Any:
+    return array.view(np.ndarray) if isinstance(array, PolicyArray) else array
+
+
+class Result:
+    """Makes the arrays of a frozen dataclass read-only, and its `policy` a `PolicyArray`."""
 
     def __post_init__(self) -> None:
+        self._tag_policy()
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        # Version 0.1 pickled plain arrays.
+        self._tag_policy()
+
+    def _tag_policy(self) -> None:
+        values = vars(self)
+        if "policy" in values:
+            values["policy"] = PolicyArray(values["policy"], values["actions"])
+
 
 @dataclass(frozen=True, eq=False)
-class Evaluation(ReadOnly):
-    """What a policy is worth. All arrays are read-only.
+class Evaluation(Result):
+    """The values of a policy. All arrays are read-only.
 
     Actions are numbered as in an environment made with the same `actions`: 0 stay, 1 north,
     2 east, 3 south, 4 west with `"all"`, and 0 north, 1 east, 2 south, 3 west with `"moves"`.
     Adding `first_action` makes either a `brl.Action`.
 
     Attributes:
-        values: the expected return from each cell, float64 `[height, width]`: 0 where the episode
-            is over, nan at blocked cells. Without a discount it may be inf or -inf.
+        values: the expected return from each cell, float64 `[height, width]`: 0 at terminal
+            cells, nan at blocked cells. Without a discount it may be inf or -inf.
         action_values: the same if an action is taken first, float64 `[height, width, actions]`.
         expected_return: the expected return from the level's starts.
         expected_steps: the expected number of steps from the starts to the end of the episode;
             inf if the episode may go on for ever, or for more than 10^10 steps. A level's
-            `max_steps` plays no part.
+            `max_steps` is ignored.
         exit_probability: the probability of reaching an exit from the starts; nan where episodes
-            are too long to tell (more than 10^10 steps on average).
+            are too long to compute it (more than 10^10 steps on average).
         discount: the factor by which each further reward counts less.
         actions: `"all"` or `"moves"`.
+        diverging_cells: where the expected return is infinite, the cells `(x, y)` of a loop in
+            which an episode may go on for ever, so that the sum of its rewards diverges.
     """
 
     values: Floats
@@ -53,6 +163,7 @@ class Evaluation(ReadOnly):
     exit_probability: float
     discount: float
     actions: str
+    diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
 
     @property
     def first_action(self) -> int:
@@ -61,13 +172,29 @@ class Evaluation(ReadOnly):
 
     @property
     def unbounded(self) -> Flags:
-        """Where the return is inf, bool `[height, width]`: a loop that pays can be reached."""
+        """Where the return is inf, bool `[height, width]`: a loop of positive reward is ahead."""
         return np.isposinf(self.values)
 
     @property
     def endless(self) -> Flags:
-        """Where the return is -inf, bool `[height, width]`: it may go on costing for ever."""
+        """Where the return is -inf, bool `[height, width]`: an episode may cost for ever."""
         return np.isneginf(self.values)
+
+    @property
+    def explanation(self) -> str | None:
+        """Why the expected return is infinite, as a sentence; None if it is finite."""
+        if math.isfinite(self.expected_return):
+            return None
+        cells = [f"[{x}, {y}]" for x, y in self.diverging_cells[:MAX_LISTED]]
+        cells += ["…"] if len(self.diverging_cells) > MAX_LISTED else []
+        sums = "costs add up without bound"
+        if self.expected_return > 0:
+            sums = "rewards add up without bound (rule BR504, unbounded-return)"
+        return (
+            f"the expected return is {self.expected_return}, because an episode may go on for ever "
+            f"around {', '.join(cells)}, where {sums}; "
+            "a discount below 1, such as 0.99, makes it finite"
+        )
 
     def __repr__(self) -> str:
         return (
@@ -79,15 +206,17 @@ class Evaluation(ReadOnly):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Evaluation):
-    """The best that can be done in a level: an `Evaluation` of an optimal policy, and more.
+    """The optimal values of a level: an `Evaluation` of an optimal policy, and more.
 
     Attributes:
-        greedy: all actions whose values are the best but for a part in 10^9, bool
-            `[height, width, actions]`; none at blocked cells and where the episode is over.
-        policy: one optimal action for each cell, int64 `[height, width]`; -1 at blocked cells and
-            where the episode is over. Among equally good ways it takes one that surely ends, and
-            of these a shortest. Following any of the greedy actions may be worth less: where
-            there is no discount and a step costs nothing, they may lead round in circles.
+        greedy: all actions whose values are optimal but for a part in 10^9, bool
+            `[height, width, actions]`; none at blocked and terminal cells.
+        policy: one optimal action for each cell, int64 `[height, width]`; -1 at blocked and
+            terminal cells. The array carries its set of actions (`policy.actions`), which
+            `evaluate` and everything else that takes a policy respects. Among optimal actions it
+            takes those that surely end the episode, and of these the fastest. Following any of the
+            greedy actions may earn less: where there is no discount and a step costs nothing, they
+            may lead round in circles.
         method: how it was found.
         iterations: how many policies were evaluated on the way.
         residual: the largest violation of Bellman's equation among finite values.
@@ -101,14 +230,14 @@ class Solution(Evaluation):
 
 
 @dataclass(frozen=True, eq=False)
-class Simulation(ReadOnly):
-    """Trial runs of a policy. All arrays are read-only.
+class Simulation(Result):
+    """Simulated episodes of a policy. All arrays are read-only.
 
     Attributes:
         returns: the (discounted) sum of the rewards of each episode, float64 `[episodes]`.
         steps: the number of steps of each episode, int64 `[episodes]`.
         at_exit: which episodes ended on an exit, bool `[episodes]`.
-        cut: which episodes were cut off by the limit before they ended, bool `[episodes]`.
+        cut: which episodes were truncated by the limit, bool `[episodes]`.
         max_steps: the limit.
         discount: the factor by which each further reward counted less.
     """
@@ -139,7 +268,7 @@ class Simulation(ReadOnly):
 
     @property
     def truncated(self) -> int:
-        """How many episodes were cut off by the limit before they ended."""
+        """The number of episodes that were truncated by the limit."""
         return int(self.cut.sum())
 
     def __repr__(self) -> str:
@@ -148,6 +277,9 @@ class Simulation(ReadOnly):
             f"standard_error={self.standard_error:.3g} exit_rate={self.exit_rate:.6g} "
             f"truncated={self.truncated}>"
         )
+
+
+# -- arguments -----------------------------------------------------------------------------
 
 
 def check_actions(actions: str) -> int:
@@ -161,6 +293,11 @@ def check_actions(actions: str) -> int:
     return int(ACTION_SETS[actions])
 
 
+def num_actions(actions: str) -> int:
+    """Return the size of a set of actions."""
+    return NUM_ACTIONS - check_actions(actions)
+
+
 def check_discount(discount: float | None, default: float) -> float:
     """Return the discount that counts.
 
@@ -169,7 +306,7 @@ def check_discount(discount: float | None, default: float) -> float:
     """
     if discount is None:
         return float(default)
-    # Numbers of all kinds are compared; what is none cannot be.
+    # Numbers of all kinds can be compared, other values raise TypeError.
     with suppress(TypeError):
         if 0 < discount <= 1:
             return float(discount)
@@ -188,8 +325,3 @@ def check_seed(seed: int | None) -> int | None:
         if operator.index(seed) >= 0:
             return operator.index(seed)
     raise ValueError(f"seed must be a whole number from 0 on, not {seed!r}")
-
-
-def num_actions(actions: str) -> int:
-    """Return how many actions a set has."""
-    return NUM_ACTIONS - check_actions(actions)

@@ -1,1 +1,1 @@
-"""Many robots at once: flat tables of levels, and two engines that walk them the same way."""
+"""Stepping many environments at once: flat tables, and two engines with the same results."""

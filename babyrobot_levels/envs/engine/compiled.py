@@ -1,16 +1,16 @@
-"""The engine of the extra `fast`: one compiled loop a call."""
+"""The engine `"compiled"` of the extra `fast`: one compiled loop for each call."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine import loops
 from babyrobot_levels.envs.engine.draws import Draws
-from babyrobot_levels.envs.engine.packing import SPANS, arrays_of, packed
-from babyrobot_levels.envs.engine.robots import Record, Results, Robots
-from babyrobot_levels.envs.engine.slots import Span
-from babyrobot_levels.envs.engine.tables import Floats, Ints, Tables
+from babyrobot_levels.envs.engine.state import EnvStates, Record, Results
+from babyrobot_levels.envs.engine.tables import Floats, Ints, Span, Tables
 
 
 class CompiledEngine:
@@ -18,48 +18,48 @@ class CompiledEngine:
 
     name = "compiled"
 
-    def __init__(self, tables: Tables, observations: NDArray[np.int64], num_robots: int) -> None:
-        """Put all that the loops read into one array.
+    def __init__(self, tables: Tables, observations: NDArray[np.int64], num_envs: int) -> None:
+        """Pack all that the loops read into one array.
 
         Args:
-            tables: what the robots walk in.
-            observations: what each state shows, int64 `[states, numbers]`.
-            num_robots: how many there are.
+            tables: the tables of the levels.
+            observations: the observation of each state, int64 `[states, numbers]`.
+            num_envs: how many environments there are.
         """
-        self._memory = packed(tables, observations)
-        self._sources = arrays_of(tables, observations)
+        self._memory = _packed(tables, observations)
+        self._sources = _arrays_of(tables, observations)
 
-    def reread(self, span: Span) -> None:
-        """Take over what has been written into a slot of the tables and observations."""
+    def update(self, span: Span) -> None:
+        """Read a slot of the tables and observations again, after it was written."""
         ends = self._memory[: len(self._sources)].tolist()
-        for number, names in SPANS.items():
+        for number, names in _SPANS.items():
             source = self._sources[number]
             copy = self._memory[ends[number - 1] if number else len(ends) : ends[number]]
-            if source.dtype != np.bool_:  # Flags are numbers there.
+            if source.dtype != np.bool_:  # Flags are packed as numbers.
                 copy = copy.view(source.dtype)
             copy = copy.reshape(source.shape)
             for name in names:
                 where = getattr(span, name)
                 copy[where] = source[where]
 
-    def begin(self, robots: Robots, which: Ints, draws: Draws) -> None:
-        """Begin new episodes for the robots of these numbers."""
-        draws.position = loops.begin_all(
+    def reset(self, envs: EnvStates, which: Ints, draws: Draws) -> None:
+        """Start new episodes in the environments with these indices."""
+        draws.position = loops.reset_all(
             which,
-            robots.state.size,
-            robots.memory,
-            robots.clock,
+            envs.state.size,
+            envs.memory,
+            envs.clock,
             draws.memory,
             draws.position,
             self._memory,
         )
 
-    def step(self, robots: Robots, actions: Ints, draws: Draws, results: Results) -> bool:
-        """Have robots act, and those whose episodes are over begin anew in the place of it."""
-        clock = robots.clock + 1
+    def step(self, envs: EnvStates, actions: Ints, draws: Draws, results: Results) -> bool:
+        """Take an action in each environment, or start a new episode; see `Engine`."""
+        clock = envs.clock + 1
         position = loops.step(
             actions,
-            robots.memory,
+            envs.memory,
             clock,
             draws.memory,
             draws.position,
@@ -69,19 +69,19 @@ class CompiledEngine:
         if position < 0:
             return False
         draws.position = position
-        robots.clock = clock
+        envs.clock = clock
         return True
 
-    def walk(
-        self, robots: Robots, policy: Floats, chances: Floats, draws: Draws, record: Record
+    def run(
+        self, envs: EnvStates, policy: Floats, chances: Floats, draws: Draws, record: Record
     ) -> None:
-        """Have robots follow a policy, begin anew where episodes end, and note all of it."""
-        draws.position = loops.walk(
+        """Follow a policy for several steps and record them; see `Engine`."""
+        draws.position = loops.run(
             policy,
             chances,
-            robots.state.size,
-            robots.memory,
-            robots.clock,
+            envs.state.size,
+            envs.memory,
+            envs.clock,
             draws.memory,
             draws.position,
             self._memory,
@@ -93,4 +93,55 @@ class CompiledEngine:
             record.next_observations,
             record.words,
         )
-        robots.clock += len(record.rewards)
+        envs.clock += len(record.rewards)
+
+
+def _packed(tables: Tables, observations: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return all that the loops read, as one array, which `loops.unpacked` divides again.
+
+    Passing an array to compiled code takes as long as several steps of an environment.
+
+    Args:
+        tables: the tables of the levels.
+        observations: the observation of each state, int64 `[states, numbers]`.
+    """
+    arrays = [
+        array.astype(np.int64) if array.dtype == np.bool_ else array.ravel().view(np.int64)
+        for array in _arrays_of(tables, observations)
+    ]
+    ends = len(arrays) + np.cumsum([array.size for array in arrays])
+    return np.concatenate([ends, *arrays])
+
+
+def _arrays_of(tables: Tables, observations: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
+    """Return the arrays that the loops read, in the order of `_packed`."""
+    return (
+        tables.next_state,
+        tables.reward,
+        tables.outcome_info,
+        tables.stochastic,
+        tables.first,
+        tables.threshold,
+        tables.is_terminal,
+        tables.state_info,
+        tables.starts,
+        tables.first_start,
+        tables.limit,
+        observations,
+        tables.offset,
+        np.array([tables.num_actions, tables.draws_levels, tables.draws_starts]),
+    )
+
+
+_SPANS = {
+    0: ("rows", "outcomes"),
+    1: ("rows", "outcomes"),
+    2: ("rows", "outcomes"),
+    3: ("rows",),
+    5: ("stochastic",),
+    6: ("states",),
+    7: ("states",),
+    8: ("starts",),
+    11: ("states",),
+}
+"""The arrays that change when a level is written into a slot, and which parts of them."""

@@ -1,4 +1,4 @@
-"""Uniform draws, made in blocks: generators are fastest when they fill an array."""
+"""Uniform random draws, made in blocks, because generators are fastest when they fill an array."""
 
 from __future__ import annotations
 
@@ -13,45 +13,50 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.tables import Floats, Ints, Tables
 
 NONE = -1
-"""In the place of half a word: none is left over."""
+"""Marks that no half of a word is left over."""
 
 MOST_WORDS = 10
-"""How many words a robot takes in a step at most.
+"""The most words that an environment takes in a step.
 
-One for its outcome, one for its next level, one for the start there. The rest is for halves that
-`below` throws away, each with a probability of mostly one in billions.
+One for its outcome, one for its next level, one for its start. The rest is for halves that `below`
+rejects, each with a probability of usually one in billions.
 """
 
 _HALF = 2**32
 
 
 class Draws(Protocol):
-    """Where chance comes from. They are made ahead of time: generators have gone further.
+    """A source of randomness. Draws are made ahead of their use.
 
     Attributes:
-        memory: what has been drawn, as the compiled loops read it.
-        position: how many draws of `memory` have been used, if robots share them.
+        memory: the draws, as the compiled loops read them.
+        position: how many draws of `memory` have been used, if environments share them.
     """
 
     memory: NDArray[Any]
     position: int
 
     def reserve(self) -> None:
-        """See to it that there are draws for a step."""
+        """Make sure that there are draws for a step."""
 
     def uniform(self, which: Ints) -> Floats:
-        """Return a draw for each of these robots, from 0 up to but not including 1."""
+        """Return a draw for each of these environments, from 0 up to but not including 1."""
 
     def starts(self, which: Ints, level: Ints, tables: Tables) -> Ints:
-        """Draw where robots begin: for each its level, into `level`, and then its start.
+        """Draw a start for each of these environments, after its level if levels are drawn.
+
+        Args:
+            which: the indices of the environments.
+            level: intp `[envs]`: the levels of all environments; drawn levels are written into it.
+            tables: the tables of the levels.
 
         Returns:
-            Which of the tables' `starts` each of them has.
+            An index into the tables' `starts` for each of them.
         """
 
 
 class SharedDraws:
-    """Draws that robots take one after the other from one generator, each used once.
+    """Draws that environments take one after the other from one generator.
 
     Attributes:
         memory: float64 `[draws]`, from 0 up to but not including 1.
@@ -59,7 +64,7 @@ class SharedDraws:
     """
 
     def __init__(self, source: Generator, most: int) -> None:
-        """Make room for the draws of a step.
+        """Reserve memory for the draws of a step.
 
         Args:
             source: the generator.
@@ -71,7 +76,7 @@ class SharedDraws:
         self._last = self.memory.size - most
 
     def reserve(self) -> None:
-        """See to it that there are draws for a step."""
+        """Make sure that there are draws for a step."""
         if self.position > self._last:
             left = self.memory.size - self.position
             self.memory[:left] = self.memory[self.position :].copy()
@@ -85,14 +90,14 @@ class SharedDraws:
         return self.memory[begin : self.position]
 
     def uniform(self, which: Ints) -> Floats:
-        """Return a draw for each of these robots, from 0 up to but not including 1."""
+        """Return a draw for each of these environments, from 0 up to but not including 1."""
         begin = self.position
         self.position = end = begin + which.size
         return self.memory[begin:end]
 
     def starts(self, which: Ints, level: Ints, tables: Tables) -> Ints:
-        """Draw where robots begin; see `Draws`. If any level has several starts, all draw one."""
-        drawn = self.take(which.size * tables.draws_to_begin).reshape(which.size, -1)
+        """Draw starts; see `Draws`. If any level has several starts, all environments draw one."""
+        drawn = self.take(which.size * tables.draws_per_reset).reshape(which.size, -1)
         if tables.draws_levels:
             level[which] = drawn[:, 0] * tables.limit.size
         here = level.take(which)
@@ -104,34 +109,34 @@ class SharedDraws:
 
 
 class OwnDraws:
-    """Draws that each robot takes from a generator of its own.
+    """Draws that each environment takes from a generator of its own.
 
-    What is used of a generator's words, and how, is what a NumPy `Generator` of PCG64 does that is
-    asked for `random()` when an action has several outcomes or a level is drawn, and for
-    `integers(count)` to choose one of several starts, as single environments ask for it.
+    The words of a generator are used exactly as NumPy's `Generator` of PCG64 uses them: for
+    `random()` when an action has several outcomes or a level is drawn, and for `integers(count)`
+    to choose one of several starts. Single environments make the same calls.
 
     Attributes:
-        memory: int64 `[robots, 2 + words]`, for each robot: the column of the next word; half a
-            word that is left over from the last choice, or `NONE`; and words of 64 bits.
+        memory: int64 `[envs, 2 + words]`, for each environment: the column of the next word; half
+            a word that is left over from the last choice, or `NONE`; and words of 64 bits.
     """
 
-    def __init__(self, num_robots: int) -> None:
-        """Make room for the words of each robot."""
-        # Two kilobytes for each of few robots, about eight megabytes for many.
-        words = min(256, max(4 * MOST_WORDS, 2**20 // num_robots))
-        self.memory: NDArray[Any] = np.empty((num_robots, 2 + words), np.int64)
+    def __init__(self, num_envs: int) -> None:
+        """Reserve memory for the words of each environment."""
+        # Two kilobytes for each of few environments, about eight megabytes for many.
+        words = min(256, max(4 * MOST_WORDS, 2**20 // num_envs))
+        self.memory: NDArray[Any] = np.empty((num_envs, 2 + words), np.int64)
         self.position = 0
         self._sources: dict[int, Generator] = {}
         self._steps_left = 0
 
     def follow(self, number: int, source: Generator) -> None:
-        """Have a robot draw from this generator, a new one of PCG64, from now on."""
+        """Give an environment this generator, a new one of PCG64."""
         self._sources[number] = source
         self.memory[number, :2] = self.memory.shape[1], NONE
         self._steps_left = 0
 
     def reserve(self) -> None:
-        """See to it that there are words for a step."""
+        """Make sure that there are words for a step."""
         self._steps_left -= 1
         if self._steps_left >= 0:
             return
@@ -147,24 +152,24 @@ class OwnDraws:
         self._steps_left = (width - int(column.max())) // MOST_WORDS - 1
 
     def uniform(self, which: Ints) -> Floats:
-        """Return a draw for each of these robots, from 0 up to but not including 1."""
+        """Return a draw for each of these environments, from 0 up to but not including 1."""
         words = self._words(which).view(np.uint64)
         return (words >> np.uint64(11)).astype(np.float64) * 2.0**-53
 
     def below(self, which: Ints, count: Ints) -> NDArray[np.int64]:
-        """Return a whole number below its `count` for each of these robots, all equally likely."""
+        """Return a uniform whole number below its `count` for each of these environments."""
         number = np.zeros(which.size, np.int64)
         # Where there is no choice, nothing is drawn.
         asking = (count > 1).nonzero()[0]
         while asking.size:
             product = self._halves(which[asking]) * count[asking]
             number[asking] = product // _HALF
-            # The rest of the products below this would favour some numbers.
+            # Smaller remainders are rejected, because they would favour some numbers.
             asking = asking[product % _HALF < _HALF % count[asking]]
         return number
 
     def starts(self, which: Ints, level: Ints, tables: Tables) -> Ints:
-        """Draw where robots begin; see `Draws`. Where a level has one start, none is drawn."""
+        """Draw starts; see `Draws`. Where a level has one start, none is drawn."""
         if tables.draws_levels:
             level[which] = self.uniform(which) * tables.limit.size
         here = level.take(which)
@@ -173,14 +178,14 @@ class OwnDraws:
         return start
 
     def _words(self, which: Ints) -> NDArray[np.int64]:
-        """Take a word for each of these robots."""
+        """Take a word for each of these environments."""
         column = self.memory[which, 0]
         self.memory[which, 0] = column + 1
         words: NDArray[np.int64] = self.memory[which, column]
         return words
 
     def _halves(self, which: Ints) -> NDArray[np.int64]:
-        """Take half a word for each of these robots: first lower halves, then the upper ones."""
+        """Take half a word for each of these environments: the lower half, then the upper one."""
         half: NDArray[np.int64] = self.memory[which, 1]
         without = half == NONE
         words = self._words(which[without])

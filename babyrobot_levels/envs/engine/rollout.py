@@ -1,4 +1,4 @@
-"""Whole rollouts: many robots follow a policy for many steps, and all of it is noted."""
+"""Rollouts: many environments follow a policy for many steps, and all transitions are recorded."""
 
 from __future__ import annotations
 
@@ -11,23 +11,22 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import check_actions, check_seed
-from babyrobot_levels.envs.engine.arguments import checked_count, limits_of
-from babyrobot_levels.envs.engine.choice import make_engine
 from babyrobot_levels.envs.engine.draws import SharedDraws
-from babyrobot_levels.envs.engine.robots import Record, Robots
-from babyrobot_levels.envs.engine.tables import ALWAYS, Flags, Floats, build_tables, signs_of
+from babyrobot_levels.envs.engine.factory import checked_count, limits_of, make_engine
+from babyrobot_levels.envs.engine.state import EnvStates, Record
+from babyrobot_levels.envs.engine.tables import ALWAYS, Flags, Floats, build_tables, info_dtype
 from babyrobot_levels.library.catalogue import load
 
 CHUNK = 16_384
-"""About how many steps, of all robots together, are taken with one block of draws."""
+"""About how many steps, of all environments together, use one block of draws."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rollout:
-    """What many robots did, one row a step and one column a robot.
+    """The transitions of many environments, one row for each step and one column for each of them.
 
-    A robot whose episode is over begins the next one at once: the observation of the next row is
-    then where that begins, and `next_observations` tells where the last one ended.
+    When an episode is over, the environment is reset in the same step: the next row of
+    `observations` has the start of the next episode, and `next_observations` the end of the last.
 
     Attributes:
         observations: int32 `[steps, envs]`: the state, `y * width + x`, before the action.
@@ -36,8 +35,10 @@ class Rollout:
         terminations: bool `[steps, envs]`.
         truncations: bool `[steps, envs]`.
         next_observations: int32 `[steps, envs]`: the state after the action.
-        action_masks: int8 `[steps, envs, actions]`: what was possible before the action.
+        action_masks: int8 `[steps, envs, actions]`: the action mask before the action.
     """
+
+    __module__ = "babyrobot_levels"
 
     observations: NDArray[np.int32]
     actions: NDArray[np.int8]
@@ -59,35 +60,36 @@ def rollout(
     max_episode_steps: int | None = None,
     engine: str | None = None,
 ) -> Rollout:
-    """Have robots follow a policy, and return all that they saw and did.
+    """Follow a policy in many environments, and return all transitions.
 
-    The levels' chance is drawn from the generator of the seed, as a `LevelVectorEnv` that begins
-    anew in the same step draws it; what a policy leaves to chance, from another one.
+    The outcomes of actions are drawn from the generator of the seed, in the order of a
+    `LevelVectorEnv` with `SAME_STEP` autoreset; the actions of a stochastic policy, from another
+    one.
 
     Args:
         level: a name, a path, a mapping or a `Level`; or a list of them or a suite, of which
-            robot i walks number `i % len(level)`.
-        policy: as `brl.evaluate` takes it; of several levels, a word or a list of one for each
-            that is walked.
-        num_envs: how many robots there are.
+            environment i has number `i % len(level)`.
+        policy: a policy as for `brl.evaluate`; for several levels, a word or a list with a policy
+            for each level that is used.
+        num_envs: how many environments there are.
         num_steps: how many steps each of them takes.
-        seed: a number, from which all chance is drawn; None for another one each time.
+        seed: a number that seeds all randomness; None for an unpredictable one.
         actions: `"all"`, or `"moves"` without stay.
-        max_episode_steps: after how many steps an episode is cut off, -1 for never. By default,
-            each level's `max_steps`.
+        max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
+            `max_steps`.
         engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed. Both give the
-            same.
+            same results.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid, or its maze has no seed yet.
-        ImportError: the compiled engine is asked for and not installed.
-        ValueError: another argument has a value that it cannot have.
+        ImportError: the compiled engine is required and not installed.
+        ValueError: another argument is invalid.
     """
     several = isinstance(level, Sequence) and not isinstance(level, str)
     size = checked_count("num_envs", num_envs)
     if several and not isinstance(level, list | tuple):
-        # Each level of a suite has to be made, and no more are walked than there are robots.
+        # Levels of a suite are made on access, and at most `num_envs` of them are used.
         level = level[:size]
     levels = [load(each) for each in (level if several else [level])]
     steps = checked_count("num_steps", num_steps)
@@ -98,13 +100,13 @@ def rollout(
     tables = build_tables(mdps, limits_of(levels, max_episode_steps), first)
     thresholds = np.concatenate(
         [
-            _thresholds(read_policy(told, mdp, actions))
-            for told, mdp in zip(_policies(policy, len(levels), several), mdps, strict=True)
+            _thresholds(read_policy(each, mdp, actions))
+            for each, mdp in zip(_policies(policy, len(levels), several), mdps, strict=True)
         ]
     )
-    shown = np.empty((len(tables.over), 0), np.int64)
-    walker = make_engine(engine, tables, shown, size)
-    robots, record = Robots(size, len(levels)), Record.empty(steps, size)
+    nothing = np.empty((len(tables.is_terminal), 0), np.int64)
+    stepper = make_engine(engine, tables, nothing, size)
+    envs, record = EnvStates(size, len(levels)), Record.empty(steps, size)
 
     source = np.random.default_rng(check_seed(seed))
     choosing = source.spawn(1)[0]
@@ -113,14 +115,14 @@ def rollout(
     is_random = bool(((thresholds > 0) & (thresholds < ALWAYS)).any())
     draws = SharedDraws(source, rows * size * tables.most_draws)
     draws.reserve()
-    walker.begin(robots, np.arange(size), draws)
+    stepper.reset(envs, np.arange(size), draws)
     for begin in range(0, steps, rows):
         part = record.rows(begin, begin + rows)
         drawn = chances[: len(part.rewards)]
         if is_random:
             choosing.random(out=drawn)
         draws.reserve()
-        walker.walk(robots, thresholds, drawn, draws, part)
+        stepper.run(envs, thresholds, drawn, draws, part)
     return Rollout(
         observations=record.observations,
         actions=record.actions,
@@ -128,7 +130,7 @@ def rollout(
         terminations=record.terminations,
         truncations=record.truncations,
         next_observations=record.next_observations,
-        action_masks=record.words.view(signs_of(tables.num_actions))["mask"],
+        action_masks=record.words.view(info_dtype(tables.num_actions))["mask"],
     )
 
 
@@ -148,7 +150,7 @@ def _policies(policy: Any, count: int, several: bool) -> Sequence[Any]:
 def _thresholds(policy: Floats) -> Floats:
     """Return a policy's cumulated probabilities without the last, `[states, actions - 1]`."""
     cumulated = np.cumsum(policy, axis=1)
-    # The last action that has a probability takes what rounding leaves over.
+    # The last action with a probability takes the rounding error of the sum.
     last = policy.shape[1] - 1 - (policy[:, ::-1] > 0).argmax(axis=1)
     cumulated[np.arange(policy.shape[1]) >= last[:, None]] = ALWAYS
     return np.ascontiguousarray(cumulated[:, :-1])

@@ -1,1 +1,1 @@
-"""Many robots in one environment."""
+"""Vector environments: many environments that step in one call."""

@@ -1,4 +1,4 @@
-"""Many robots in one level, or in several: the Gymnasium vector environment."""
+"""The Gymnasium vector environment of one level, or of several."""
 
 from __future__ import annotations
 
@@ -13,27 +13,26 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import (
     check_choice,
-    checked_image_size,
-    checked_options,
-    checked_start,
-)
-from babyrobot_levels.envs.engine.arguments import checked_count
-from babyrobot_levels.envs.engine.plain import begin
-from babyrobot_levels.envs.engine.robots import Layout, Results, Robots
-from babyrobot_levels.envs.engine.tables import masks_at, signs_of
-from babyrobot_levels.envs.observations import OBSERVATIONS
-from babyrobot_levels.envs.pictures import RENDER_FPS
-from babyrobot_levels.envs.spaces import ACTION_SETS, make_action_space
-from babyrobot_levels.envs.vector.arguments import (
     checked_actions,
     checked_autoreset_mode,
+    checked_image_size,
+    checked_options,
+    checked_reset_mask,
+    checked_start,
+)
+from babyrobot_levels.envs.engine.factory import checked_count
+from babyrobot_levels.envs.engine.plain import reset
+from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
+from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
+from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.rendering import RENDER_FPS
+from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
+from babyrobot_levels.envs.vector.levels import (
+    ChangingVectorEnv,
     checked_levels,
     checked_numbers,
-    checked_reset_mask,
 )
-from babyrobot_levels.envs.vector.changing import ChangingVectorEnv
 from babyrobot_levels.envs.vector.observations import make_batch_observer
-from babyrobot_levels.envs.vector.spaces import BatchActions
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.tables import Ints, Tables
@@ -41,22 +40,24 @@ if TYPE_CHECKING:
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 
-# To look them up in their class, each step, would take longer.
+# Looking them up in their class, at each step, would take longer.
 _SAME_STEP, _DISABLED = AutoresetMode.SAME_STEP, AutoresetMode.DISABLED
 
 
 class LevelVectorEnv(ChangingVectorEnv):
-    """Many robots walk levels to their exits, all in one call.
+    """Many environments that step in one call, each with a robot that moves through a level.
 
-    Each environment is what `LevelEnv` is, under the time limit of its level: the same
-    observations, actions, rewards and infos, in arrays with one row for each environment. All
-    chance comes from one generator, `np_random`; after `reset` with a list of seeds, from one for
-    each environment.
+    Each is equivalent to a `LevelEnv` in the `TimeLimit` of its level: the same observations,
+    actions, rewards and infos, in arrays with one row for each environment. All randomness comes
+    from one generator, `np_random`; after `reset` with a list of seeds, from one for each
+    environment.
 
     Attributes:
-        levels: the levels that are played, as they were given. What each environment plays now,
-            `call("level")` tells.
+        levels: the levels, as they were given. `call("level")` returns the current level of each
+            environment.
     """
+
+    __module__ = "babyrobot_levels"
 
     def __init__(
         self,
@@ -78,45 +79,44 @@ class LevelVectorEnv(ChangingVectorEnv):
         """Make the environment.
 
         Args:
-            level: a name, a path, a mapping or a `Level`. One that says `maze: {seed: random}`
-                grows another maze for each episode. Or
-            levels: several levels, in a list or a suite: environment i plays level
-                `i % len(levels)`.
+            level: a name, a path, a mapping or a `Level`. With `maze: {seed: random}`, another
+                maze is grown for each episode.
+            levels: in place of `level`, several levels, as a list or a suite: environment i has
+                level `i % len(levels)`.
             num_envs: how many environments there are; by default, as many as levels, or 1 if
-                levels are made when episodes begin.
+                levels are made at resets.
             observation: `"position"`, `"index"`, `"walls"` or `"image"`.
-            actions: `"valid"`, `"all"` or `"moves"`.
+            actions: `"valid"`, `"all"`, `"moves"` or `"valid_moves"`.
             render_mode: None or `"rgb_array"`.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
-            max_episode_steps: after how many steps an episode is cut off, -1 for never. By
-                default, each level's `max_steps`.
-            autoreset_mode: when an environment whose episode is over begins anew: at the next
-                step in the place of acting, in the same step (`final_obs` and `final_info` then
-                tell how it ended), or when it is reset.
-            draw_levels: whether each episode is played in a level that is drawn. Those of a suite
-                are made when they are drawn, and the last ones are kept.
-            copy: whether what is returned belongs to the user: the parts of one new piece of memory
-                for each step. If not, it is always the same arrays, which the next step writes
-                over.
+            max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
+                `max_steps`.
+            autoreset_mode: when an environment whose episode is over is reset: by the next step,
+                which does not act then; in the same step, with the end of the episode in
+                `final_obs` and `final_info`; or not automatically.
+            draw_levels: whether each episode draws its level. Levels of a suite are made when they
+                are drawn, and kept as long as there is room.
+            copy: whether each step returns new arrays, which are parts of one piece of memory. If
+                not, it always returns the same arrays, and the next step overwrites them.
             engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: a level is not valid.
             StarvedError: no level meets the conditions of a suite.
-            ImportError: the compiled engine is asked for and not installed.
-            ValueError: another argument has a value that it cannot have.
+            ImportError: the compiled engine is required and not installed.
+            ValueError: another argument is invalid.
         """
         check_choice("observation", observation, OBSERVATIONS)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
         if observation != "image" and (image_size is not None or grayscale):
-            raise ValueError("image_size and grayscale go with observation='image'")
+            raise ValueError("image_size and grayscale need observation='image'")
         size = None if num_envs is None else checked_count("num_envs", num_envs)
         played = checked_levels(level, levels, bool(draw_levels), size)
-        self.levels = played.levels
+        self.levels, self._largest = played.levels, played.largest
         self.num_envs = size or (1 if played.family else len(self.levels))
         self.render_mode = render_mode
         self._mode = checked_autoreset_mode(autoreset_mode)
@@ -127,9 +127,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         }
         self.single_action_space, first_action = make_action_space(actions)
         num_actions = int(self.single_action_space.n)
-        self._robots = Robots(self.num_envs, 1 if played.family else len(self.levels))
-        self.action_space = BatchActions(num_actions, self._robots)
-        self._samples_possible = actions == "valid"
+        self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
+        self.action_space = BatchActions(num_actions, self._envs)
+        self._samples_valid = ACTION_SETS[actions].samples_valid
         self._engine_name = engine
         self._observer = make_batch_observer(
             played.largest,
@@ -138,26 +138,26 @@ class LevelVectorEnv(ChangingVectorEnv):
             bool(grayscale),
             self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
-        self._take(played, first_action, max_episode_steps, bool(draw_levels))
+        self._set_levels(played, first_action, max_episode_steps, bool(draw_levels))
         self._most_draws = self.num_envs * (self._tables.most_draws + int(self._slots is not None))
-        self._tells_levels = self._slots is not None or len(self.levels) > 1
+        self._has_level_numbers = self._slots is not None or len(self.levels) > 1
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
-        self._signs = signs_of(num_actions)
-        self._layout = Layout(self.num_envs, self._observer.table.shape[1], self._signs)
+        self._info_dtype = info_dtype(num_actions)
+        self._layout = Layout(self.num_envs, self._observer.table.shape[1], self._info_dtype)
         self._kept = None if self._copy else Results(self._layout)
         self._has_begun = False
 
     def __getstate__(self) -> dict[str, Any]:
-        # Copies of the arrays would no longer be views of one memory.
+        # Copies of the arrays would not be views of one piece of memory.
         return {**super().__getstate__(), "_kept": None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._kept = None if self._copy else Results(self._layout)
 
-    # -- playing ---------------------------------------------------------------------------
+    # -- episodes --------------------------------------------------------------------------
 
     def reset(
         self,
@@ -165,27 +165,26 @@ class LevelVectorEnv(ChangingVectorEnv):
         seed: int | Sequence[int] | None = None,
         options: dict[str, Any] | None = None,
     ) -> tuple[Any, dict[str, Any]]:
-        """Begin episodes.
+        """Start episodes.
 
         Args:
             seed: a number, for one generator that all environments share; or a list of
-                `num_envs` numbers, for a generator of each environment's own, with which it walks
-                as a single one does. None in the list leaves a generator as it is.
-            options: `{"start": [x, y]}` begins at that cell; `{"reset_mask": mask}`, bool
-                `[num_envs]`, leaves the environments without a True as they are. Where levels are
-                made when episodes begin, `{"index": i}` asks for a level of the suite, and
-                `{"maze_seed": n}` for the maze of that seed: a number, or one for each
-                environment.
+                `num_envs` numbers, for a generator of each environment's own, with which its
+                episodes are those of a single environment. None in the list leaves a generator as
+                it is.
+            options: `{"start": [x, y]}` starts in that cell; `{"reset_mask": mask}`, bool
+                `[num_envs]`, resets only the environments that have True. Where levels are made at
+                resets, `{"index": i}` selects a level of the suite, and `{"maze_seed": n}` the
+                maze of that seed: a number, or one for each environment.
 
         Returns:
             The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `level_digest` and, of several levels, `level_index` (int64 `[num_envs]`): which one
-            each environment plays. Of a level that grows its mazes, `maze_seed` (int64
-            `[num_envs]`) takes the place of both.
+            `level_digest` and, for several levels, `level_index` (int64 `[num_envs]`). For a level
+            with `maze: {seed: random}`, `maze_seed` (int64 `[num_envs]`) takes the place of both.
 
         Raises:
-            ValueError: the robots cannot start at that cell, there is no level of that number, no
-                such option, or the seed or the mask is none.
+            ValueError: the robot cannot start in that cell, there is no level with that number or
+                no such option, or the seed or the mask is invalid.
             StarvedError: no level meets the conditions of a suite.
         """
         family = None if self._slots is None else self._slots.family
@@ -200,22 +199,23 @@ class LevelVectorEnv(ChangingVectorEnv):
         if which.size < self.num_envs and not self._has_begun:
             raise error.ResetNeeded("the first `reset()` must be of all environments")
         self._seed(seed, which)
-        robots, draws, results = self._robots, self._draws, self._kept or Results(self._layout)
+        envs, draws, results = self._envs, self._draws, self._kept or Results(self._layout)
         if self._most_draws:
             draws.reserve()
         if family is not None:
             self._change_levels(which, numbers, start)
         if start is None:
-            self._engine.begin(robots, which, draws)
+            self._engine.reset(envs, which, draws)
         else:
-            begin(self._beginning_at(start, which), robots, which, draws)
+            reset(self._starting_at(start, which), envs, which, draws)
         self._has_begun = True
-        self._look(results, np.arange(self.num_envs))
-        begun = np.zeros(self.num_envs, np.bool_)
-        begun[which] = True
-        results.words[~begun] = 0
-        info = self._told({"action_mask": results.signs["mask"], **self._digests(which)}, begun)
-        return self._observer.batch(results, robots.state, self._copy), info
+        self._observe_start(results, np.arange(self.num_envs))
+        is_reset = np.zeros(self.num_envs, np.bool_)
+        is_reset[which] = True
+        results.words[~is_reset] = 0
+        values = {"action_mask": results.infos["mask"], **self._digests(which)}
+        info = self._masked(values, is_reset)
+        return self._observer.batch(results, envs.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
         """Take an action in each environment.
@@ -227,19 +227,19 @@ class LevelVectorEnv(ChangingVectorEnv):
             Observations, rewards (float64 `[num_envs]`), terminated and truncated (bool
             `[num_envs]`), and an info with `action_mask` (int8 `[num_envs, actions]`),
             `target_reached`, `skidded` (bool `[num_envs]`), `level_index` or `maze_seed` if
-            `reset` has it, and beside each, under its name with `_` before it, in which
-            environments it was said.
+            `reset` has it, and for each key another one with `_` before it: in which environments
+            the value holds.
 
         Raises:
-            ResetNeeded: no episode has begun, or one is over and nothing begins the next.
-            InvalidAction: the action space does not contain the actions.
+            ResetNeeded: there was no reset yet, or an episode is over and there is no autoreset.
+            InvalidAction: the actions are not in the action space.
         """
         if not self._has_begun:
             raise error.ResetNeeded("call `reset()` before the first `step()`")
-        robots, draws = self._robots, self._draws
+        envs, draws = self._envs, self._draws
         taken = checked_actions(actions, self.num_envs)
-        if self._mode is _DISABLED and np.count_nonzero(robots.over):
-            number = int(robots.over.argmax())
+        if self._mode is _DISABLED and np.count_nonzero(envs.done):
+            number = int(envs.done.argmax())
             raise error.ResetNeeded(
                 f"the episode of environment {number} is over: call "
                 "`reset(options={'reset_mask': terminated | truncated})`"
@@ -247,29 +247,29 @@ class LevelVectorEnv(ChangingVectorEnv):
         results = self._kept or Results(self._layout)
         if self._most_draws:
             draws.reserve()
-        if self._slots is not None and np.count_nonzero(robots.over):
+        if self._slots is not None and np.count_nonzero(envs.done):
             if ((taken < 0) | (taken >= self._tables.num_actions)).any():
                 self._refuse(taken)
-            self._change_levels(robots.over.nonzero()[0])
-        if not self._engine.step(robots, taken, draws, results):
+            self._change_levels(envs.done.nonzero()[0])
+        if not self._engine.step(envs, taken, draws, results):
             self._refuse(taken)
-        ends = self._end(results) if self._mode is _SAME_STEP else {}
-        signs, acted, everyone = results.signs, results.acted, results.everyone
+        final = self._reset_done(results) if self._mode is _SAME_STEP else {}
+        infos, acted, all_true = results.infos, results.acted, results.all_true
         info = {
-            **ends,
-            "action_mask": signs["mask"],
-            "_action_mask": everyone,
-            "target_reached": signs["reached"],
+            **final,
+            "action_mask": infos["mask"],
+            "_action_mask": all_true,
+            "target_reached": infos["reached"],
             "_target_reached": acted,
-            "skidded": signs["skidded"],
+            "skidded": infos["skidded"],
             "_skidded": acted,
         }
-        if self._tells_levels:
-            for word, numbers in self._level_numbers().items():
-                info[word] = numbers
-                info[f"_{word}"] = everyone
+        if self._has_level_numbers:
+            for key, numbers in self._level_numbers().items():
+                info[key] = numbers
+                info[f"_{key}"] = all_true
         return (
-            self._observer.batch(results, robots.state, self._copy),
+            self._observer.batch(results, envs.state, self._copy),
             results.rewards,
             results.terminated,
             results.truncated,
@@ -277,71 +277,71 @@ class LevelVectorEnv(ChangingVectorEnv):
         )
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return which actions are possible now, int8 `[num_envs, actions]`."""
+        """Return the current action masks, int8 `[num_envs, actions]`."""
         if not self._has_begun:
             raise error.ResetNeeded("call `reset()` before asking for the action masks")
-        return masks_at(self._tables.standing, self._robots.state, self._tables.num_actions)
+        return masks_at(self._tables.state_info, self._envs.state, self._tables.num_actions)
 
-    def _beginning_at(self, start: Any, which: Ints) -> Tables:
-        """Return the tables of levels in which these robots begin at a cell that was asked for."""
+    def _starting_at(self, start: Any, which: Ints) -> Tables:
+        """Return the tables of levels in which these environments start in a given cell."""
         starts = np.zeros(self._tables.limit.size, np.intp)
-        # Of levels that come and go, others may have no such cell.
-        slots = np.arange(starts.size) if self._slots is None else self._robots.level[which]
+        # Where levels are made at resets, those of other environments may have no such cell.
+        slots = np.arange(starts.size) if self._slots is None else self._envs.level[which]
         for slot in np.unique(slots).tolist():
             state = checked_start(start, self._playing[slot])
             assert state is not None
             starts[slot] = state
-        return self._tables.beginning_at(starts)
+        return self._tables.starting_at(starts)
 
-    def _look(self, results: Results, which: Ints) -> None:
-        """Write what robots that have just begun are shown."""
-        state = self._robots.state[which]
-        results.words[which] = self._tables.standing[state]
+    def _observe_start(self, results: Results, which: Ints) -> None:
+        """Write the observations and infos of environments that were reset."""
+        state = self._envs.state[which]
+        results.words[which] = self._tables.state_info[state]
         results.observations[which] = self._observer.table[state]
 
-    def _told(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
-        """Return values as an info, which says of each in which environments it holds."""
-        for word, numbers in self._level_numbers().items():
-            values[word] = np.where(where, numbers, 0)
-        return {**values, **{f"_{name}": where for name in values}}
+    def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
+        """Return an info of values that hold in some environments."""
+        for key, numbers in self._level_numbers().items():
+            values[key] = np.where(where, numbers, 0)
+        return {**values, **{f"_{key}": where for key in values}}
 
-    def _end(self, results: Results) -> dict[str, Any]:
-        """Begin anew where episodes are over, and return an info of how they ended."""
-        robots = self._robots
-        over = robots.over.nonzero()[0]
-        if not over.size:
+    def _reset_done(self, results: Results) -> dict[str, Any]:
+        """Reset the environments whose episodes are over; return an info of how they ended."""
+        envs = self._envs
+        done = envs.done.nonzero()[0]
+        if not done.size:
             return {}
         words = np.zeros_like(results.words)
-        words[over] = results.words[over]
+        words[done] = results.words[done]
         where = np.zeros(self.num_envs, np.bool_)
-        where[over] = True
-        signs = words.view(self._signs)
-        ends = {
-            "action_mask": signs["mask"],
-            "target_reached": signs["reached"],
-            "skidded": signs["skidded"],
+        where[done] = True
+        infos = words.view(self._info_dtype)
+        values = {
+            "action_mask": infos["mask"],
+            "target_reached": infos["reached"],
+            "skidded": infos["skidded"],
         }
         observations = np.full(self.num_envs, None, object)
-        shown = self._observer.at(robots.state[over])
-        for number, one in zip(over, shown if shown.ndim > 1 else shown.tolist(), strict=True):
+        final = self._observer.at(envs.state[done])
+        for number, one in zip(done, final if final.ndim > 1 else final.tolist(), strict=True):
             observations[number] = one
         info = {
             "final_obs": observations,
             "_final_obs": where,
-            "final_info": self._told(ends, where),
+            "final_info": self._masked(values, where),
             "_final_info": where,
         }
         if self._slots is not None:
-            self._change_levels(over)
-        self._engine.begin(robots, over, self._draws)
-        self._look(results, over)
-        results.acted[over] = False
+            self._change_levels(done)
+        self._engine.reset(envs, done, self._draws)
+        self._observe_start(results, done)
+        results.acted[done] = False
         return info
 
     def _refuse(self, actions: Ints) -> None:
         most = self._tables.num_actions - 1
         number = int(((actions < 0) | (actions > most)).argmax())
         raise error.InvalidAction(
-            f"{actions[number]}, told to environment {number}, is no action; "
+            f"{actions[number]}, the action of environment {number}, is not an action; "
             f"the actions are 0 to {most}"
         )

@@ -1,4 +1,4 @@
-"""What many robots are shown: a table of what each state shows, or pictures."""
+"""Observations of vector environments: tables of all their levels, or pictures."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.padding import PaddedImageObserver, padded_space
+from babyrobot_levels.envs.observations import NUMERIC, ImageObserver, Size, image_space
 from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
-    from babyrobot_levels.envs.engine.robots import Results
+    from babyrobot_levels.envs.engine.state import Results
     from babyrobot_levels.envs.engine.tables import Ints
 
-_Thing = TypeVar("_Thing")
+_Made = TypeVar("_Made")
 
 
 class BatchObserver(Protocol):
-    """Shows the states of several levels, numbered one level after the other.
+    """Makes the observations of several levels, whose states are numbered one after the other.
 
     Attributes:
-        space: the space of one robot's observations, large enough for the largest level.
-        table: what each state shows, int64 `[states, numbers]`, as an engine needs it.
+        space: the space of one environment's observations, that of the largest level.
+        table: the observation of each state, int64 `[states, numbers]`, as engines need it.
     """
 
     space: spaces.Space[Any]
@@ -35,93 +35,87 @@ class BatchObserver(Protocol):
         """Make room for more levels.
 
         Args:
-            offset: intp `[levels + 1]`: where each level's states begin. Those that are there
-                already stay where they are.
+            offset: intp `[levels + 1]`: where each level's states begin. Those of the present
+                levels do not change.
         """
 
     def write(self, number: int, level: Level) -> None:
-        """Show a level in the place of the one that had its number, if there was one."""
+        """Set the level with a number."""
 
-    def show(self, offset: Ints, levels: Iterable[Level]) -> None:
-        """Show all of these levels, whose states begin there."""
+    def write_all(self, offset: Ints, levels: Iterable[Level]) -> None:
+        """Set all levels, whose states begin at `offset`."""
         self.grow(offset)
         for number, level in enumerate(levels):
             self.write(number, level)
 
     def at(self, states: Ints) -> NDArray[Any]:
-        """Return what states show, `[states, …]`, a new array."""
+        """Return the observations of states, `[states, …]`, as a new array."""
 
     def batch(self, results: Results, states: Ints, copy: bool) -> NDArray[Any]:
-        """Return what robots in these states are shown.
+        """Return the observations of environments in these states.
 
         Args:
-            results: what an engine wrote, the numbers of `table` included.
-            states: where the robots are.
-            copy: whether it belongs to the user; if not, it is always the same array.
+            results: what an engine wrote, which includes the numbers of `table`.
+            states: the states of the environments.
+            copy: whether to return a new array; if not, it is always the same one.
         """
 
 
-class TableObserver(BatchObserver):
-    """Shows numbers: `"position"`, `"index"` or `"walls"`."""
+class BatchNumericObserver(BatchObserver):
+    """Observations that are numbers: `"position"`, `"index"` or `"walls"`."""
 
-    def __init__(self, largest: tuple[int, int], observation: str) -> None:
-        self.space: spaces.Space[Any] = padded_space(observation, largest)
-        self._observation, self._largest_width = observation, largest[0]
-        self._is_flat = observation == "index"
+    def __init__(self, largest: Size, observation: str) -> None:
+        self._observation, self._largest = observation, largest
+        self.space: spaces.Space[Any] = NUMERIC[observation].space(largest)
+        self._is_single = isinstance(self.space, spaces.Discrete)
         self._offset: Ints = np.zeros(1, np.intp)
         self.table = np.zeros((0, *(self.space.shape or (1,))), np.int64)
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels, whose states begin there."""
+        """Make room for more levels, whose states begin at `offset`."""
         self._offset = offset
         self.table = np.pad(self.table, ((0, offset[-1] - len(self.table)), (0, 0)))
 
     def write(self, number: int, level: Level) -> None:
-        """Show a level in the place of the one that had its number."""
-        shown = _numbers(level, self._observation, self._largest_width)
+        """Set the level with a number."""
+        table = NUMERIC[self._observation].table(level, self._largest)
         base = self._offset[number]
-        self.table[base : base + len(shown)] = shown
+        self.table[base : base + len(table)] = table
 
     def at(self, states: Ints) -> NDArray[Any]:
-        """Return what states show, `[states, …]`, a new array."""
-        shown = self.table.take(states, axis=0)
-        return shown[:, 0] if self._is_flat else shown
+        """Return the observations of states, `[states, …]`, as a new array."""
+        rows = self.table.take(states, axis=0)
+        return rows[:, 0] if self._is_single else rows
 
     def batch(self, results: Results, states: Ints, copy: bool) -> NDArray[Any]:
-        """Return what robots in these states are shown, of which an engine wrote the numbers."""
-        return results.observations[:, 0] if self._is_flat else results.observations
+        """Return the observations that an engine wrote."""
+        return results.observations[:, 0] if self._is_single else results.observations
 
 
 class BatchImageObserver(BatchObserver):
-    """Shows pictures, all of one size, on which smaller levels are black where they have no cells.
+    """Pictures of one size, on which smaller levels are black where they have no cells.
 
-    The table has no numbers in it.
+    The table has no numbers.
     """
 
     def __init__(
-        self,
-        largest: tuple[int, int],
-        image_size: tuple[int, int] | None,
-        grayscale: bool,
-        most: int,
+        self, largest: Size, image_size: tuple[int, int] | None, grayscale: bool, most: int
     ) -> None:
-        self.space: spaces.Space[Any] = padded_space("image", largest, image_size, grayscale)
+        self.space: spaces.Space[Any] = image_space(largest, image_size, grayscale)
         self.table = np.empty((0, 0), np.int64)
         self._offset: Ints = np.zeros(1, np.intp)
         self._levels: dict[int, Level] = {}
-        make = partial(
-            PaddedImageObserver, largest=largest, image_size=image_size, grayscale=grayscale
-        )
-        self._observers = LastOnes(make, most)
+        make = partial(ImageObserver, largest=largest, image_size=image_size, grayscale=grayscale)
+        self._observers = LevelCache(make, most)
         self._buffer: NDArray[np.uint8] | None = None
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels, whose states begin there."""
+        """Make room for more levels, whose states begin at `offset`."""
         self._offset = offset
         self.table = np.empty((offset[-1], 0), np.int64)
 
     def write(self, number: int, level: Level) -> None:
-        """Show a level in the place of the one that had its number."""
+        """Set the level with a number."""
         self._levels[number] = level
 
     def at(self, states: Ints) -> NDArray[Any]:
@@ -130,7 +124,7 @@ class BatchImageObserver(BatchObserver):
         return self._painted(states, np.empty((states.size, *shape), np.uint8))
 
     def batch(self, results: Results, states: Ints, copy: bool) -> NDArray[Any]:
-        """Return the pictures of robots in these states; without `copy`, always in one array."""
+        """Return the pictures of environments in these states."""
         if copy:
             return self.at(states)
         if self._buffer is None:
@@ -138,70 +132,55 @@ class BatchImageObserver(BatchObserver):
         return self._painted(states, self._buffer)
 
     def _painted(self, states: Ints, pictures: NDArray[np.uint8]) -> NDArray[np.uint8]:
-        # Many robots stand in few states: each picture is painted once.
+        # Many environments are in few states: each picture is painted once.
         seen, which = np.unique(states, return_inverse=True)
         levels = np.searchsorted(self._offset, seen, side="right") - 1
         states = seen - self._offset.take(levels)
         for number, (level, state) in enumerate(zip(levels.tolist(), states.tolist(), strict=True)):
-            observer = self._observers.of(level, self._levels[level])
+            observer = self._observers.get(level, self._levels[level])
             pictures[which == number] = observer.at(state)()
         return pictures
 
 
-class LastOnes(Generic[_Thing]):
-    """Things that are made of levels, of which the last ones are kept."""
+class LevelCache(Generic[_Made]):
+    """An LRU cache of objects that are made from levels.
 
-    def __init__(self, make: Callable[[Level], _Thing], most: int) -> None:
-        """Keep as many as `most`."""
+    Args:
+        make: makes the object of a level.
+        most: how many objects are kept.
+    """
+
+    def __init__(self, make: Callable[[Level], _Made], most: int) -> None:
         self._make, self._most = make, most
-        self._things: dict[int, tuple[Level, _Thing]] = {}
+        self._entries: dict[int, tuple[Level, _Made]] = {}
 
-    def of(self, number: int, level: Level) -> _Thing:
-        """Return the thing of the level that has a number now."""
-        of, thing = self._things.pop(number, (None, None))
-        if of is not level or thing is None:
-            thing = self._make(level)
-        self._things[number] = level, thing
-        if len(self._things) > self._most:
-            del self._things[next(iter(self._things))]
-        return thing
+    def get(self, number: int, level: Level) -> _Made:
+        """Return the object of a level, made anew if another level had its number before."""
+        key, made = self._entries.pop(number, (None, None))
+        if key is not level or made is None:
+            made = self._make(level)
+        self._entries[number] = level, made
+        if len(self._entries) > self._most:
+            del self._entries[next(iter(self._entries))]
+        return made
 
 
 def make_batch_observer(
-    largest: tuple[int, int],
+    largest: Size,
     observation: str,
     image_size: tuple[int, int] | None,
     grayscale: bool,
-    num_robots: int,
+    most: int,
 ) -> BatchObserver:
-    """Return the observer of a kind in `OBSERVATIONS`, which knows no level yet.
+    """Return an observer without levels.
 
     Args:
-        largest: the largest width and height of a level, in cells.
-        observation: the kind.
-        image_size: `(height, width)` in pixels of images.
+        largest: the width and height of the largest level, in cells.
+        observation: one of `OBSERVATIONS`.
+        image_size: `(height, width)` in pixels of images, None for the default.
         grayscale: whether images are grey.
-        num_robots: how many robots there are.
+        most: of how many levels the painters are kept, for images.
     """
     if observation == "image":
-        return BatchImageObserver(largest, image_size, grayscale, num_robots)
-    return TableObserver(largest, observation)
-
-
-def largest_of(levels: Iterable[Level]) -> tuple[int, int]:
-    """Return the width of the widest of levels, and the height of the highest."""
-    widths, heights = zip(*(level.size for level in levels), strict=True)
-    return max(widths), max(heights)
-
-
-def _numbers(level: Level, observation: str, largest_width: int) -> NDArray[np.int64]:
-    """Return what each state of a level shows, `[states, numbers]`."""
-    width, height = level.size
-    states = np.arange(width * height)
-    columns = [states % width, states // width]
-    if observation == "index":
-        return (columns[1] * largest_width + columns[0])[:, None]
-    if observation == "walls":
-        open_bits = np.frombuffer(level.grid().open_bits, np.uint8).astype(np.int64)
-        columns += [open_bits >> side & 1 for side in range(4)]
-    return np.stack(columns, axis=1)
+        return BatchImageObserver(largest, image_size, grayscale, most)
+    return BatchNumericObserver(largest, observation)

@@ -1,10 +1,10 @@
-"""Many robots in the levels of a suite, another level in each episode."""
+"""The vector environment of a suite: another of its levels in each episode."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.envs.suite import spell_out_suite, suite_and_split
+from babyrobot_levels.envs.suite import make_suite_serializable, suite_and_split
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 
 if TYPE_CHECKING:
@@ -12,13 +12,13 @@ if TYPE_CHECKING:
 
 
 class SuiteVectorEnv(LevelVectorEnv):
-    """Many robots walk the levels of a suite: each episode is played in a level that is drawn.
+    """Many environments that step in one call, and draw a level of a suite for each episode.
 
-    The vector entry point of `babyrobot/Suite-v0`. Each environment is what `SuiteEnv` is, under
-    the time limit of the suite.
+    The vector entry point of `babyrobot/Suite-v0`. Each environment is equivalent to a `SuiteEnv`
+    in the `TimeLimit` of the suite.
 
     Attributes:
-        suite: the levels, or the split of them, that are played.
+        suite: the suite, or the split of it.
     """
 
     def __init__(
@@ -28,20 +28,19 @@ class SuiteVectorEnv(LevelVectorEnv):
 
         Args:
             suite: a name, a path, a mapping or a `Suite`.
-            split: the split whose levels are played; all of them if left out.
+            split: the split that is used; by default, the whole suite.
             num_envs: how many environments there are.
-            kwargs: what `LevelVectorEnv` takes beside these and the levels.
+            kwargs: the other arguments of `LevelVectorEnv`, except for those about levels.
 
         Raises:
             SuiteNotFoundError: there is no such suite.
             LevelError: the suite is not valid.
             StarvedError: no level meets the suite's conditions.
-            ValueError: there is no such split, no level at all, or another argument has a value
-                that it cannot have.
+            ValueError: there is no such split, it has no levels, or another argument is invalid.
         """
         self._given_suite, self.suite = suite_and_split(suite, split)
         super().__init__(levels=self.suite, draw_levels=True, num_envs=num_envs, **kwargs)
 
-    def _spell_out(self, given: dict[str, Any]) -> None:
-        super()._spell_out(given)
-        spell_out_suite(given, self._given_suite)
+    def _make_serializable(self, given: dict[str, Any]) -> None:
+        super()._make_serializable(given)
+        make_suite_serializable(given, self._given_suite)

@@ -1,10 +1,10 @@
-"""Making a pack of a folder: looked through as `lint` does, and written as an archive."""
+"""Making a pack of a folder: check its files and write them as an archive."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -20,9 +20,6 @@ from babyrobot_levels.library.packs.format import (
     is_theme,
     path_fault,
 )
-from babyrobot_levels.lint.across import likeness, same_games
-from babyrobot_levels.lint.runner import lint_file
-from babyrobot_levels.lint.settings import settings_for
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, NotRegularError, read_bytes
 from babyrobot_levels.text.source import MAX_BYTES, START, SourceFile
@@ -39,8 +36,8 @@ class Packed:
         contents: what is in it.
         paths: the files that belong to the pack.
         left_out: the files that do not.
-        diagnostics: everything that is to be mended before there is an archive, by file and place.
-        data: the archive, None while there are diagnostics.
+        diagnostics: all findings, by file and position.
+        data: the archive, None if there are errors among the diagnostics.
         local: the files that say where something lies on this machine, in their schema line.
     """
 
@@ -52,16 +49,18 @@ class Packed:
     local: Sequence[str] = ()
 
 
-def pack(folder: Path) -> Packed:
-    """Check a folder, and if all is well, make a pack's archive of it.
+def pack(folder: Path, lint: Callable[[Sequence[Path]], list[Diagnostic]]) -> Packed:
+    """Check a folder and, if there are no errors, make a pack's archive of it.
 
-    Its files are all YAML files below it, and those called `README.md` or `LICENSE`; hidden ones
-    do not count. What the rules find counts as much as an error, under the settings that
-    `babyrobot lint` has there.
+    Its files are all YAML files below it, and those called `README.md` or `LICENSE`; hidden files
+    are left out. Findings that are no errors do not prevent the archive.
+
+    Args:
+        folder: the folder.
+        lint: returns the findings in level files, such as `lint.runner.lint_files`.
 
     Raises:
-        PackError: it has no `pack.yaml`, or more in it than a pack may have.
-        SettingsError: the settings for linting are faulty.
+        PackError: the folder has no `pack.yaml`, or contains more than a pack may.
         OSError: the folder cannot be read.
     """
     if not os.path.lexists(folder / PACK_FILE):
@@ -72,9 +71,10 @@ def pack(folder: Path) -> Packed:
         return Packed(Contents(), paths, left_out, unfit)
     files = _read(folder, paths)
     contents = survey(folder, paths, folder)
-    diagnostics = _merged(contents.diagnostics, _linted(folder, paths), paths, folder)
+    diagnostics = _merged(contents.diagnostics, lint(_linted(folder, paths)), paths, folder)
     fields = contents.fields
-    if fields is None or diagnostics:
+    errors = any(each.severity is Severity.ERROR for each in diagnostics)
+    if fields is None or errors:
         return Packed(contents, paths, left_out, diagnostics)
     if not contents.levels and not contents.suites:
         raise PackError("it has neither levels nor suites")
@@ -83,7 +83,7 @@ def pack(folder: Path) -> Packed:
         name=fields.name, version=fields.version, files=entries, levels=contents.levels
     )
     local = [path for path, data in files.items() if _LOCAL_SCHEMA.search(data)]
-    return Packed(contents, paths, left_out, [], write_archive(manifest, files), local)
+    return Packed(contents, paths, left_out, diagnostics, write_archive(manifest, files), local)
 
 
 def _paths(folder: Path) -> tuple[list[str], list[str]]:
@@ -143,19 +143,13 @@ def _read(folder: Path, paths: list[str]) -> dict[str, bytes]:
     return files
 
 
-def _linted(folder: Path, paths: list[str]) -> list[Diagnostic]:
-    """Return what linting finds in the levels and suites."""
-    found = []
-    texts: dict[Path, tuple[SourceFile, int]] = {}
-    for path in paths:
-        place = folder / path
-        if path == PACK_FILE or is_theme(path) or place.name in TEXTS:
-            continue
-        report = lint_file(place, settings_for(place).rules_for(place))
-        found += report.diagnostics
-        if report.source and report.level and not report.level.has_random_maze:
-            texts[place] = report.source, likeness(report.level)
-    return [*found, *same_games(texts, lambda place: settings_for(place).rules_for(place)).values()]
+def _linted(folder: Path, paths: list[str]) -> list[Path]:
+    """Return the levels and suites, which are linted."""
+    return [
+        folder / path
+        for path in paths
+        if path != PACK_FILE and not is_theme(path) and Path(path).name not in TEXTS
+    ]
 
 
 def _merged(

@@ -1,4 +1,4 @@
-"""Diagnostics as output: one format a file."""
+"""Findings in machine-readable formats. `text` is the format for people."""
 
 from __future__ import annotations
 
@@ -9,7 +9,10 @@ if TYPE_CHECKING:
     from babyrobot_levels.text.diagnostics import Diagnostic
 
 MachineFormat = Literal["json", "github", "sarif", "junit"]
-"""The formats for programs. The one for people is in `text`: it knows colour, and a summary."""
+"""The machine-readable formats."""
+
+JSON_VERSION = 1
+"""The version of the JSON format; it changes with every incompatible change."""
 
 
 def render(
@@ -17,20 +20,20 @@ def render(
     diagnostics: Iterable[Diagnostic],
     files: Iterable[str],
     titles: Mapping[str, str],
+    version: str,
 ) -> str:
-    """Return the findings in a format for programs.
+    """Return findings in a machine-readable format.
 
     Args:
-        form: which one.
+        form: the format.
         diagnostics: the findings.
-        files: the files that were checked, as the findings name them.
-        titles: what each code means, in a few words; codes that are not there go without.
+        files: the files that were checked, named as in the findings.
+        titles: a short description of each code; codes without one are allowed.
+        version: the version of this package.
     """
-    # Each brings imports of its own, and a command needs one of them.
+    # Each format has imports of its own, and a command needs only one of them.
     if form == "json":
-        from babyrobot_levels.lint.reporters import json
-
-        return json.render(diagnostics)
+        return render_json(diagnostics)
     if form == "github":
         from babyrobot_levels.lint.reporters import github
 
@@ -38,7 +41,15 @@ def render(
     if form == "sarif":
         from babyrobot_levels.lint.reporters import sarif
 
-        return sarif.render(diagnostics, titles)
+        return sarif.render(diagnostics, titles, version)
     from babyrobot_levels.lint.reporters import junit
 
     return junit.render(diagnostics, files)
+
+
+def render_json(diagnostics: Iterable[Diagnostic]) -> str:
+    """Return `{"version": 1, "diagnostics": [...]}`, indented."""
+    import json
+
+    data = {"version": JSON_VERSION, "diagnostics": [d.to_dict() for d in diagnostics]}
+    return json.dumps(data, indent=2) + "\n"

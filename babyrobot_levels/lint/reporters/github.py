@@ -1,6 +1,6 @@
-"""Diagnostics for GitHub Actions: workflow commands, which GitHub shows beside the lines they name.
+"""Findings as workflow commands, which GitHub Actions shows as annotations.
 
-One line a finding: `::error file=…,line=…,col=…,endLine=…,endColumn=…,title=…::message`.
+One line per finding: `::error file=…,line=…,col=…,endLine=…,endColumn=…,title=…::message`.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ def render(diagnostics: Iterable[Diagnostic], titles: Mapping[str, str]) -> str:
 
     Args:
         diagnostics: the findings.
-        titles: what each code means, in a few words.
+        titles: a short description of each code.
     """
     return "".join(_command(diagnostic, titles) for diagnostic in diagnostics)
 
@@ -27,7 +27,7 @@ def _command(diagnostic: Diagnostic, titles: Mapping[str, str]) -> str:
     code, title = diagnostic.code, titles.get(diagnostic.code)
     places: dict[str, object] = {"line": diagnostic.line, "endLine": diagnostic.end.line}
     if diagnostic.end.line == diagnostic.line:
-        # GitHub takes columns only where all is on one line.
+        # GitHub accepts columns only if the span is on one line.
         places |= {"col": diagnostic.column, "endColumn": diagnostic.end.column}
     properties = {
         "file": one_line(PurePath(diagnostic.file).as_posix()),
@@ -37,8 +37,8 @@ def _command(diagnostic: Diagnostic, titles: Mapping[str, str]) -> str:
     message = one_line(diagnostic.message)
     if diagnostic.help:
         message += f"\nhelp: {one_line(diagnostic.help)}"
-    told = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
-    return f"::{_COMMANDS[diagnostic.severity]} {told}::{_data(message)}\n"
+    listed = ",".join(f"{name}={_property(str(value))}" for name, value in properties.items())
+    return f"::{_COMMANDS[diagnostic.severity]} {listed}::{_data(message)}\n"
 
 
 def _data(text: str) -> str:

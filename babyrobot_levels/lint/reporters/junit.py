@@ -1,4 +1,4 @@
-"""Diagnostics as JUnit XML, which continuous integration shows as tests: each file is one."""
+"""Findings as JUnit XML, which continuous integration services show as tests, one per file."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from babyrobot_levels.text.diagnostics import Diagnostic, Severity, one_line
 
 
 def render(diagnostics: Iterable[Diagnostic], files: Iterable[str]) -> str:
-    """Return the findings as one suite of tests.
+    """Return the findings as one test suite.
 
     Args:
         diagnostics: the findings.
-        files: the files that were checked. Those without findings are tests that passed.
+        files: the files that were checked. Files without findings are tests that passed.
     """
     found: dict[str, list[Diagnostic]] = {file: [] for file in files}
     for diagnostic in diagnostics:
@@ -37,7 +37,7 @@ def _case(file: str, found: Sequence[Diagnostic]) -> str:
     head = f'    <testcase name="{_attribute(name)}" classname="babyrobot" time="0"'
     if not found:
         return f"{head}/>"
-    # One failure for all findings of a file: many readers show only the first.
+    # One failure for all findings of a file, because many readers show only the first.
     first = f"{found[0].code}: {found[0].message}"
     message = first if len(found) == 1 else f"{first} (and {len(found) - 1} more)"
     severities = {diagnostic.severity for diagnostic in found}
@@ -50,5 +50,5 @@ def _case(file: str, found: Sequence[Diagnostic]) -> str:
 
 
 def _attribute(text: str) -> str:
-    # One line of printable characters: XML can hold all of them.
+    # XML can contain one line of printable characters.
     return escape(one_line(text), {'"': "&quot;"})

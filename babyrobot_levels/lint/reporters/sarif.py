@@ -11,7 +11,6 @@ from pathlib import PurePath
 from typing import Any
 from urllib.parse import quote
 
-from babyrobot_levels import __version__
 from babyrobot_levels.text.diagnostics import Diagnostic, Fix, Severity, one_line
 from babyrobot_levels.text.source import Span
 
@@ -19,24 +18,25 @@ SCHEMA = (
     "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 )
 FINGERPRINT = "babyrobotFinding/v1"
-"""The fingerprint's name; its number changes when equal findings would get another one."""
+"""The name of the fingerprint; its number changes when the computation changes."""
 
 _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "note"}
 
 
-def render(diagnostics: Iterable[Diagnostic], titles: Mapping[str, str]) -> str:
+def render(diagnostics: Iterable[Diagnostic], titles: Mapping[str, str], version: str) -> str:
     """Return the findings as one run, indented.
 
     Args:
         diagnostics: the findings.
-        titles: what each code means, in a few words.
+        titles: a short description of each code.
+        version: the version of this package.
     """
     found = list(diagnostics)
     severities = {diagnostic.code: diagnostic.severity for diagnostic in reversed(found)}
     codes = sorted(severities)
     driver = {
         "name": "babyrobot",
-        "version": __version__,
+        "version": version,
         "rules": [_rule(code, severities[code], titles.get(code)) for code in codes],
     }
     seen: Counter[tuple[str, ...]] = Counter()
@@ -70,7 +70,7 @@ def _result(diagnostic: Diagnostic, index: int, seen: Counter[tuple[str, ...]]) 
         "ruleId": diagnostic.code,
         "ruleIndex": index,
         "level": _LEVELS[diagnostic.severity],
-        # Brackets before parentheses would be a link, and the text may be a stranger's.
+        # Brackets before parentheses would become a link, and the text is untrusted.
         "message": {"text": text.replace("](", "] (")},
         "locations": [{"physicalLocation": location}],
         "partialFingerprints": {FINGERPRINT: _fingerprint(diagnostic, seen)},
@@ -108,7 +108,7 @@ def _artifact(file: str) -> dict[str, str]:
 
 
 def _fingerprint(diagnostic: Diagnostic, seen: Counter[tuple[str, ...]]) -> str:
-    """Return what marks a finding though lines move: its file, its code and what its line says."""
+    """Return a hash of file, code and source line, which stays the same when lines move."""
     source = diagnostic.source
     line = source.line(diagnostic.line).strip() if source is not None else ""
     key = (PurePath(diagnostic.file).as_posix(), diagnostic.code, line)

@@ -1,4 +1,4 @@
-"""Diagnostics for people: each with its place, the source line, a caret and help."""
+"""Findings as text: each with its position, the source line, a caret and help."""
 
 from __future__ import annotations
 
@@ -17,24 +17,24 @@ _CYAN = "\x1b[36m"
 
 
 def render(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
-    """Return the findings as text, with a blank line between two, or an empty text."""
+    """Return the findings as text, separated by blank lines; empty if there are none."""
     shown = [_colored(d) if color else str(d) for d in diagnostics]
     return "\n\n".join(shown) + "\n" if shown else ""
 
 
-def summary(diagnostics: Sequence[Diagnostic], files: int, praise: str = "valid") -> str:
-    """Return the line at the end of a report: how much was wrong, and in how many files.
+def summary(diagnostics: Sequence[Diagnostic], files: int, clean: str = "valid") -> str:
+    """Return the last line of a report: the number of findings and files.
 
-    `praise` is what is said of files in which nothing was found.
+    `clean` is the word for files without findings.
     """
     if not diagnostics:
-        return f"{files} files checked, all {praise}" if files != 1 else f"1 file checked, {praise}"
+        return f"{files} files checked, all {clean}" if files != 1 else f"1 file checked, {clean}"
     counts = [
         (sum(d.severity is severity for d in diagnostics), str(severity)) for severity in Severity
     ]
-    told = ", ".join(f"{n} {what}{'s' if n > 1 else ''}" for n, what in counts if n)
-    faulty = len({d.file for d in diagnostics})
-    return f"{told} in 1 file" if files == 1 else f"{told} in {faulty} of {files} files"
+    listed = ", ".join(f"{n} {what}{'s' if n > 1 else ''}" for n, what in counts if n)
+    affected = len({d.file for d in diagnostics})
+    return f"{listed} in 1 file" if files == 1 else f"{listed} in {affected} of {files} files"
 
 
 def _colored(diagnostic: Diagnostic) -> str:
@@ -48,9 +48,9 @@ def _colored(diagnostic: Diagnostic) -> str:
     lines = [head]
     for line in rest:
         mark = line.lstrip()
-        word, colon, told = mark.partition(": ")
+        word, colon, content = mark.partition(": ")
         if colon and word in ("help", "fix"):
-            lines.append(f"  {_CYAN}{word}{_RESET}: {told}")
+            lines.append(f"  {_CYAN}{word}{_RESET}: {content}")
         else:
             gutter, bar, text = line.partition("|")
             is_caret = text.strip() and not text.strip("^ ")

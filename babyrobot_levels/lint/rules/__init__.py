@@ -1,5 +1,1 @@
-"""The rules, one module each.
-
-The docstring of a module is the rule's page, and its name the rule's. It holds `CODE`, `SEVERITY`,
-`NEEDS`, and a generator `check(case)` that yields what it finds.
-"""
+"""The rules, grouped by subject. The docstring of a rule is its page; see `rule.rule`."""

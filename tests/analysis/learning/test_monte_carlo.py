@@ -12,9 +12,8 @@ import pytest
 from support.worlds import World
 
 from babyrobot_levels.analysis.learning import monte_carlo
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.simulation import simulate
 from babyrobot_levels.library.catalogue import load
 
 # Two starts, chance in the steps and in the rewards, and a way round that comes back.
@@ -40,7 +39,7 @@ def estimates(level: Any, seeds: int, **arguments: Any) -> Any:
 @pytest.mark.parametrize("first_visit", [True, False], ids=["first visits", "every visit"])
 @pytest.mark.parametrize("level", ["russell-norvig-4x3", WORLD], ids=["book", "world"])
 def test_each_cell_is_worth_what_the_exact_values_say(level: Any, first_visit: bool) -> None:
-    runs = estimates(level, 30, episodes=300, first_visit=first_visit, discount=0.9)
+    runs = estimates(level, 20, episodes=120, first_visit=first_visit, discount=0.9)
     exact = evaluate(level, "random", 0.9).values
     error = runs.std(axis=0, ddof=1) / np.sqrt(len(runs))
     visited = (runs != 0) & ~np.isnan(exact)

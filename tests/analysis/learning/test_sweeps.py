@@ -18,19 +18,20 @@ from babyrobot_levels.analysis.learning import (
     policy_iteration,
     value_iteration,
 )
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
 
+# Without chance; puddles; holes; glass; a discount; ends that are no exits; warps; wind.
 LEVELS = [
     "cliff-walking",
     "final-maze",
-    "four-rooms-slippery",
     "frozen-lake",
     "glasshouse",
     "gridworld-3-5",
     "russell-norvig-4x3",
     "teleport-pads",
     "windy-gridworld",
+    pytest.param("four-rooms-slippery", marks=pytest.mark.slow),
 ]
 
 # Figure 4.1: the upper half of each table; the lower one is the same turned round.
@@ -150,7 +151,7 @@ def test_with_a_discount_policy_iteration_is_right_everywhere(world: World, acti
 
 def test_policy_iteration_finds_its_way_past_a_trap() -> None:
     level = level_of(BESIDE_A_TRAP)
-    assert np.isneginf(evaluate(level, "random").values).any()
+    assert np.isneginf(evaluation_of(level, "random").values).any()
     found, solution = last(policy_iteration(level)), solve(level)
     assert np.isfinite(solution.values[0, 0])
     np.testing.assert_allclose(found.values, solution.values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import json
 import pickle
 from functools import partial
 from typing import Any
@@ -15,9 +16,9 @@ from support.chains import dense, world
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate, success_within
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.simulation import simulate, success_within
+from babyrobot_levels.analysis.solver.results import PolicyArray
 
 CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "others"})
 
@@ -106,8 +107,86 @@ def test_the_two_numberings_of_actions() -> None:
             found = evaluate(CORNER, solution, actions=actions)
             assert found.expected_return == pytest.approx(every.expected_return)
     resting = solve(world(rows=["S#E"], rewards={"step": -1, "stay": 0}))
-    with pytest.raises(ValueError, match=r"at \[0, 0\] is 0; here, the actions are 1 to 4"):
+    with pytest.raises(ValueError, match=r"at \[0, 0\] is stay, which actions='moves' does not"):
         evaluate(world(rows=["S#E"]), resting, actions="moves")
+
+
+def test_a_policy_of_a_result_knows_its_numbering() -> None:
+    *_, learned = brl.q_learning("cliff-walking", 500, seed=0)
+    *_, swept = brl.value_iteration("cliff-walking")
+    for policy in (learned.policy, swept.policy, solve("cliff-walking", actions="moves").policy):
+        expected = evaluate("cliff-walking", policy, actions="moves").values
+        for way in (policy, policy.copy(), pickle.loads(pickle.dumps(policy)), copy.copy(policy)):
+            np.testing.assert_array_equal(evaluate("cliff-walking", way).values, expected)
+        runs = [simulate("cliff-walking", policy, 5, actions=a).mean for a in ("all", "moves")]
+        assert runs[0] == runs[1] == expected[3, 0]
+        assert success_within("cliff-walking", policy, 20) == 1
+        steps = brl.rollout("cliff-walking", policy, num_steps=13, seed=0)
+        assert steps.terminations[-1].all()
+
+
+def test_the_policy_of_a_result_is_drawn_by_its_numbering() -> None:
+    env = brl.load("cliff-walking").make(render_mode="svg")
+    env.reset()
+    pictures = []
+    for actions in ("all", "moves"):
+        env.unwrapped.show_info({"policy": solve("cliff-walking", actions=actions).policy})  # type: ignore[attr-defined]
+        pictures.append(env.render())
+    assert pictures[0] == pictures[1]
+
+
+def test_a_policy_array_is_an_array_like_any_other() -> None:
+    policy = solve("cliff-walking", actions="moves").policy
+    plain = np.asarray(policy)
+    assert type(plain) is np.ndarray
+    assert isinstance(policy, np.ndarray)
+    assert (policy == plain).all()
+    assert policy.tolist() == plain.tolist()
+    assert json.loads(json.dumps(policy.tolist())) == plain.tolist()
+    assert type(policy[3, 0]) is np.int64
+    assert repr(policy[3, :2]) == "PolicyArray([0, 0], actions='moves')"
+    assert str(policy) == str(plain)
+    np.testing.assert_array_equal(np.eye(4)[policy], np.eye(4)[plain])
+    # Numbers that something was added to mean something else.
+    shifted = policy.copy()
+    shifted += 1
+    for changed in (policy + 1, shifted, np.maximum(policy, 0), policy >= 0, policy.max()):
+        assert not isinstance(changed, PolicyArray)
+    for kept in (policy.copy(), policy.astype(np.int8), policy[:2], policy.ravel()):
+        assert isinstance(kept, PolicyArray)
+        assert kept.first_action == 1
+    assert np.add.reduce(policy, axis=None) == plain.sum()
+    assert np.concatenate([policy, policy]).tolist() == plain.tolist() * 2
+
+
+def test_pickles_of_plain_policies_gain_their_numbering() -> None:
+    solution = solve("cliff-walking", actions="moves")
+    state = {**vars(solution), "policy": np.asarray(solution.policy)}
+    del state["diverging_cells"]
+    old = object.__new__(brl.Solution)
+    old.__setstate__(state)
+    assert isinstance(old.policy, PolicyArray)
+    assert old.policy.first_action == 1
+    assert (old.diverging_cells, old.explanation) == ((), None)
+
+
+def test_a_policy_that_never_ends_is_reported() -> None:
+    policy = np.asarray(solve("final-maze", actions="moves").policy)
+    with pytest.warns(RuntimeWarning) as caught:
+        found = evaluate("final-maze", policy)
+    assert found.expected_return == -np.inf
+    ((x, y), *_) = found.diverging_cells
+    assert str(caught[0].message) == (
+        f"with this policy, the expected return is -inf, because an episode may go on for ever "
+        f"around [{x}, {y}], where costs add up without bound; a discount below 1, such as 0.99, "
+        "makes it finite; if its action 0 is north, give actions='moves'"
+    )
+    assert caught[0].filename == __file__
+    with pytest.warns(RuntimeWarning, match="makes it finite$"):
+        evaluate("final-maze", lambda x, y: 0)
+    # With a discount, and from the right numbering, nothing is to be said.
+    evaluate("final-maze", policy, 0.99)
+    evaluate("final-maze", policy, actions="moves")
 
 
 def test_a_solution_plays_in_an_environment() -> None:
@@ -128,13 +207,13 @@ def test_a_solution_plays_in_an_environment() -> None:
     [
         ("randon", "did you mean `random`"),
         (np.zeros((3, 4), int), r"array \[3, 3\] of actions, .* not one of shape \[3, 4\]"),
-        (np.zeros((3, 3)), "whole numbers"),
-        (np.full((3, 3), 5), r"at \[0, 0\] is 5; here, the actions are 0 to 4"),
+        (np.zeros((3, 3)), "array of integers"),
+        (np.full((3, 3), 5), r"at \[0, 0\] is 5; actions='all' has 0 stay, 1 north, .* 4 west"),
         (np.full((3, 3), -1), r"at \[0, 0\] is -1"),
         (np.full((9, 5), 0.3), r"at \[0, 0\] are \[0.3, .* add up to 1"),
         (np.tile([1.5, -0.5, 0, 0, 0], (9, 1)), "must not be negative"),
         (np.full((9, 5), np.nan), "add up to 1"),
-        (np.full((9, 4), 0.25), "not one of shape"),
+        (np.full((9, 4), 0.25), "4 probabilities for each cell need actions='moves'"),
         (lambda x, y: None, r"at \[0, 0\] is None"),
         (lambda x, y: [0.2] * 5, r"at \[0, 0\] is \[0.2, "),
         (None, "not one of shape"),
@@ -144,6 +223,13 @@ def test_policies_that_do_not_fit(policy: Any, told: str) -> None:
     for use in (evaluate, simulate, partial(success_within, steps=5)):
         with pytest.raises(ValueError, match=told):
             use(CORNER, policy)
+
+
+def test_policies_of_the_other_set_of_actions() -> None:
+    with pytest.raises(ValueError, match="5 probabilities for each cell need actions='all'"):
+        evaluate(CORNER, np.full((9, 5), 0.2), actions="moves")
+    with pytest.raises(ValueError, match="3 west; if its action 0 is stay, give actions='all'"):
+        evaluate(CORNER, np.full((3, 3), 4), actions="moves")
 
 
 def test_arguments_that_cannot_be() -> None:

@@ -9,9 +9,10 @@ import pytest
 from support.chains import world
 from support.worlds import World
 
-from babyrobot_levels.analysis.solver.errors import NoTotalError, TooLongError
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+import babyrobot_levels as brl
+from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.text.errors import BabyRobotError
 
 INF = float("inf")
@@ -27,6 +28,37 @@ def test_an_exit_that_cannot_be_reached() -> None:
     assert (solution.expected_return, solution.expected_steps) == (-INF, INF)
     assert solution.exit_probability == 0
     assert solution.greedy[0, 0].all()
+
+
+def test_an_infinite_return_is_explained() -> None:
+    shut = world(rows=["S#E"])
+    solution = solve(shut)
+    assert solution.diverging_cells == ((0, 0),)
+    assert solution.explanation == (
+        "the expected return is -inf, because an episode may go on for ever around [0, 0], where "
+        "costs add up without bound; a discount below 1, such as 0.99, makes it finite"
+    )
+    assert solve(shut, 0.99).explanation is None
+    gold = world(rows=["S    E"], areas=[{"at": [3, 0], "reward": 5}])
+    solution = solve(gold)
+    assert (3, 0) in solution.diverging_cells
+    assert solution.explanation is not None
+    assert "around [3, 0], where" in solution.explanation
+    assert "(rule BR504, unbounded-return)" in solution.explanation
+    # Of many cells, the first few are listed.
+    corridor = evaluation_of(world(rows=["S" + " " * 9]), "random")
+    assert len(corridor.diverging_cells) == 10
+    assert "[4, 0], …, where" in str(corridor.explanation)
+
+
+def test_no_loop_is_named_that_cannot_be_reached() -> None:
+    # The robot falls to the left or to the right, and into the pit on one side only.
+    level = world(rows=["  S E"], areas=[{"at": [0, 0], "reward": -3}])
+    found = evaluation_of(level, np.array([[2, 4, 4, 4, -1]]))
+    assert found.diverging_cells == ((0, 0), (1, 0))
+    right = evaluation_of(level, np.array([[0, 0, 2, 2, -1]]))
+    assert (right.diverging_cells, right.explanation) == ((), None)
+    assert np.isneginf(right.values[0, :2]).all()
 
 
 def test_no_exit_at_all() -> None:
@@ -75,7 +107,8 @@ def test_a_loop_that_pays() -> None:
     assert solution.values.tolist() == [[INF, INF, INF, 0]]
     assert solution.unbounded.tolist() == [[True, True, True, False]]
     assert (solution.expected_return, solution.expected_steps) == (INF, INF)
-    assert evaluate(level, solution).expected_return == INF
+    with pytest.warns(RuntimeWarning, match="rewards add up without bound .*BR504"):
+        assert evaluate(level, solution).expected_return == INF
     # The last move onto the exit is the only one that ends it.
     assert solution.action_values[0, 2, 1] == 0
     assert not solution.greedy[0, 2, 1]
@@ -137,7 +170,9 @@ def test_the_lake_whose_safest_moves_go_round_in_circles() -> None:
 def test_rewards_that_cancel_out() -> None:
     level = world(rows=["S   "], rewards={"closer": 1, "farther": -1, "stay": -1, "bump": -1})
     level |= {"exit": [3, 0], "walls": [{"at": [2, 0], "side": "E"}]}
-    with pytest.raises(NoTotalError, match=r"around \[0, 0\] .* a discount below 1") as caught:
+    with pytest.raises(
+        UndefinedReturnError, match=r"around \[0, 0\] .* a discount below 1"
+    ) as caught:
         solve(level)
     assert isinstance(caught.value, BabyRobotError)
     assert caught.value.cell == (0, 0)
@@ -145,9 +180,21 @@ def test_rewards_that_cancel_out() -> None:
     assert (str(copy), copy.cell) == (str(caught.value), (0, 0))
     assert np.isfinite(solve(level, 0.9).values).all()
     there_and_back = np.array([[2, 4, 4, 4]])
-    with pytest.raises(NoTotalError):
+    with pytest.raises(UndefinedReturnError):
         evaluate(level, there_and_back)
     assert np.isfinite(evaluate(level, there_and_back, 0.9).values).all()
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [("NoTotalError", UndefinedReturnError), ("TooLongError", EpisodeTooLongError)],
+)
+def test_errors_keep_their_old_names(old: str, new: type[Exception]) -> None:
+    with pytest.warns(DeprecationWarning, match=f"{old} is deprecated; use .*{new.__name__}"):
+        assert getattr(brl, old) is new
+    assert old not in dir(brl)
+    pickled = b"cbabyrobot_levels.analysis.solver.results\n%b\n." % old.encode()
+    assert pickle.loads(pickled) is new
 
 
 def test_rewards_that_cancel_out_but_for_rounding() -> None:
@@ -155,9 +202,9 @@ def test_rewards_that_cancel_out_but_for_rounding() -> None:
     areas = [{"at": [x, 0], "reward": r} for x, r in enumerate((-0.3, 0.1, 0.2))]
     level = world(rows=["S  "], areas=areas, warps=[{"at": [2, 0], "to": [0, 0], "when": "leave"}])
     level["rewards"] = {"bump": -1, "stay": -1}
-    with pytest.raises(NoTotalError):
+    with pytest.raises(UndefinedReturnError):
         evaluate(level, np.array([[2, 2, 2]]))
-    with pytest.raises(NoTotalError):
+    with pytest.raises(UndefinedReturnError):
         solve(level)
 
 
@@ -167,7 +214,7 @@ def test_what_cancels_out_does_not_matter_where_ending_is_better() -> None:
     level = world(rows=["S   E"], rewards=rewards)
     assert solve(level).values.tolist() == [[8, 7, 6, 5, 0]]
     level["rewards"] = {**rewards, "exit": -5}
-    with pytest.raises(NoTotalError):
+    with pytest.raises(UndefinedReturnError):
         solve(level)
     # The same rewards, with a hundred for the exit.
     assert solve("image-maze").exit_probability == 1
@@ -226,13 +273,13 @@ def test_a_way_that_is_short_only_with_a_lot_of_luck(width: int, step: float) ->
 def test_ways_that_are_too_long_for_floating_point(width: int) -> None:
     level = icy_ridge(width, 1, -1)
     for policy in ("random", np.full((3, width), 2)):
-        with pytest.raises(TooLongError, match="a discount below 1"):
+        with pytest.raises(EpisodeTooLongError, match="a discount below 1"):
             evaluate(level, policy)
         # With a discount all is well; only how it ends cannot be told.
         found = evaluate(level, policy, 0.9)
         assert found.expected_return == pytest.approx(-10, abs=0.1)
         assert found.expected_steps == INF
         assert np.isnan(found.exit_probability)
-    with pytest.raises(TooLongError):
+    with pytest.raises(EpisodeTooLongError):
         solve(level)
     assert solve(level, 0.9).residual < 1e-10

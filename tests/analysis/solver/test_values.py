@@ -16,12 +16,14 @@ from support.chains import all_totals, dense, states_of, value_iteration
 from support.playing import GALLERY
 from support.worlds import World, level_of, worlds
 
-from babyrobot_levels.analysis.solver import graphs, linear
-from babyrobot_levels.analysis.solver.errors import NoTotalError
-from babyrobot_levels.analysis.solver.evaluation import evaluate
+from babyrobot_levels.analysis.solver import linear, model
+from babyrobot_levels.analysis.solver.evaluation import (
+    evaluate,
+    evaluation_of,
+    success_within,
+)
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.results import Solution
-from babyrobot_levels.analysis.solver.simulation import success_within
+from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.library.catalogue import load
 
 FIRST = {"all": 0, "moves": 1}
@@ -41,7 +43,7 @@ def assert_sound(level: Any, solution: Solution) -> None:
     assert solution.residual <= 1e-11 * (1 + np.abs(finite).max(initial=0))
     best = solution.action_values[rows, columns].max(axis=1)
     np.testing.assert_allclose(best, solution.values[rows, columns], rtol=1e-9, atol=1e-10)
-    found = evaluate(level, solution, solution.discount, solution.actions)
+    found = evaluation_of(level, solution, solution.discount, solution.actions)
     np.testing.assert_allclose(found.values, solution.values, rtol=1e-8, atol=1e-8)
     assert found.expected_steps == pytest.approx(solution.expected_steps)
     assert found.exit_probability == pytest.approx(solution.exit_probability)
@@ -53,7 +55,7 @@ def as_if_large(large: bool) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         if large:
             patch.setattr(linear, "DENSE_STATES", 0)
-            patch.setattr(graphs, "DENSE_STATES", 0)
+            patch.setattr(model, "DENSE_STATES", 0)
         yield
 
 
@@ -123,7 +125,7 @@ def check_totals(world: World, actions: str) -> None:
     clear = np.where(unclear, -np.inf, totals).max(axis=0)
     try:
         solution = solve(level, 1.0, actions=actions)
-    except NoTotalError as error:
+    except UndefinedReturnError as error:
         event("no total")
         x, y = error.cell
         assert unclear[:, states.index(y * level.size[0] + x)].any()

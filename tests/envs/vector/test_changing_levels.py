@@ -16,14 +16,22 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.combinations import combined
 from support.fleets import ENGINES, MODES, levels, same, walked
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.engine.slots import Room, empty_tables, needed, write_level
-from babyrobot_levels.envs.engine.tables import ALWAYS, build_tables, outcomes_of
+from babyrobot_levels.envs.engine.tables import (
+    ALWAYS,
+    Room,
+    build_tables,
+    empty_tables,
+    needed,
+    outcomes_of,
+    write_level,
+)
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.spaces import ACTION_SETS
-from babyrobot_levels.envs.vector import slots
+from babyrobot_levels.envs.vector import levels as level_slots
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.suite import SuiteVectorEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
@@ -64,7 +72,6 @@ FAMILIES: dict[str, dict[str, Any]] = {
 }
 
 each_engine = pytest.mark.parametrize("engine", ENGINES)
-each_mode = pytest.mark.parametrize("mode", MODES)
 each_family = pytest.mark.parametrize("family", FAMILIES)
 
 
@@ -101,9 +108,7 @@ def test_the_ids_make_them() -> None:
     assert mazes.levels == (brl.load("random-maze"),)
 
 
-@each_family
-@pytest.mark.parametrize("actions", ACTION_SETS)
-@pytest.mark.parametrize("observation", OBSERVATIONS)
+@combined(2, family=FAMILIES, observation=OBSERVATIONS, actions=ACTION_SETS)
 def test_spaces_are_those_of_single_environments_and_never_change(
     family: str, observation: str, actions: str
 ) -> None:
@@ -170,7 +175,7 @@ def test_the_spec_as_json_makes_the_same_game() -> None:
     [
         ({"levels": load_suite(DRY)[5:5]}, "at least one level"),
         ({"levels": "small-mazes"}, "a list of levels or a suite, not 'small-mazes'"),
-        ({"levels": [GROWS, "maze"]}, r"played alone.*draw_levels=True"),
+        ({"levels": [GROWS, "maze"]}, r"must be the only one.*draw_levels=True"),
     ],
 )
 def test_what_cannot_be_made(arguments: dict[str, Any], message: str) -> None:
@@ -201,7 +206,7 @@ class Shadows:
         """Begin in the level, and where, a vector environment has begun; compare what is shown."""
         assert info[f"_{self._word}"][number]
         level = envs.call("level")[number]
-        state = int(envs._robots.state[number] - envs._tables.offset[envs._robots.level[number]])
+        state = int(envs._envs.state[number] - envs._tables.offset[envs._envs.level[number]])
         y, x = divmod(state, level.size[0])
         asked = {self._option: int(info[self._word][number]), "start": (x, y)}
         told, own = self._envs[number].reset(options=asked)
@@ -222,10 +227,7 @@ class Shadows:
             assert np.array_equal(info[key][number], value), key
 
 
-@each_engine
-@each_mode
-@pytest.mark.parametrize("observation", OBSERVATIONS)
-@pytest.mark.parametrize("family", ["dry", "mazes"])
+@combined(2, family=["dry", "mazes"], observation=OBSERVATIONS, mode=MODES, engine=ENGINES)
 def test_each_environment_plays_the_level_that_it_says(
     family: str, observation: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -261,14 +263,12 @@ def test_each_environment_plays_the_level_that_it_says(
     assert len(played) > 3 * SIZE
 
 
-@each_engine
-@each_mode
-@pytest.mark.parametrize("family", ["wet", "cornered"])
+@combined(2, family=["wet", "cornered"], mode=MODES, engine=ENGINES)
 def test_what_chance_brings_is_in_the_tables_of_the_level(
     family: str, mode: AutoresetMode, engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Each level takes the slot of another one, which may have had more outcomes.
-    monkeypatch.setattr(slots, "KEPT_STATES", 1)
+    monkeypatch.setattr(level_slots, "KEPT_STATES", 1)
     envs: Any = make(family, 40, observation="index", autoreset_mode=mode, engine=engine)
     width = envs.levels.largest[0] if isinstance(envs.levels, Suite) else 4
     shown, _ = envs.reset(seed=1)
@@ -299,9 +299,7 @@ def test_what_chance_brings_is_in_the_tables_of_the_level(
     assert slips > 100
 
 
-@each_family
-@each_mode
-@pytest.mark.parametrize("observation", ["walls", "image"])
+@combined(1, family=FAMILIES, mode=MODES, observation=["walls", "image"])
 def test_both_engines_walk_the_same_way(family: str, mode: AutoresetMode, observation: str) -> None:
     given: dict[str, Any] = {"autoreset_mode": mode, "observation": observation}
     one, other = (walked(make(family, engine=engine, **given), 90, 4) for engine in ENGINES)
@@ -329,8 +327,7 @@ def test_all_can_act_by_chance_and_begin_anew_in_the_same_step() -> None:
     assert all(step[-1]["_final_obs"].all() for step in told[1:])
 
 
-@each_family
-@each_engine
+@combined(1, family=FAMILIES, engine=ENGINES)
 def test_what_was_played_before_has_no_influence(
     family: str, engine: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -338,12 +335,11 @@ def test_what_was_played_before_has_no_influence(
     first = walked(envs, 80, 4)
     walked(envs, 200, 5)
     assert same(walked(envs, 80, 4), first)
-    monkeypatch.setattr(slots, "KEPT_STATES", 1)
+    monkeypatch.setattr(level_slots, "KEPT_STATES", 1)
     assert same(walked(make(family, engine=engine), 80, 4), first)
 
 
-@each_engine
-@pytest.mark.parametrize("family", ["dry", "wet", "mazes"])
+@combined(1, family=["dry", "wet", "mazes"], engine=ENGINES)
 def test_one_robot_walks_as_a_single_environment_with_its_seed(family: str, engine: str) -> None:
     envs, single = make(family, 1, engine=engine), make_single(family)
     shown, infos = envs.reset(seed=11)
@@ -363,9 +359,7 @@ def test_one_robot_walks_as_a_single_environment_with_its_seed(family: str, engi
             shown, *_, infos = envs.step([0])
 
 
-@each_engine
-@pytest.mark.parametrize("mode", MODES[:2])
-@each_family
+@combined(2, family=FAMILIES, mode=MODES[:2], engine=ENGINES)
 def test_with_seeds_of_their_own_they_walk_as_single_environments(
     family: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -478,15 +472,13 @@ def test_invalid_actions_are_refused_and_change_nothing(engine: str) -> None:
     envs.reset(seed=1)
     envs.step(np.zeros(SIZE, int))
     before, levels = copy.deepcopy(envs), envs.call("level")
-    with pytest.raises(error.InvalidAction, match="7, told to environment 2, is no action"):
+    with pytest.raises(error.InvalidAction, match="7, the action of environment 2, is not"):
         envs.step([0, 0, 7, 0, 0])
     assert envs.call("level") == levels
     assert same(envs.step(np.zeros(SIZE, int)), before.step(np.zeros(SIZE, int)))
 
 
-@each_family
-@each_mode
-@pytest.mark.parametrize("observation", ["index", "image"])
+@combined(1, family=FAMILIES, mode=MODES, observation=["index", "image"])
 def test_copies_go_on_with_the_same_episodes(
     family: str, mode: AutoresetMode, observation: str
 ) -> None:
@@ -499,7 +491,7 @@ def test_copies_go_on_with_the_same_episodes(
         assert np.array_equal(one.render(), again.render())
         assert one.call("level") == again.call("level")
         assert same(one.action_masks(), again.action_masks())
-        over = np.asarray(one._robots.over)
+        over = np.asarray(one._envs.done)
         for _ in range(40):
             if mode is AutoresetMode.DISABLED and over.any():
                 mask = over.copy()
@@ -533,7 +525,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
         if (terminated | truncated).any():
             envs.step(envs.action_space.sample())
             break
-    starts = np.unique(envs._robots.state % envs._tables.offset[1])
+    starts = np.unique(envs._envs.state % envs._tables.offset[1])
     assert starts.size > 1
     pictures.append(envs.render())
     assert len({picture.shape for picture in pictures}) == 1
@@ -541,7 +533,7 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
     if "level" in FAMILIES[family]:
         alone = LevelVectorEnv(levels=envs.call("level"), render_mode="rgb_array")
         ours, theirs = envs._tables.offset, alone._tables.offset
-        alone._robots.state[:] = envs._robots.state - ours[envs._robots.level] + theirs[:-1]
+        alone._envs.state[:] = envs._envs.state - ours[envs._envs.level] + theirs[:-1]
         assert np.array_equal(alone.render(), pictures[-1])
 
 
@@ -562,16 +554,16 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     for mdp, each in zip(mdps, outcomes, strict=True):
         write_level(tables, span, mdp, each)
     write_level(fresh, span, mdps[-1], outcomes[-1])
-    for name in ("chance", "threshold", "first", "limit", "starts", "first_start"):
+    for name in ("stochastic", "threshold", "first", "limit", "starts", "first_start"):
         assert np.array_equal(getattr(tables, name), getattr(fresh, name)), name
     alone = build_tables(mdps[-1:], [9], first_action)
-    base, num_rows = room.states, alone.rest
+    base, num_rows = room.states, alone.idle_row
     assert tables.starts[span.starts].tolist() == (alone.starts + base).tolist()
-    for name in ("over", "standing"):
+    for name in ("is_terminal", "state_info"):
         own = getattr(alone, name)
         assert np.array_equal(getattr(tables, name)[base : base + own.size], own)
     for row in range(num_rows):
-        ours, theirs = tables.chance[span.rows.start + row], alone.chance[row]
+        ours, theirs = tables.stochastic[span.rows.start + row], alone.stochastic[row]
         assert (ours < 0) == (theirs < 0)
         count = alone.threshold[theirs].tolist().index(ALWAYS) + 1 if theirs >= 0 else 1
         first = tables.first[ours] if ours >= 0 else span.rows.start + row
@@ -579,7 +571,7 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
         where, there = slice(first, first + count), slice(other, other + count)
         assert np.array_equal(tables.next_state[where], alone.next_state[there] + base)
         assert np.array_equal(tables.reward[where], alone.reward[there])
-        assert np.array_equal(tables.arrival[where], alone.arrival[there])
+        assert np.array_equal(tables.outcome_info[where], alone.outcome_info[there])
         if ours >= 0:
             assert np.array_equal(tables.threshold[ours, :count], alone.threshold[theirs, :count])
             assert (tables.threshold[ours, count:] == ALWAYS).all()
@@ -593,15 +585,14 @@ def living_levels() -> int:
     return sum(type(each) is Level for each in gc.get_objects())
 
 
-@pytest.mark.parametrize(
-    ("given", "steps"), [({}, 200), ({"observation": "image", "image_size": (10, 10)}, 30)]
-)
-@pytest.mark.parametrize(("family", "num_slots"), [("wet", 12), ("mazes", 4)])
-def test_memory_is_bounded(
-    family: str, num_slots: int, given: dict[str, Any], steps: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@combined(1, family=["wet", "mazes"], observation=["position", "image"])
+def test_memory_is_bounded(family: str, observation: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, Any] = {"observation": observation}
+    num_slots, steps = 12 if family == "wet" else 4, 200
+    if observation == "image":
+        given["image_size"], steps = (10, 10), 30
     # As many as twelve of the largest levels of the suite have.
-    monkeypatch.setattr(slots, "KEPT_STATES", 240)
+    monkeypatch.setattr(level_slots, "KEPT_STATES", 240)
     if family == "wet":
         given = {"suite": {**WET, "count": 10**6}, **given}
     envs: Any = make(family, 4, max_episode_steps=1, **given)

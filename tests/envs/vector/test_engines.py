@@ -16,8 +16,8 @@ from support.fleets import ENGINES, MODES, levels, same, walked
 from support.playing import level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.engine.choice import make_engine
 from babyrobot_levels.envs.engine.draws import SharedDraws
+from babyrobot_levels.envs.engine.factory import make_engine
 from babyrobot_levels.envs.engine.tables import ALWAYS, build_tables
 from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
@@ -28,7 +28,7 @@ from babyrobot_levels.library.level import Level
 @given(
     played=st.lists(levels(), min_size=1, max_size=4),
     mode=st.sampled_from(MODES),
-    actions=st.sampled_from(ACTION_SETS),
+    actions=st.sampled_from([*ACTION_SETS]),
     draw_levels=st.booleans(),
     copy=st.booleans(),
     seed=st.integers(0, 2**64),
@@ -77,7 +77,7 @@ def test_both_engines_walk_many_the_same_way(mode: AutoresetMode, seed: Any) -> 
             if mode is AutoresetMode.DISABLED and over.any():
                 told.append(envs.reset(options={"reset_mask": over}))
         for wrong in (5, -1, 2**40):
-            with pytest.raises(error.InvalidAction, match=f"{wrong}, told to environment 399"):
+            with pytest.raises(error.InvalidAction, match=f"{wrong}, the action of env.* 399,"):
                 envs.step([*[0] * 399, wrong])
         return told
 
@@ -132,14 +132,14 @@ def test_the_tables_are_those_of_the_level(level: Level, first_action: int) -> N
     for state in range(mdp.num_states):
         for action in range(tables.num_actions):
             row = (base + state) * tables.num_actions + action
-            number = tables.chance[row]
+            number = tables.stochastic[row]
             thresholds = tables.threshold[number].tolist() if number >= 0 else [ALWAYS]
             count = thresholds.index(ALWAYS) + 1
             chances = np.diff([0.0, *thresholds[: count - 1], 1.0])
             first = tables.first[number] if number >= 0 else row
             outcomes = range(first, first + count)
             ends = tables.next_state[outcomes]
-            told = zip(ends - base, tables.reward[outcomes], tables.over[ends], strict=True)
+            told = zip(ends - base, tables.reward[outcomes], tables.is_terminal[ends], strict=True)
             wanted = mdp.outcomes(state, action + first_action)
             assert chances == pytest.approx([outcome[0] for outcome in wanted])
             assert list(told) == [outcome[1:] for outcome in wanted]
@@ -234,7 +234,7 @@ def test_drawn_levels_and_starts_are_all_there_are_evenly() -> None:
     envs = LevelVectorEnv(levels=[four, "default"], num_envs=20_000, draw_levels=True)
     _, info = envs.reset(seed=5)
     assert info["level_index"].mean() == pytest.approx(0.5, abs=0.02)
-    states, counts = np.unique(envs._robots.state[info["level_index"] == 0], return_counts=True)
+    states, counts = np.unique(envs._envs.state[info["level_index"] == 0], return_counts=True)
     width = four.size[0]
     assert set(states) == {y * width + x for x, y in four.starts}
     assert counts / counts.sum() == pytest.approx(1 / len(four.starts), abs=0.02)
@@ -257,7 +257,7 @@ def test_chances_are_those_of_the_level(engine: str) -> None:
 
 def engine_of(name: str | None) -> str:
     tables = build_tables([level_named("default").compile()], [1], 0)
-    return make_engine(name, tables, np.empty((tables.over.size, 0), np.int64), 1).name
+    return make_engine(name, tables, np.empty((tables.is_terminal.size, 0), np.int64), 1).name
 
 
 def without_numba(monkeypatch: pytest.MonkeyPatch) -> None:

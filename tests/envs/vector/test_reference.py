@@ -9,6 +9,7 @@ import pytest
 from gymnasium.vector import AutoresetMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.combinations import combined
 from support.fleets import DIGEST, ENGINES, MODES, Reference, assert_same_info, levels, same
 from support.playing import CORNERS, level_named
 
@@ -51,20 +52,22 @@ def assert_same_walk(
         over = told[2] | told[3]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
+@combined(1, mode=MODES, engine=ENGINES)
 @settings(max_examples=25, deadline=None)
-@given(level=levels(), actions=st.sampled_from(ACTION_SETS), seed=st.integers(0, 99))
+@given(level=levels(), actions=st.sampled_from([*ACTION_SETS]), seed=st.integers(0, 99))
 def test_it_walks_as_single_environments_do(
     mode: AutoresetMode, engine: str, level: Level, actions: str, seed: int
 ) -> None:
     assert_same_walk([level], mode, engine, seed, actions=actions, observation="index")
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
-@pytest.mark.parametrize("observation", ["position", "walls", "image"])
-@pytest.mark.parametrize("name", ["final-maze", "frozen-lake", "all at once"])
+@combined(
+    2,
+    name=["final-maze", "frozen-lake", "all at once"],
+    observation=["position", "walls", "image"],
+    mode=MODES,
+    engine=ENGINES,
+)
 def test_it_shows_what_single_environments_show(
     name: str, observation: str, mode: AutoresetMode, engine: str
 ) -> None:
@@ -78,8 +81,7 @@ def test_grey_pictures_of_a_size(mode: AutoresetMode) -> None:
     assert_same_walk([level_named(next(iter(CORNERS)))], mode, "numpy", 1, 5, **kwargs)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
+@combined(1, mode=MODES, engine=ENGINES)
 @settings(max_examples=10, deadline=None)
 @given(data=st.data(), seed=st.integers(0, 99))
 def test_each_of_several_levels_is_what_it_is_alone(

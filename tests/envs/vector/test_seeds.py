@@ -13,6 +13,7 @@ import pytest
 from gymnasium.vector import AutoresetMode, SyncVectorEnv
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from support.combinations import combined
 from support.fleets import (
     DIGEST,
     ENGINES,
@@ -76,10 +77,9 @@ def assert_same_walks(ours: Any, make: Single, seeds: list[Any], steps: int = 40
         over = told[2] | told[3]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
+@combined(1, mode=MODES, engine=ENGINES)
 @settings(max_examples=30, deadline=None)
-@given(level=levels(), actions=st.sampled_from(ACTION_SETS), data=st.data())
+@given(level=levels(), actions=st.sampled_from([*ACTION_SETS]), data=st.data())
 def test_each_environment_walks_as_a_single_one_with_its_seed(
     mode: AutoresetMode, engine: str, level: Level, actions: str, data: st.DataObject
 ) -> None:
@@ -88,8 +88,7 @@ def test_each_environment_walks_as_a_single_one_with_its_seed(
     assert_same_walks(envs, single([level], actions=actions), seeds)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
+@combined(1, mode=MODES, engine=ENGINES)
 def test_long_walks_of_several_levels_with_several_starts(mode: AutoresetMode, engine: str) -> None:
     starts = [[0, 0], [1, 0], [2, 0], [0, 1], [0, 2]]
     ice = {"version": 1, "size": [4, 4], "skid": {"probability": 0.5, "to": "others"}}
@@ -101,8 +100,7 @@ def test_long_walks_of_several_levels_with_several_starts(mode: AutoresetMode, e
     assert_same_walks(envs, single(played), SEEDS, 1500)
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
+@combined(1, mode=MODES, engine=ENGINES)
 def test_mazes_are_grown_from_each_environments_own_generator(
     mode: AutoresetMode, engine: str
 ) -> None:
@@ -221,8 +219,7 @@ def test_environments_that_shared_a_generator_get_their_own() -> None:
     assert starts_of(envs)[:, 1].tolist() == starts_of(alone)[:, 0].tolist()
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("mode", MODES)
+@combined(1, mode=MODES, engine=ENGINES)
 def test_copies_go_on_with_their_generators(mode: AutoresetMode, engine: str) -> None:
     envs = LevelVectorEnv(
         level_named("all at once"),
@@ -235,8 +232,8 @@ def test_copies_go_on_with_their_generators(mode: AutoresetMode, engine: str) ->
     for again in (copy.deepcopy(envs), pickle.loads(pickle.dumps(envs))):
         one = copy.deepcopy(envs)
         for _ in range(100):
-            if mode is AutoresetMode.DISABLED and one._robots.over.any():
-                mask = one._robots.over.copy()
+            if mode is AutoresetMode.DISABLED and one._envs.done.any():
+                mask = one._envs.done.copy()
                 results = [each.reset(options={"reset_mask": mask}) for each in (one, again)]
                 assert same(*results)
             actions = one.action_space.sample()

@@ -21,14 +21,11 @@ needs_posix = pytest.mark.skipif(sys.platform == "win32", reason="needs what POS
 
 
 def findings(folder: str | Path = "zoo") -> list[tuple[str, str, int, int]]:
-    """Return what packing a folder finds; nothing may be written."""
+    """Return the findings that prevent a pack; nothing may be written."""
     before = snapshot(Path())
     result = babyrobot("pack", folder, "--format", "json")
     assert result.status == 1
-    assert (
-        result.err
-        == "no pack was written: fix these first, or ignore them as for `babyrobot lint`\n"
-    )
+    assert result.err == "no pack was written: fix the errors first\n"
     assert snapshot(Path()) == before
     told = json.loads(result.out)["diagnostics"]
     return [(each["code"], each["file"], each["line"], each["column"]) for each in told]
@@ -238,20 +235,33 @@ def test_errors_stand_where_they_are() -> None:
     assert "  2 | size: [4, 0]\n    |           ^\n" in messages()
 
 
-def test_what_lint_finds_is_found_by_the_same_settings() -> None:
+def test_warnings_are_shown_and_the_pack_is_written() -> None:
+    """The linter's settings of the folder apply."""
     files = {"pack.yaml": pack_text(), "a.yaml": level() + "tags: []\n", "b.yaml": level()}
     write_files(Path("zoo"), files)
-    codes = [code for code, *_ in findings()]
-    assert codes == ["BR604", "BR609", "BR515"]
     linted = json.loads(babyrobot("lint", "zoo", "--format", "json").out)["diagnostics"]
-    assert sorted(codes) == sorted(each["code"] for each in linted)
+    assert {each["code"] for each in linted} == {"BR604", "BR609", "BR515"}
+    result = babyrobot("pack", "zoo", "--format", "json")
+    assert result.status == 0
+    assert json.loads(result.out)["file"] == "zoo-1.0.0.brlpack"
+    assert Path("zoo-1.0.0.brlpack").exists()
+    for each in linted:
+        place = f"{each['file']}:{each['line']}:{each['column']}"
+        assert f"{place}: {each['severity']} {each['code']}: {each['message']}\n" in result.err
+    assert result.err.endswith("\n1 warning, 2 infos in 2 of 3 files\n")
     # A folder's settings are read once by each process.
-    settings = {"five": '["BR5"]', "trap": '["trap"]', "none": '["BR999"]'}
+    settings = {"five": '["BR5"]', "three": '["BR503"]', "none": '["BR999"]'}
     for name, select in settings.items():
         write_files(Path(name), {**files, "babyrobot.toml": f"[lint]\nselect = {select}\n"})
-    assert [code for code, *_ in findings("five")] == ["BR515"]
-    assert babyrobot("pack", "trap").status == 0
-    assert babyrobot("pack", "none").status == 2
+    assert "1 warning in 1 of 3 files\n" in babyrobot("pack", "five", "--force").err
+    assert babyrobot("pack", "three", "--force").err == ""
+    assert babyrobot("pack", "none", "--force").status == 2
+
+
+def test_errors_are_shown_with_all_warnings() -> None:
+    files = {"pack.yaml": pack_text(), "a.yaml": level() + "tags: []\n", "b.yaml": "version: 2\n"}
+    write_files(Path("zoo"), files)
+    assert [code for code, *_ in findings()] == ["BR604", "BR609", "BR204"]
 
 
 @pytest.mark.parametrize(

@@ -43,14 +43,14 @@ def commands(output: str) -> list[Command]:
 
 def test_a_finding_is_one_command() -> None:
     error = finding("BR105", Severity.ERROR, "it stands here twice", help="keep one")
-    assert render("github", [error], [], TITLES) == (
+    assert render("github", [error], [], TITLES, "") == (
         "::error file=levels/one.yaml,line=2,endLine=2,col=1,endColumn=5,"
         "title=BR105%3A a field is there twice::it stands here twice%0Ahelp: keep one\n"
     )
 
 
-def test_every_finding_is_told_where_it_stands() -> None:
-    told = commands(render("github", [*REAL, *MADE_UP], [], TITLES))
+def test_every_finding_has_its_position() -> None:
+    told = commands(render("github", [*REAL, *MADE_UP], [], TITLES, ""))
     assert len(told) == len(REAL) + len(MADE_UP)
     for command, diagnostic in zip(told, [*REAL, *MADE_UP], strict=True):
         assert command.properties["file"] == one_line(diagnostic.file)
@@ -62,12 +62,12 @@ def test_every_finding_is_told_where_it_stands() -> None:
 
 def test_severities_have_their_commands() -> None:
     found = [finding(severity=severity) for severity in Severity]
-    names = [command.name for command in commands(render("github", found, [], {}))]
+    names = [command.name for command in commands(render("github", found, [], {}, ""))]
     assert names == ["error", "warning", "notice"]
 
 
-def test_columns_are_left_out_where_github_would_refuse_them() -> None:
-    (several,) = commands(render("github", [finding(end=(3, 1))], [], {}))
+def test_columns_are_omitted_for_several_lines() -> None:
+    (several,) = commands(render("github", [finding(end=(3, 1))], [], {}, ""))
     assert several.properties == {
         "file": "levels/one.yaml",
         "line": "2",
@@ -78,13 +78,15 @@ def test_columns_are_left_out_where_github_would_refuse_them() -> None:
 
 @given(st.text() | st.just(HOSTILE))
 def test_no_text_can_forge_a_command(text: str) -> None:
-    output = render("github", [finding(message=text, file=text, help=text)], [], {"BR601": text})
+    output = render(
+        "github", [finding(message=text, file=text, help=text)], [], {"BR601": text}, ""
+    )
     (command,) = commands(output)
     assert set(command.properties) == {"file", "line", "endLine", "col", "endColumn", "title"}
     assert output.rstrip("\n").isprintable()
 
 
 @pytest.mark.parametrize("name", ["a,b:c.yaml", "100%.yaml", "a%2Cb.yaml"])
-def test_names_come_through_whole(name: str) -> None:
-    (command,) = commands(render("github", [finding(file=name)], [], {}))
+def test_file_names_are_preserved(name: str) -> None:
+    (command,) = commands(render("github", [finding(file=name)], [], {}, ""))
     assert command.properties["file"] == name

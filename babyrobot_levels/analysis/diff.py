@@ -1,0 +1,392 @@
+"""The difference of two levels: sizes, ends, cells, walls, rules, transitions and returns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.analysis.compare import LevelLike
+from babyrobot_levels.analysis.metrics import metrics
+from babyrobot_levels.language.base import MAX_SIZE, SIDES
+from babyrobot_levels.language.cells import SkidRule, as_skid
+from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
+from babyrobot_levels.mdp.tables import Mdp
+
+Ints = NDArray[np.intp]
+
+LIMIT = 10
+"""How many changes of each kind are listed by default."""
+
+_RULES = ("skid", "wind", "rewards")
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """One thing that differs.
+
+    Attributes:
+        before: its value before, as plain data.
+        after: its value after.
+        cell: its cell, `(x, y)`; None for what is not in one cell.
+        name: the side, action or field.
+    """
+
+    before: Any
+    after: Any
+    cell: tuple[int, int] | None = None
+    name: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data, without what does not apply."""
+        return {
+            **({"cell": list(self.cell)} if self.cell is not None else {}),
+            **({"name": self.name} if self.name is not None else {}),
+            "before": self.before,
+            "after": self.after,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Changes:
+    """Changes of one kind: `count` of `total` places differ; `first` lists the first of them."""
+
+    count: int
+    total: int
+    first: tuple[Change, ...]
+
+    @classmethod
+    def of(
+        cls, places: list[Any], total: int, describe: Callable[[Any], Change], limit: int | None
+    ) -> Changes:
+        """Return the changes at some places, of which only the first `limit` are described."""
+        return cls(len(places), total, tuple(map(describe, islice(places, limit))))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return them as plain data."""
+        first = [change.to_dict() for change in self.first]
+        return {"count": self.count, "total": self.total, "first": first}
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What changed from one level to another.
+
+    Attributes:
+        same_game: whether the two levels define the same MDP: their digests are equal.
+        digests: the digests of both.
+        game: the size, the starts, the exits and the rules (rewards, skid, wind, random mazes)
+            that differ, each under its name.
+        cells: the cells with other properties: `{}` is a plain one.
+        walls: the sides between free cells that differ: `"open"`, `"wall"`, or `{"pass": p}`.
+        transitions: the states and actions that have other outcomes.
+        best_return: the optimal expected return, before and after, with each level's own discount;
+            None where it is undefined.
+        random_return: the same for going in a random direction that is open.
+        beside: what differs but is not part of the MDP: texts, looks, limits.
+
+    Cells, walls and transitions are those that both levels have, counted from the top-left corner.
+    """
+
+    same_game: bool
+    digests: tuple[str, str]
+    game: tuple[Change, ...]
+    cells: Changes
+    walls: Changes
+    transitions: Changes
+    best_return: tuple[float | None, float | None]
+    random_return: tuple[float | None, float | None]
+    beside: tuple[Change, ...]
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return it as plain data."""
+        return {
+            "same_game": self.same_game,
+            "digests": list(self.digests),
+            "game": [change.to_dict() for change in self.game],
+            "cells": self.cells.to_dict(),
+            "walls": self.walls.to_dict(),
+            "transitions": self.transitions.to_dict(),
+            "best_return": list(self.best_return),
+            "random_return": list(self.random_return),
+            "beside": [change.to_dict() for change in self.beside],
+        }
+
+
+def diff(
+    before: LevelLike, after: LevelLike, *, limit: int | None = LIMIT, maze_seed: int = 0
+) -> Difference:
+    """Return what changed from one level to another.
+
+    Args:
+        before: a name, a path, a share code, a mapping or a `Level`.
+        after: another one.
+        limit: how many cells, walls and transitions are listed; None for all of them. They are
+            counted in any case.
+        maze_seed: of levels with random mazes, the mazes of this seed are compared.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: a level is not valid.
+    """
+    given = (load(before), load(after))
+    one, two = (
+        level.with_maze_seed(maze_seed) if level.has_random_maze else level for level in given
+    )
+    rules = tuple(_rule_changes(*given))
+    mazes_differ = any(change.name == "maze" for change in rules)
+    measured = (metrics(one), metrics(two))
+    return Difference(
+        same_game=one.digest == two.digest and not mazes_differ,
+        digests=(one.digest, two.digest),
+        game=(*_shape_changes(one, two), *rules),
+        cells=_cell_changes(one, two, limit),
+        walls=_wall_changes(one, two, limit),
+        transitions=_transition_changes(one, two, limit),
+        best_return=(measured[0].best_return, measured[1].best_return),
+        random_return=(measured[0].random_return, measured[1].random_return),
+        beside=tuple(_changes_beside(*given)),
+    )
+
+
+# -- fields of the MDP ---------------------------------------------------------------------
+
+
+def _shape_changes(before: Level, after: Level) -> Iterator[Change]:
+    if before.size != after.size:
+        yield Change(list(before.size), list(after.size), name="size")
+    for name, cells in (("start", "starts"), ("exit", "exits")):
+        one, two = (sorted(getattr(level, cells)) for level in (before, after))
+        if one != two:
+            yield Change(plain(one), plain(two), name=name)
+
+
+def _rule_changes(before: Level, after: Level) -> Iterator[Change]:
+    if before.has_random_maze or after.has_random_maze:
+        one, two = (_whole(level.maze) for level in (before, after))
+        if one != two:
+            yield Change(one, two, name="maze")
+    for name in _RULES:
+        yield from _field_changes(name, _whole(getattr(before, name)), _whole(getattr(after, name)))
+
+
+def _field_changes(name: str, before: Any, after: Any) -> Iterator[Change]:
+    """Yield what differs between two values; of mappings, field by field."""
+    if isinstance(before, dict) and isinstance(after, dict):
+        for key in dict.fromkeys((*before, *after)):
+            yield from _field_changes(f"{name}.{key}", before.get(key), after.get(key))
+    elif before != after:
+        yield Change(before, after, name=name)
+
+
+def _whole(value: Any) -> Any:
+    """Return a model as plain data with all its fields, also those that were not given."""
+    return plain(value.model_dump(by_alias=True)) if hasattr(value, "model_dump") else plain(value)
+
+
+# -- fields that are not part of the MDP ---------------------------------------------------
+
+
+def _changes_beside(before: Level, after: Level) -> Iterator[Change]:
+    for name in fields_with(Role.TEXT, Role.LIMIT):
+        yield from _field_changes(name, plain(getattr(before, name)), plain(getattr(after, name)))
+    names = (before.theme, after.theme)
+    if isinstance(names[0], str) and isinstance(names[1], str) and names[0] != names[1]:
+        yield Change(*names, name="theme")
+    else:
+        themes = (_whole(level.resolved_theme) for level in (before, after))
+        yield from _field_changes("theme", *themes)
+    yield from _field_changes("display", _whole(before.display), _whole(after.display))
+    for name, looks in (("areas", ("color", "label")), ("walls", ("color", "width", "fit"))):
+        one, two = (_looks(level, name, looks) for level in (before, after))
+        if one != two:
+            yield Change(one, two, name=f"{name}.looks")
+
+
+def _looks(level: Level, name: str, looks: tuple[str, ...]) -> list[dict[str, Any]]:
+    """Return the entries of a list that have looks of their own, reduced to place and looks."""
+    places = ("at", "size", "side", "length")
+    entries = (_whole(entry) for entry in getattr(level, name))
+    return [
+        {key: value for key, value in entry.items() if key in (*places, *looks)}
+        for entry in entries
+        if any(entry[look] not in (None, False) for look in looks)
+    ]
+
+
+# -- cells ---------------------------------------------------------------------------------
+
+_PUDDLE_SIZES = {"small": 1, "large": 2}
+_TO_START = -1
+_WHEN = ("enter", "leave")
+
+BLOCKED, WET, REWARD, SKID, RULE, ENDS, WARP_TO, WARP_WHEN, WARP_REWARD = range(9)
+"""The columns of the table of properties."""
+
+
+def _common_cells(before: Level, after: Level) -> tuple[Ints, Ints]:
+    """Return the numbers, in each of the levels, of the cells that both have, row by row."""
+    width, height = (min(pair) for pair in zip(before.size, after.size, strict=True))
+    y, x = np.mgrid[:height, :width]
+    return (y * before.size[0] + x).ravel(), (y * after.size[0] + x).ravel()
+
+
+def _cell_changes(before: Level, after: Level, limit: int | None) -> Changes:
+    """Return the cells with other properties: blocked, wet, slippery, costly, ending, warping."""
+    cells = _common_cells(before, after)
+    tables = [
+        _properties(level, where) for level, where in zip((before, after), cells, strict=True)
+    ]
+    # What is not given is nan, and equal to itself.
+    equal = (tables[0] == tables[1]) | (np.isnan(tables[0]) & np.isnan(tables[1]))
+    width = min(before.size[0], after.size[0])
+
+    def describe(place: int) -> Change:
+        one, two = (_cell_data(table[place]) for table in tables)
+        return Change(one, two, (place % width, place // width))
+
+    places = np.flatnonzero(~equal.all(axis=1)).tolist()
+    return Changes.of(places, len(cells[0]), describe, limit)
+
+
+def _properties(level: Level, cells: Ints) -> NDArray[np.float64]:
+    """Return what is special about each cell, `[cells, properties]`; nan for nothing special."""
+    grid = level.grid()
+    terrain = build_terrain(level, grid)
+    table = np.full((terrain.reward.size, 9), np.nan)
+    skid = as_skid(level.skid if level.skid is not None else 0.0)
+    rule = RULES.index(SkidRule(skid.to))
+    is_usual = (terrain.skid == skid.probability) & ((terrain.rule == rule) | (terrain.skid == 0))
+    free = np.frombuffer(grid.blocked_cells, np.uint8) == 0
+    table[~free, BLOCKED] = 1
+    for puddle in level.puddles:
+        table[_number(puddle.at, level), WET] = _PUDDLE_SIZES[puddle.size]
+    own = free & (terrain.reward != level.rewards.step)
+    table[own, REWARD] = terrain.reward[own]
+    own = free & ~is_usual
+    table[own, SKID], table[own, RULE] = terrain.skid[own], terrain.rule[own]
+    table[free & terrain.over & ~terrain.exit, ENDS] = 1
+    for warp in level.warps:
+        row = table[_number(warp.at, level)]
+        x, y = (_TO_START, 0) if isinstance(warp.to, str) else warp.to
+        row[WARP_TO], row[WARP_WHEN] = y * MAX_SIZE + x, _WHEN.index(warp.when)
+        row[WARP_REWARD] = np.nan if warp.reward is None else warp.reward
+    return table[cells]
+
+
+def _cell_data(row: NDArray[np.float64]) -> dict[str, Any]:
+    """Return a row of the table of properties as plain data."""
+    given = {column: value for column, value in enumerate(row.tolist()) if value == value}
+    data: dict[str, Any] = {}
+    if BLOCKED in given:
+        data["blocked"] = True
+    if WET in given:
+        data["puddle"] = [*_PUDDLE_SIZES][int(given[WET]) - 1]
+    if REWARD in given:
+        data["reward"] = given[REWARD]
+    if SKID in given:
+        data["skid"] = {"probability": given[SKID], "to": RULES[int(given[RULE])].value}
+    if ENDS in given:
+        data["ends"] = True
+    if WARP_TO in given:
+        y, x = divmod(int(given[WARP_TO]), MAX_SIZE)
+        to: Any = "start" if given[WARP_TO] == _TO_START else [x, y]
+        data["warp"] = {"to": to, "when": _WHEN[int(given[WARP_WHEN])]}
+        if WARP_REWARD in given:
+            data["warp"]["reward"] = given[WARP_REWARD]
+    return data
+
+
+def _number(cell: tuple[int, int], level: Level) -> int:
+    return cell[1] * level.size[0] + cell[0]
+
+
+# -- walls ---------------------------------------------------------------------------------
+
+
+def _wall_changes(before: Level, after: Level, limit: int | None) -> Changes:
+    """Return the sides between free cells that were opened, closed, or made of glass."""
+    cells = _common_cells(before, after)
+    width = min(before.size[0], after.size[0])
+    height = len(cells[0]) // width
+    states = [_sides(level, where) for level, where in zip((before, after), cells, strict=True)]
+    blocked = [level.grid().blocked.ravel() for level in (before, after)]
+    free = ~(blocked[0][cells[0]] | blocked[1][cells[1]]).reshape(height, width)
+    between = np.zeros((height, width, 2), np.bool_)
+    between[:, :-1, 0] = free[:, :-1] & free[:, 1:]
+    between[:-1, :, 1] = free[:-1] & free[1:]
+    differing = np.argwhere(between.reshape(-1, 2) & (states[0] != states[1])).tolist()
+
+    def describe(place: list[int]) -> Change:
+        cell, side = place
+        one, two = (_side_data(float(state[cell, side])) for state in states)
+        return Change(one, two, (cell % width, cell // width), "ES"[side])
+
+    return Changes.of(differing, int(between.sum()), describe, limit)
+
+
+def _sides(level: Level, cells: Ints) -> NDArray[np.float64]:
+    """Return how each cell's sides E and S are, `[cells, 2]`: 2 open, 0 a wall, else glass."""
+    grid = level.grid()
+    east, south = SIDES.index("E"), SIDES.index("S")
+    states = np.where(grid.open, 2.0, 0.0).reshape(-1, len(SIDES))
+    for (cell, side), probability in grid.glass.items():
+        states[cell, SIDES.index(side)] = probability
+    return states[cells][:, [east, south]]
+
+
+def _side_data(state: float) -> Any:
+    return "open" if state == 2 else {"pass": state} if state else "wall"
+
+
+# -- transitions ---------------------------------------------------------------------------
+
+
+def _transition_changes(before: Level, after: Level, limit: int | None) -> Changes:
+    """Return the states and actions that have other outcomes."""
+    cells = _common_cells(before, after)
+    mdps = (before.compile(), after.compile())
+    rows = [_rows(mdp, where) for mdp, where in zip(mdps, cells, strict=True)]
+    most = max(row.shape[2] for row in rows)
+    one, two = (np.pad(row, ((0, 0), (0, 0), (0, most - row.shape[2]), (0, 0))) for row in rows)
+    differ = (one != two).any(axis=(2, 3))
+    width = min(before.size[0], after.size[0])
+
+    def describe(place: list[int]) -> Change:
+        cell, action = place
+        one, two = (
+            _outcome_data(mdp, int(where[cell]), action)
+            for mdp, where in zip(mdps, cells, strict=True)
+        )
+        return Change(one, two, (cell % width, cell // width), Action(action).name.lower())
+
+    return Changes.of(np.argwhere(differ).tolist(), differ.size, describe, limit)
+
+
+def _rows(mdp: Mdp, cells: Ints) -> NDArray[np.float64]:
+    """Return all outcomes, `[cells, actions, outcomes, 4]`, with states numbered alike for all."""
+    y, x = np.divmod(mdp.next_state[cells], mdp.width)
+    parts = [mdp.probability[cells], y * MAX_SIZE + x, mdp.reward[cells], mdp.terminal[cells]]
+    happens = mdp.probability[cells] > 0
+    return np.stack([np.where(happens, part, 0).astype(np.float64) for part in parts], axis=-1)
+
+
+def _outcome_data(mdp: Mdp, state: int, action: int) -> list[dict[str, Any]]:
+    return [
+        {
+            "cell": [next_state % mdp.width, next_state // mdp.width],
+            "probability": probability,
+            "reward": reward,
+            "ends": terminal,
+        }
+        for probability, next_state, reward, terminal in mdp.outcomes(state, action)
+    ]

@@ -1,1 +1,0 @@
-"""What changed between two levels: in the game, and beside it."""

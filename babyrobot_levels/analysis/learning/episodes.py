@@ -1,0 +1,282 @@
+"""Learning from episodes: Monte Carlo prediction, Q-learning and Sarsa.
+
+After Sutton and Barto, Reinforcement Learning: An Introduction (2nd edition), sections 5.1, 6.4
+and 6.5.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+
+from babyrobot_levels.analysis.learning.results import (
+    Problem,
+    Sweep,
+    Trials,
+    check_counts,
+    largest_change,
+    read_problem,
+)
+from babyrobot_levels.analysis.solver.model import Floats
+from babyrobot_levels.analysis.solver.policies import Policy
+from babyrobot_levels.analysis.solver.results import check_seed, num_actions
+
+# -- Monte Carlo prediction ------------------------------------------------------------------
+
+
+def monte_carlo(
+    level: Any,
+    policy: Policy = "random",
+    episodes: int = 1000,
+    *,
+    discount: float | None = None,
+    actions: str = "all",
+    seed: int = 0,
+    first_visit: bool = True,
+    every: int = 100,
+) -> Iterator[Sweep]:
+    """Yield the values of a policy as they are estimated from episodes, cell by cell.
+
+    A cell's value is the mean of the returns that followed visits to it; 0 as long as no episode
+    has visited it. Each `Sweep` is numbered by the episodes so far, and its `policy` is the greedy
+    one for its values, not the one that is followed. Episodes are truncated after the level's
+    `max_steps`, or 10,000 where it has none; rewards after that are missing from the means.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        policy: as `evaluate` takes it.
+        episodes: the number of episodes, at least 1.
+        discount: above 0 and at most 1; by default, the level's.
+        actions: `"all"`, or `"moves"` without stay.
+        seed: the random seed. The same arguments give the same sweeps.
+        first_visit: whether only an episode's first visit to a cell counts, or every one.
+        every: the number of episodes from one `Sweep` to the next; the last may come sooner.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+        ValueError: another argument has an invalid value.
+    """
+    check_counts(episodes=episodes, every=every)
+    problem = read_problem(level, discount, actions)
+    sampler = _Sampler(problem, problem.weights(policy), np.random.default_rng(check_seed(seed)))
+    return _estimates(problem, sampler, episodes, first_visit, every)
+
+
+def _estimates(
+    problem: Problem, sampler: _Sampler, episodes: int, first_visit: bool, every: int
+) -> Iterator[Sweep]:
+    values = np.zeros(problem.model.size)
+    visits = np.zeros(problem.model.size, np.int64)
+    before = values.copy()
+    for number in range(1, episodes + 1):
+        states, rewards = sampler.episode()
+        first = {state: time for time, state in reversed(list(enumerate(states)))}
+        total = 0.0
+        for time in reversed(range(len(states))):
+            state = states[time]
+            total = rewards[time] + problem.discount * total
+            if not first_visit or first[state] == time:
+                visits[state] += 1
+                values[state] += (total - values[state]) / visits[state]
+        if number % every == 0 or number == episodes:
+            yield problem.sweep(number, values, largest_change(values, before))
+            before = values.copy()
+
+
+class _Sampler:
+    """Samples episodes from a level's exact tables."""
+
+    def __init__(self, problem: Problem, weights: Floats, rng: np.random.Generator):
+        """Prepare to follow a policy, `[n, actions]`."""
+        model, mdp = problem.model, problem.level.compile()
+        self._rng = rng
+        self._max_steps = problem.max_steps
+        self._end = model.size
+        self._start = _cumulated(mdp.start[model.states])
+        self._action = _cumulated(weights)
+        self._outcome = _cumulated(model.probability)
+        self._next_state = model.next_state
+        self._reward = mdp.reward[model.states, -weights.shape[1] :]
+
+    def episode(self) -> tuple[list[int], list[float]]:
+        """Return the states of an episode, without its end, and the reward that followed each."""
+        states: list[int] = []
+        rewards: list[float] = []
+        state = self._draw(self._start)
+        while state != self._end and len(states) < self._max_steps:
+            action = self._draw(self._action[state])
+            outcome = self._draw(self._outcome[state, action])
+            states.append(state)
+            rewards.append(float(self._reward[state, action, outcome]))
+            state = int(self._next_state[state, action, outcome])
+        return states, rewards
+
+    def _draw(self, cumulated: Floats) -> int:
+        return int(cumulated.searchsorted(self._rng.random(), side="right"))
+
+
+def _cumulated(chances: Floats) -> Floats:
+    """Return the chances added up along the last axis, to exactly 1 in spite of rounding."""
+    sums = np.cumsum(chances, axis=-1)
+    total: Floats = sums / sums[..., -1:]
+    return total
+
+
+# -- temporal-difference control -------------------------------------------------------------
+
+
+def q_learning(
+    level: Any,
+    episodes: int,
+    *,
+    step_size: float = 0.1,
+    epsilon: float = 0.1,
+    discount: float | None = None,
+    actions: str = "moves",
+    seed: int = 0,
+    every: int = 10,
+) -> Iterator[Trials]:
+    """Yield the estimates of Q-learning: off-policy control, towards the optimal action values.
+
+    The robot acts epsilon-greedily in the level's Gymnasium environment; ties are broken at
+    random. Action values begin at 0. Each `Trials` is numbered by the episodes
+    so far. Episodes are truncated after the level's `max_steps`, or 10,000 where it has none; the
+    last step of such an episode still bootstraps from the next state.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        episodes: the number of episodes, at least 1.
+        step_size: how far an estimate moves towards the target of a step, above 0 and at most 1.
+        epsilon: the probability of an action drawn evenly from all of them, 0 to 1.
+        discount: above 0 and at most 1; by default, the level's.
+        actions: `"moves"`, or `"all"` with stay. Actions that a wall refuses can be taken too.
+        seed: the random seed. The same arguments give the same trials.
+        every: the number of episodes from one `Trials` to the next; the last may come sooner.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+        ValueError: another argument has an invalid value.
+    """
+    problem = read_problem(level, discount, actions)
+    agent = _Agent(problem, step_size, epsilon, seed)
+    return _trials(agent, agent.q_learning_episode, episodes, every)
+
+
+def sarsa(
+    level: Any,
+    episodes: int,
+    *,
+    step_size: float = 0.1,
+    epsilon: float = 0.1,
+    discount: float | None = None,
+    actions: str = "moves",
+    seed: int = 0,
+    every: int = 10,
+) -> Iterator[Trials]:
+    """Yield the estimates of Sarsa: on-policy control, towards the values of what the robot does.
+
+    As `q_learning`, but the target of a step has the value of the action that the robot takes
+    next, not of the greedy one: it learns to keep clear of what a random step would cost.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        episodes: the number of episodes, at least 1.
+        step_size: how far an estimate moves towards the target of a step, above 0 and at most 1.
+        epsilon: the probability of an action drawn evenly from all of them, 0 to 1.
+        discount: above 0 and at most 1; by default, the level's.
+        actions: `"moves"`, or `"all"` with stay. Actions that a wall refuses can be taken too.
+        seed: the random seed. The same arguments give the same trials.
+        every: the number of episodes from one `Trials` to the next; the last may come sooner.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+        ValueError: another argument has an invalid value.
+    """
+    problem = read_problem(level, discount, actions)
+    agent = _Agent(problem, step_size, epsilon, seed)
+    return _trials(agent, agent.sarsa_episode, episodes, every)
+
+
+def _trials(
+    agent: _Agent, episode: Callable[[], float], episodes: int, every: int
+) -> Iterator[Trials]:
+    check_counts(episodes=episodes, every=every)
+
+    def trials() -> Iterator[Trials]:
+        states, returns = agent.problem.model.states, []
+        before = agent.values.copy()
+        for number in range(1, episodes + 1):
+            returns.append(episode())
+            if number % every == 0 or number == episodes:
+                delta = largest_change(agent.values, before)
+                yield agent.problem.trials(number, agent.values[states], delta, returns)
+                before = agent.values.copy()
+
+    return trials()
+
+
+class _Agent:
+    """Acts in a level's environment and learns action values, `[states, actions]`.
+
+    Those of terminal states stay 0.
+    """
+
+    def __init__(self, problem: Problem, step_size: float, epsilon: float, seed: int):
+        if not 0 < step_size <= 1:
+            raise ValueError(f"step_size must be above 0 and at most 1, not {step_size!r}")
+        if not 0 <= epsilon <= 1:
+            raise ValueError(f"epsilon must be from 0 to 1, not {epsilon!r}")
+        self.problem, self._step_size, self._epsilon = problem, step_size, epsilon
+        width, height = problem.level.size
+        self.values = np.zeros((width * height, num_actions(problem.actions)))
+        self._rng = np.random.default_rng(check_seed(seed))
+        made = problem.level.make(observation="index", actions=problem.actions)
+        self._env = made.unwrapped
+        self._env.reset(seed=int(self._rng.integers(2**31)))
+
+    def q_learning_episode(self) -> float:
+        """Run an episode of Q-learning and return its return."""
+        state, _ = self._env.reset()
+        total, factor = 0.0, 1.0
+        for _ in range(self.problem.max_steps):
+            action = self._choose(state)
+            following, reward, over, _, _ = self._env.step(action)
+            self._learn(state, action, float(reward), self.values[following].max())
+            total, factor = total + factor * float(reward), factor * self.problem.discount
+            if over:
+                break
+            state = following
+        return total
+
+    def sarsa_episode(self) -> float:
+        """Run an episode of Sarsa and return its return."""
+        state, _ = self._env.reset()
+        action = self._choose(state)
+        total, factor = 0.0, 1.0
+        for _ in range(self.problem.max_steps):
+            following, reward, over, _, _ = self._env.step(action)
+            next_action = self._choose(following)
+            self._learn(state, action, float(reward), self.values[following, next_action])
+            total, factor = total + factor * float(reward), factor * self.problem.discount
+            if over:
+                break
+            state, action = following, next_action
+        return total
+
+    def _choose(self, state: int) -> int:
+        """Return an action, epsilon-greedily."""
+        row = self.values[state]
+        if self._rng.random() < self._epsilon:
+            return int(self._rng.integers(row.size))
+        greedy = np.flatnonzero(row == row.max())
+        return int(greedy[self._rng.integers(greedy.size)])
+
+    def _learn(self, state: int, action: int, reward: float, ahead: float) -> None:
+        """Move an action's value towards the target of a step."""
+        target = reward + self.problem.discount * ahead
+        self.values[state, action] += self._step_size * (target - self.values[state, action])

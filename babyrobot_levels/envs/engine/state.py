@@ -1,0 +1,230 @@
+"""The states of many environments, and the results of steps: the arrays that engines write."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy import empty, ndarray
+from numpy.typing import NDArray
+
+from babyrobot_levels.envs.engine.tables import Flags, Floats, Ints, Span, Words
+
+if TYPE_CHECKING:
+    from babyrobot_levels.envs.engine.draws import Draws
+
+# Looked up once, because making small arrays is a considerable part of a step.
+_INT = np.dtype(np.int64)
+
+
+class EnvStates:
+    """The states of many environments. Engines change the arrays in place.
+
+    Attributes:
+        memory: int64: all the arrays, one after the other, as the compiled loops read them.
+        state: intp `[envs]`, in the numbering of the tables; -1 before the first reset.
+        level: intp `[envs]`: the level of each environment.
+        deadline: int64 `[envs]`: the value of `clock` at which its episode is truncated.
+        done: bool `[envs]`: whether its episode is over, terminated or truncated.
+        clock: how many steps have been taken.
+    """
+
+    def __init__(self, num_envs: int, num_levels: int) -> None:
+        """Assign level `i % num_levels` to environment i."""
+        self.memory: NDArray[np.int64] = np.zeros(num_envs * 3 + -(-num_envs // 8), np.int64)
+        self.clock = 0
+        self._divide(num_envs)
+        self.level[:] = np.arange(num_envs) % num_levels
+        self.state.fill(-1)
+        self.done.fill(True)
+
+    def _divide(self, num_envs: int) -> None:
+        ends = [num_envs, 2 * num_envs, 3 * num_envs]
+        state, level, deadline, over = np.split(self.memory, ends)
+        self.state: Ints = state.view(np.intp)[:num_envs]
+        self.level: Ints = level.view(np.intp)[:num_envs]
+        self.deadline: NDArray[np.int64] = deadline
+        self.done: Flags = over.view(np.bool_)[:num_envs]
+
+    def __getstate__(self) -> tuple[int, NDArray[np.int64], int]:
+        return self.state.size, self.memory, self.clock
+
+    def __setstate__(self, state: tuple[int, NDArray[np.int64], int]) -> None:
+        # A copy of a view is not a view.
+        num_envs, self.memory, self.clock = state
+        self._divide(num_envs)
+
+
+class Layout:
+    """Where the arrays of `Results` are in its memory.
+
+    Attributes:
+        dtype: one record of all of them.
+        words: how many words of eight bytes they take.
+    """
+
+    def __init__(self, num_envs: int, numbers: int, info: np.dtype[np.void]) -> None:
+        """Compute the layout.
+
+        Args:
+            num_envs: how many environments there are.
+            numbers: how many numbers an observation has.
+            info: the dtype of info words, `info_dtype(num_actions)`.
+        """
+        each = (num_envs,)
+        fields: dict[str, tuple[Any, int]] = {}
+        end = 0
+        for name, dtype, shape in (
+            ("observations", np.int64, (num_envs, numbers)),
+            ("rewards", np.float64, each),
+            ("words", np.uint64, each),
+            ("terminated", np.bool_, each),
+            ("truncated", np.bool_, each),
+            ("acted", np.bool_, each),
+            ("all_true", np.bool_, each),
+        ):
+            fields[name] = np.dtype((dtype, shape)), end
+            end += fields[name][0].itemsize
+        fields["infos"] = np.dtype((info, each)), fields["words"][1]
+        fields["flags"] = np.dtype((np.bool_, (2, num_envs))), fields["acted"][1]
+        self.words = -(-end // 8)
+        formats, offsets = zip(*fields.values(), strict=True)
+        self.dtype = np.dtype(
+            {
+                "names": list(fields),
+                "formats": formats,
+                "offsets": offsets,
+                "itemsize": 8 * self.words,
+            }
+        )
+
+
+class Results:
+    """The results of a step: uninitialised arrays, all of them views of one piece of memory.
+
+    Attributes:
+        memory: int64: all of it, as the compiled loops write it.
+        observations: int64 `[envs, numbers]`.
+        rewards: float64 `[envs]`.
+        terminated: bool `[envs]`.
+        truncated: bool `[envs]`.
+        acted: bool `[envs]`: whether the environment took its action instead of an autoreset.
+        all_true: bool `[envs]`.
+        flags: bool `[2, envs]`: the last two together.
+        words: uint64 `[envs]`: the info words.
+        infos: the info words with the fields of `info_dtype`.
+    """
+
+    __slots__ = (
+        "acted",
+        "all_true",
+        "flags",
+        "infos",
+        "memory",
+        "observations",
+        "rewards",
+        "terminated",
+        "truncated",
+        "words",
+    )
+
+    def __init__(self, layout: Layout) -> None:
+        """Make the arrays."""
+        self.memory: NDArray[np.int64] = empty(layout.words, _INT)
+        # Taking arrays out of a record is the fastest way to make them.
+        record = ndarray((), layout.dtype, self.memory)
+        self.observations: NDArray[np.int64] = record["observations"]
+        self.rewards: Floats = record["rewards"]
+        self.terminated: Flags = record["terminated"]
+        self.truncated: Flags = record["truncated"]
+        self.acted: Flags = record["acted"]
+        self.all_true: Flags = record["all_true"]
+        self.flags: Flags = record["flags"]
+        self.words: Words = record["words"]
+        self.infos: NDArray[np.void] = record["infos"]
+
+
+@dataclass(slots=True)
+class Record:
+    """The transitions of a rollout; all arrays are `[steps, envs]`.
+
+    Attributes:
+        observations: int32: the state before the action, in its level's own numbering.
+        actions: int8.
+        rewards: float64.
+        terminations: bool.
+        truncations: bool.
+        next_observations: int32: the state after the action.
+        words: uint64: the info words before the action.
+    """
+
+    observations: NDArray[np.int32]
+    actions: NDArray[np.int8]
+    rewards: Floats
+    terminations: Flags
+    truncations: Flags
+    next_observations: NDArray[np.int32]
+    words: Words
+
+    @classmethod
+    def empty(cls, num_steps: int, num_envs: int) -> Record:
+        """Return uninitialised arrays."""
+        dtypes = (np.int32, np.int8, np.float64, np.bool_, np.bool_, np.int32, np.uint64)
+        count = num_steps * num_envs
+        # One piece of memory, because systems use larger pages for larger pieces.
+        ends = np.cumsum([(count * np.dtype(dtype).itemsize + 63) // 64 * 64 for dtype in dtypes])
+        memory = np.empty(ends[-1], np.uint8)
+        parts = np.split(memory, ends[:-1])
+        return cls(
+            *(
+                part.view(dtype)[:count].reshape(num_steps, num_envs)
+                for part, dtype in zip(parts, dtypes, strict=True)
+            )
+        )
+
+    def rows(self, begin: int, end: int) -> Record:
+        """Return a range of steps, as views."""
+        return Record(*(getattr(self, name)[begin:end] for name in Record.__slots__))
+
+
+class Engine(Protocol):
+    """Steps environments through tables. All engines give the same results with the same draws."""
+
+    name: str
+
+    def update(self, span: Span) -> None:
+        """Read a slot of the tables and observations again, after it was written."""
+
+    def reset(self, envs: EnvStates, which: Ints, draws: Draws) -> None:
+        """Start new episodes in the environments with these indices, one after the other.
+
+        Each draws its level, if levels are drawn, and then its start; see `Draws.starts`.
+        """
+
+    def step(self, envs: EnvStates, actions: Ints, draws: Draws, results: Results) -> bool:
+        """Take an action in each environment, or start a new episode where the last one is over.
+
+        Draws are taken in the order of environments: first by those that act and whose action has
+        several outcomes, then by those that start a new episode.
+
+        Returns:
+            Whether all actions are from 0 to `num_actions - 1`. If not, nothing was changed.
+        """
+
+    def run(
+        self, envs: EnvStates, policy: Floats, chances: Floats, draws: Draws, record: Record
+    ) -> None:
+        """Follow a policy for several steps, with autoreset in the same step, and record them.
+
+        An environment takes the action whose number is how many of the policy's thresholds in its
+        state are at most its chance. In each step, draws are taken as in `step`, and then by those
+        whose episode is over.
+
+        Args:
+            envs: the environments.
+            policy: float64 `[states, num_actions - 1]`: thresholds, in rising order.
+            chances: float64 `[steps, envs]`, from 0 up to but not including 1.
+            draws: the source of randomness.
+            record: where to write the transitions.
+        """

@@ -1,0 +1,390 @@
+"""Which levels environments play: the same ones always, or others in each episode.
+
+Levels of a suite, and mazes that grow at each reset, are made when an episode starts in them, and
+put into a slot of the tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.envs.arguments import checked_start
+from babyrobot_levels.envs.engine.factory import limits_of, make_engine
+from babyrobot_levels.envs.engine.tables import (
+    Room,
+    Span,
+    build_tables,
+    empty_tables,
+    needed,
+    outcomes_of,
+    write_level,
+)
+from babyrobot_levels.envs.single import MAX_MAZE_SEED
+from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
+from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
+from babyrobot_levels.generate.suites import Suite
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+
+if TYPE_CHECKING:
+    from babyrobot_levels.envs.engine.state import Engine
+    from babyrobot_levels.envs.engine.tables import Ints, Outcomes, Tables
+    from babyrobot_levels.envs.spaces import BatchActions
+    from babyrobot_levels.envs.vector.observations import BatchObserver
+
+KEPT_STATES = 2**19
+"""Levels of a suite are kept as long as they have no more states than this together."""
+
+_MOST = np.iinfo(np.int64).max
+
+
+class Family(Protocol):
+    """Levels that are made from their numbers.
+
+    All have the same time limit and the same number of starts.
+
+    Attributes:
+        key: the name of a level's number in infos.
+        option: the name of the option of `reset` that selects a number.
+        count: numbers are drawn from 0 up to but not including this.
+        kept: how many levels to keep at most for later episodes.
+        largest: the largest width and height of a level, in cells.
+        levels: the levels, as they were given.
+    """
+
+    key: str
+    option: str
+    count: int
+    kept: int
+    largest: tuple[int, int]
+    levels: Sequence[Level]
+
+    def level(self, number: int) -> Level:
+        """Return the level of a number."""
+
+
+class SuiteLevels:
+    """The levels of a suite, or of a part of it."""
+
+    key = "level_index"
+    option = "index"
+
+    def __init__(self, suite: Suite) -> None:
+        self.levels: Sequence[Level] = suite
+        self.largest = suite.largest
+        self.count = self.kept = len(suite)
+
+    def level(self, number: int) -> Level:
+        """Return a level by its number in the suite, or in the part of it."""
+        return self.levels[number]
+
+
+class GrownMazes:
+    """The mazes of a level with `maze: {seed: random}`."""
+
+    key = option = "maze_seed"
+    count = MAX_MAZE_SEED
+    kept = 0
+
+    def __init__(self, level: Level) -> None:
+        self.levels: Sequence[Level] = (level,)
+        self.largest = level.size
+
+    def level(self, number: int) -> Level:
+        """Return the level with the maze of a seed."""
+        return self.levels[0].with_maze_seed(number)
+
+
+@dataclass(frozen=True, slots=True)
+class Played:
+    """The levels of a vector environment.
+
+    Attributes:
+        levels: the levels, as they were given.
+        largest: the largest width and height of one of them, in cells.
+        family: makes levels at resets; None if `levels` has all that are needed.
+    """
+
+    levels: Sequence[Level]
+    largest: tuple[int, int]
+    family: Family | None = None
+
+
+def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | None) -> Played:
+    """Return the levels that the arguments of a vector environment name.
+
+    Args:
+        level: a level, or None.
+        levels: several of them, a suite, or None.
+        draw_levels: whether each episode draws its level.
+        num_envs: how many environments there are, if it is given.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: a level is not valid.
+        ValueError: both or none are given, or one of several levels has `maze: {seed: random}`.
+    """
+    if (level is None) == (levels is None):
+        raise ValueError("give either `level` or `levels`")
+    if levels is not None and (isinstance(levels, str) or not isinstance(levels, Sequence)):
+        raise ValueError(f"levels must be a list of levels or a suite, not {levels!r}")
+    if levels is not None and not len(levels):
+        raise ValueError("levels must have at least one level in it")
+    if isinstance(levels, Suite):
+        if draw_levels:
+            return Played(levels, levels.largest, SuiteLevels(levels))
+        # No more levels are needed, and a suite may have a billion.
+        return Played(tuple(levels[:num_envs]), levels.largest)
+    loaded = tuple(load(each) for each in ([level] if levels is None else levels))
+    widths, heights = zip(*(each.size for each in loaded), strict=True)
+    largest = max(widths), max(heights)
+    if not any(each.has_random_maze for each in loaded):
+        return Played(loaded, largest)
+    if len(loaded) > 1:
+        raise ValueError(
+            "a level with `maze: {seed: random}` must be the only one; instead, draw some of its "
+            "mazes: levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
+        )
+    return Played(loaded, largest, GrownMazes(loaded[0]))
+
+
+def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs: int) -> Any:
+    """Return the numbers of the levels that a reset selects, int64 `[num_envs]`, or None.
+
+    Raises:
+        ValueError: they are not numbers of levels.
+    """
+    given = None if family is None else options.get(family.option)
+    if family is None or given is None:
+        return None
+    array = np.asarray(given)
+    if array.dtype.kind not in "iu" or array.shape not in ((), (num_envs,)):
+        raise ValueError(
+            f"options[{family.option!r}] must be a whole number, or {num_envs} of them, "
+            f"not {given!r}"
+        )
+    if (array > _MOST).any():
+        raise ValueError(f"options[{family.option!r}] must be below 2**63, not {given!r}")
+    if not isinstance(family, GrownMazes) and not ((array >= 0) & (array < family.count)).all():
+        raise ValueError(
+            f"options[{family.option!r}] must be below {family.count:,}, not {given!r}"
+        )
+    return np.broadcast_to(array.astype(np.int64), num_envs)
+
+
+class Slots:
+    """Tables with a slot for each level in use, and an LRU cache of those that were in use before.
+
+    A level that still has a slot costs nothing when it is drawn again. A new one takes the least
+    recently used slot in which no environment is.
+
+    Attributes:
+        family: makes the levels.
+        tables: the tables; they are replaced when they have to grow.
+        levels: the level in each slot, None in an empty one.
+        numbers: int64 `[slots]`: the level's number in the family.
+    """
+
+    tables: Tables
+
+    def __init__(
+        self,
+        family: Family,
+        num_envs: int,
+        first_action: int,
+        limit: int,
+        observer: BatchObserver,
+    ) -> None:
+        """Put the level of number 0 into slot 0.
+
+        Args:
+            family: makes the levels.
+            num_envs: how many environments there are; there may be as many slots at least.
+            first_action: the action that becomes number 0.
+            limit: the time limit of all levels.
+            observer: the observer of the levels in the slots.
+        """
+        self.family, self._observer = family, observer
+        self._first_action, self._limit = first_action, limit
+        states = family.largest[0] * family.largest[1]
+        self._most = max(num_envs, min(family.kept, KEPT_STATES // states))
+        self._slot_of: dict[int, int] = {}
+        self.levels: list[Level | None] = []
+        self.numbers = np.empty(0, np.int64)
+        self._used_at, self._clock = np.empty(0, np.int64), 0
+        first = family.level(0)
+        self._room = Room(0, states, int(np.count_nonzero(first.compile().start)))
+        self.place(np.zeros(1, np.intp), np.zeros(1, np.intp), np.zeros(1, np.int64), {0: first})
+
+    def levels_of(self, numbers: Iterable[int]) -> dict[int, Level]:
+        """Return the levels with these numbers. Those without a slot are made, but get none yet."""
+        found = {}
+        for number in dict.fromkeys(numbers):
+            slot = self._slot_of.get(number)
+            present = None if slot is None else self.levels[slot]
+            found[number] = present or self.family.level(number)
+        return found
+
+    def place(
+        self, level: Ints, which: Ints, numbers: NDArray[np.int64], levels: Mapping[int, Level]
+    ) -> list[Span] | None:
+        """Assign levels to environments.
+
+        Args:
+            level: intp `[envs]`: the slot of each environment; changed in place.
+            which: the environments that change their level.
+            numbers: the number of the new level of each of them.
+            levels: what `levels_of` returned for these numbers.
+
+        Returns:
+            The parts of the tables that were written; None if the tables were replaced.
+        """
+        self._clock += 1
+        new = {
+            number: outcomes_of(made.compile(), self._first_action, 0)
+            for number, made in levels.items()
+            if number not in self._slot_of
+        }
+        is_grown = self._make_room(new)
+        spans = []
+        if new:
+            others = np.delete(level, which)
+            staying = [self._slot_of[number] for number in levels if number not in new]
+            for slot, number in zip(self._free(others, staying), new, strict=False):
+                spans.append(self._write(slot, number, levels[number], new[number]))
+        level[which] = [self._slot_of[number] for number in numbers.tolist()]
+        self._used_at[level[which]] = self._clock
+        return None if is_grown else spans
+
+    def _free(self, *busy: Any) -> list[int]:
+        """Return the slots that are not among these, the least recently used first."""
+        is_free = np.ones(self._room.slots, np.bool_)
+        for slots in busy:
+            is_free[slots] = False
+        free = is_free.nonzero()[0]
+        found: list[int] = free[np.argsort(self._used_at[free], kind="stable")].tolist()
+        return found
+
+    def _write(self, slot: int, number: int, level: Level, outcomes: Outcomes) -> Span:
+        """Put a level into a slot, in place of the one before."""
+        if self.levels[slot] is not None:
+            self._slot_of.pop(int(self.numbers[slot]), None)
+        self._slot_of[number] = slot
+        self.levels[slot], self.numbers[slot] = level, number
+        span = self._room.span(slot, self.tables.num_actions)
+        write_level(self.tables, span, level.compile(), outcomes)
+        self._observer.write(slot, level)
+        return span
+
+    def _make_room(self, new: Mapping[int, Outcomes]) -> bool:
+        """Make room for levels, and return whether the tables had to grow for it."""
+        room = self._room
+        needs = [needed(outcomes) for outcomes in new.values()]
+        stochastic = max((count for count, _ in needs), default=0)
+        outcomes = max((count for _, count in needs), default=0)
+        if stochastic > room.stochastic:
+            # More than this level needs, so that the tables do not grow for each larger one.
+            room = replace(room, stochastic=stochastic + stochastic // 2)
+        if outcomes > room.outcomes:
+            room = replace(room, outcomes=outcomes)
+        empty = room.slots - len(self._slot_of)
+        if len(new) > empty and room.slots < self._most:
+            slots = max(room.slots + len(new), 2 * room.slots)
+            room = replace(room, slots=min(slots, self._most))
+        if room is self._room:
+            return False
+        self._grow(room)
+        return True
+
+    def _grow(self, room: Room) -> None:
+        more = room.slots - self._room.slots
+        self._room = room
+        self.tables = empty_tables(room, self._first_action, self._limit)
+        self._observer.grow(self.tables.offset)
+        self.levels += [None] * more
+        self.numbers = np.append(self.numbers, np.zeros(more, np.int64))
+        self._used_at = np.append(self._used_at, np.zeros(more, np.int64))
+        for slot, level in enumerate(self.levels):
+            if level is not None:
+                mdp = level.compile()
+                outcomes = outcomes_of(mdp, self._first_action, 0)
+                span = room.span(slot, self.tables.num_actions)
+                write_level(self.tables, span, mdp, outcomes)
+
+
+class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
+    """A vector environment whose levels can change. Subclasses define `reset` and `step`."""
+
+    action_space: BatchActions
+    _observer: BatchObserver
+    _engine: Engine
+    _engine_name: str | None
+    _samples_valid: bool
+    _slots: Slots | None = None
+
+    def _set_levels(
+        self, played: Played, first_action: int, max_episode_steps: Any, draw_levels: bool
+    ) -> None:
+        """Make the tables of the levels, and an engine for them."""
+        if played.family is None:
+            limits = limits_of(self.levels, max_episode_steps)
+            mdps = [each.compile() for each in self.levels]
+            tables = build_tables(mdps, limits, first_action, draw_levels)
+            self._observer.write_all(tables.offset, self.levels)
+            self._playing = self.levels
+        else:
+            limit = limits_of([played.family.level(0)], max_episode_steps)[0]
+            self._slots = Slots(played.family, self.num_envs, first_action, limit, self._observer)
+            tables, self._playing = self._slots.tables, self._slots.levels
+        self._use(tables)
+
+    def _use(self, tables: Tables) -> None:
+        """Switch to tables."""
+        self._tables = tables
+        self._engine = make_engine(self._engine_name, tables, self._observer.table, self.num_envs)
+        if self._samples_valid:
+            self.action_space.state_info = tables.state_info
+
+    def _level_numbers(self) -> dict[str, NDArray[np.int64]]:
+        """Return the numbers of the current levels, under their key in infos."""
+        if self._slots is not None:
+            numbers = self._slots.numbers.take(self._envs.level)
+            return {self._slots.family.key: numbers}
+        return {"level_index": self._envs.level.copy()} if len(self.levels) > 1 else {}
+
+    def _digests(self, which: Ints) -> dict[str, NDArray[np.object_]]:
+        """Return the digests of the levels of these environments, under their key in infos."""
+        if self._slots is not None and self._slots.family.key == "maze_seed":
+            return {}
+        level, where = np.unique(self._envs.level[which], return_inverse=True)
+        digests = np.full(self.num_envs, None, object)
+        found = [self._playing[number].digest for number in level.tolist()]
+        digests[which] = np.array(found, object)[where]
+        return {"level_digest": digests}
+
+    def _change_levels(self, which: Ints, numbers: Any = None, start: Any = None) -> None:
+        """Assign other levels to environments: those with `numbers`, `[num_envs]`, or drawn ones.
+
+        If a level cannot be made, or an episode cannot start in the cell `start`, nothing changes.
+        """
+        slots = self._slots
+        assert slots is not None
+        if numbers is None:
+            drawn = self._draws.uniform(which) * slots.family.count
+            wanted = drawn.astype(np.int64)
+        else:
+            wanted = numbers[which]
+        levels = slots.levels_of(wanted.tolist())
+        for level in levels.values():
+            checked_start(start, level)
+        spans = slots.place(self._envs.level, which, wanted, levels)
+        if spans is None:
+            self._use(slots.tables)
+        else:
+            for span in spans:
+                self._engine.update(span)

@@ -1,0 +1,334 @@
+"""Rules about states: which can be reached, and from which an exit can be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from babyrobot_levels.lint.context import LintContext
+from babyrobot_levels.lint.finding import Finding, cells_count, cells_text
+from babyrobot_levels.lint.rule import rule
+from babyrobot_levels.text.diagnostics import Mark, Route, Severity
+
+
+@rule("BR501", formerly="no-way-out")
+def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
+    """Start from which no exit can be reached.
+
+    ## What it does
+
+    Checks for starts from which the probability of reaching an exit is 0 under every policy. The
+    check uses the exact transition tables, so walls, warps, wind and skidding are all taken into
+    account. Levels with `exit: none` are not checked.
+
+    ## Why is this bad?
+
+    The level cannot be solved from there. Nothing can be learned, and no other error points this
+    out: the robot simply never arrives.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    walls:
+      - {at: [1, 0], side: E, length: 3}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    walls:
+      - {at: [1, 0], side: E}
+    ```
+    """
+    reach, level = context.reach, context.level
+    shut = [n for n, state in enumerate(context.starts) if reach.to_exit[state] < 0]
+    if not level.exits or not shut:
+        return
+    starts = cells_text([level.starts[number] for number in shut])
+    location = context.place_of_end("start", shut[0])
+    message = f"no exit can be reached from start{'s' * (len(shut) > 1)} {starts}"
+    if level.max_steps is None and any(reach.to_end[context.starts[n]] < 0 for n in shut):
+        message += ", and such episodes never end"
+    help_text = "open a path, or move the start or the exit; use `exit: none` for no exit"
+    yield Finding(location, message, help_text)
+
+
+@rule("BR502")
+def unreachable_cells(context: LintContext) -> Iterator[Finding]:
+    """Free cells that the robot can never reach.
+
+    ## What it does
+
+    Checks for cells that are not blocked and cannot be reached from any start, according to the
+    exact transition tables. Cells of warps that act on entering are not reported, because the robot
+    never occupies them; nor are cells that only the wind makes unreachable. Unreachable exits have
+    a rule of their own, [`unreachable-exit`](unreachable-exit.md).
+
+    ## Why is this bad?
+
+    Nothing that is placed on such cells has an effect, and values and policies are shown for states
+    that do not matter. Often a wall is too long or an opening is missing.
+
+    An exit ends the episode, so one in the middle of a corridor cuts off the cells behind it. In a
+    random maze this happens to most seeds. If the unreachable cells belong to a maze, lie behind an
+    exit, and nothing else is placed on them, the finding is a note: its severity is `info`, and it
+    does not affect the exit status.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [4, 3]
+    walls:
+      - {at: [0, 2], side: N}
+      - {at: [0, 2], side: E}
+    ```
+
+    Open a path, or declare that the cell does not exist. Use instead:
+
+    ```yaml
+    version: 1
+    size: [4, 3]
+    blocked:
+      - {at: [0, 2]}
+    ```
+    """
+    level, blocked = context.level, context.grid.blocked_cells
+    missed = [
+        state for state, steps in enumerate(context.reach.steps) if steps < 0 and not blocked[state]
+    ]
+    if not missed:
+        return
+    warps = {context.state(warp.at) for warp in level.warps if warp.when == "enter"}
+    others = warps | {context.state(cell) for cell in level.exits}
+    missed = [state for state in missed if state not in others]
+    if missed and level.wind is not None:
+        from babyrobot_levels.lint.variants import variant
+        from babyrobot_levels.mdp.reachability import reach_of
+
+        calm = reach_of(level, variant(level, wind=None))
+        missed = [state for state in missed if not calm.reached(state)]
+    if missed:
+        location = context.place(missed[0])
+        yield Finding(
+            location,
+            f"{cells_count([context.cell(state) for state in missed])} cannot be reached",
+            _help_for_cells(context, missed),
+            severity=Severity.INFO if _is_cut_off_maze(context, {*missed}) else None,
+        )
+
+
+def _help_for_cells(context: LintContext, missed: list[int]) -> str:
+    for state in missed:
+        for other in context.neighbours(state):
+            if context.mdp.over[other] and context.reach.reached(other):
+                x, y = context.cell(other)
+                return f"the episode ends on [{x}, {y}], which blocks the path there"
+    if context.level.map is not None:
+        return "open a path, or draw cells that are not part of the level as `###`"
+    return "open a path, or list cells that are not part of the level under `blocked`"
+
+
+def _is_cut_off_maze(context: LintContext, missed: set[int]) -> bool:
+    """Return whether only cells of a maze are missed, and all of them lie behind an exit."""
+    level = context.level
+    if level.maze is None:
+        return False
+    used = [puddle.at for puddle in level.puddles]
+    used += [cell for warp in level.warps for cell in (warp.at, warp.to) if cell != "start"]
+    if not missed.isdisjoint(map(context.state, used)):
+        return False
+    for area in level.areas:
+        (x, y), (columns, rows) = area.at, area.size
+        cells = ((a, b) for a in range(x, x + columns) for b in range(y, y + rows))
+        if missed.issuperset(map(context.state, cells)):
+            return False
+    exits = (context.state(cell) for cell in level.exits)
+    waiting, behind = [state for state in exits if context.reach.reached(state)], set[int]()
+    while waiting:
+        found = missed.intersection(context.neighbours(waiting.pop())) - behind
+        behind |= found
+        waiting += found
+    return behind == missed
+
+
+@rule("BR503", formerly="trap")
+def inescapable_state(context: LintContext) -> Iterator[Finding]:
+    """Reachable cell from which no exit can be reached.
+
+    ## What it does
+
+    Checks for cells that the robot can reach, that do not end the episode, and from which the
+    probability of reaching an exit is 0 under every policy. The check uses the exact transition
+    tables, so walls, warps, wind and skidding are all taken into account.
+
+    ## Why is this bad?
+
+    An episode that enters such a cell can only be truncated. Its return then depends on the limit
+    of steps, which the level may not even have.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [3, 1]
+    start: [1, 0]
+    warps:
+      - {at: [0, 0], to: [0, 0], when: leave}
+    ```
+
+    Leave a path to an exit, or end the episode there. Use instead:
+
+    ```yaml
+    version: 1
+    size: [3, 1]
+    start: [1, 0]
+    areas:
+      - {at: [0, 0], ends: true}
+    ```
+    """
+    reach = context.reach
+    # Starts without an exit are reported by another rule.
+    good = [state for state in context.starts if reach.to_exit[state] >= 0]
+    if not good or all(steps >= 0 for state, steps in enumerate(reach.to_exit) if reach.on[state]):
+        return
+    steps = reach.from_some(good)
+    traps = [
+        state
+        for state, on in enumerate(reach.on)
+        if on and steps[state] >= 0 > reach.to_exit[state]
+    ]
+    if traps:
+        cells = cells_count([context.cell(state) for state in traps])
+        verb = "is" if len(traps) == 1 else "are"
+        location = context.place(traps[0])
+        yield Finding(
+            location,
+            f"{cells} {verb} reachable, but no exit is reachable from there",
+            "open a path to an exit, or end the episode there with `ends: true`",
+        )
+
+
+@rule("BR504", formerly="loop-that-pays")
+def unbounded_return(context: LintContext) -> Iterator[Finding]:
+    """Optimal policy that never ends the episode.
+
+    ## What it does
+
+    Checks for levels in which an exit, or a cell that ends the episode, can be reached, but the
+    optimal policy loops forever because some loop is worth more than ending the episode. The level
+    is solved exactly. Levels of more than 5,000 cells are not solved, nor are levels whose return
+    does not converge because rewards and costs cancel out.
+
+    ## Why is this bad?
+
+    Without a discount the optimal return is infinite: `babyrobot solve` prints `inf`. An agent that
+    learns well never arrives, and the better it learns, the longer its episodes last. Usually a
+    reward is positive that was meant to be a cost, or can be collected repeatedly.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    areas:
+      - {at: [1, 1], color: gold, reward: 5}
+    ```
+
+    End the episode where the reward is given, or make each step cost something. Use instead:
+
+    ```yaml
+    version: 1
+    areas:
+      - {at: [1, 1], color: gold, reward: 5, ends: true}
+    ```
+    """
+    from babyrobot_levels.lint.optimal_policy import endless_loop, surely_terminates
+
+    level, reach = context.level, context.reach
+    if not any(reach.to_end[state] >= 0 for state in context.starts):
+        return
+    if surely_terminates(context.mdp, level.discount) or context.solution is None:
+        return
+    states = endless_loop(context.mdp, reach, context.solution)
+    if states:
+        cells = [context.cell(state) for state in states]
+        location = context.place(states[0])
+        source = _source_of_reward(context, {*cells})
+        if source is not None:
+            location = source
+        elif "rewards" in context.data and not isinstance(location, Mark):
+            location = ("rewards",)
+        why = "is worth more than ending it"
+        if context.solution.expected_return == float("inf"):
+            why = "gives an infinite return"
+        yield Finding(
+            location,
+            f"the optimal policy never ends the episode: looping on {cells_text(cells)} {why}",
+            "give each step a cost, give exits a higher reward, or end the episode with "
+            "`ends: true` where the reward is given",
+        )
+
+
+def _source_of_reward(context: LintContext, cells: set[tuple[int, int]]) -> Route | None:
+    """Return the route of an area or a warp that gives a positive reward on one of the cells."""
+    for number, area in context.level.written("areas"):
+        (x, y), (columns, rows) = area.at, area.size
+        covered = any(x <= a < x + columns and y <= b < y + rows for a, b in cells)
+        if (area.reward or 0) > 0 and covered:
+            return ("areas", number)
+    for number, warp in enumerate(context.level.warps):
+        if (warp.reward or 0) > 0 and (warp.at in cells or warp.to in cells):
+            return ("warps", number)
+    return None
+
+
+@rule("BR517")
+def unreachable_exit(context: LintContext) -> Iterator[Finding]:
+    """Exit that cannot be reached while another one can.
+
+    ## What it does
+
+    Checks for exits that cannot be reached from any start, in levels with another exit that can be.
+    The check uses the exact transition tables.
+
+    ## Why is this bad?
+
+    The exit is shown and never used. The choice between exits, which makes such a level
+    interesting, does not exist.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [4, 3]
+    start: [1, 0]
+    exit: [[0, 2], [3, 2]]
+    walls:
+      - {at: [0, 2], side: N}
+      - {at: [0, 2], side: E}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    size: [4, 3]
+    start: [1, 0]
+    exit: [[0, 2], [3, 2]]
+    walls:
+      - {at: [0, 2], side: N}
+    ```
+    """
+    exits = context.level.exits
+    if len(exits) < 2:
+        return
+    missed = [n for n, cell in enumerate(exits) if not context.reach.reached(context.state(cell))]
+    if missed and len(missed) < len(exits):
+        location = context.place_of_end("exit", missed[0])
+        cells = cells_text([exits[number] for number in missed])
+        yield Finding(
+            location,
+            f"exit{'s' * (len(missed) > 1)} {cells} cannot be reached from any start",
+            "open a path, or remove the exit",
+        )

@@ -1,0 +1,48 @@
+"""Combinations of parameters: few of them in the fast set of tests, all of them in the slow one."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from itertools import combinations, product
+from typing import Any
+
+import pytest
+
+
+def combined(strength: int, **parameters: Collection[Any]) -> pytest.MarkDecorator:
+    """Parametrise a test by the product of parameters, all but a covering part marked as slow.
+
+    Args:
+        strength: every choice of values for so many parameters comes up in the fast part: with 1,
+            every value of each parameter; with 2, every pair of values of two parameters.
+        parameters: the values of each parameter.
+    """
+    names = tuple(parameters)
+    fast = covering([list(values) for values in parameters.values()], strength)
+    cases = [
+        pytest.param(*case, marks=[] if case in fast else pytest.mark.slow)
+        for case in product(*parameters.values())
+    ]
+    return pytest.mark.parametrize(names, cases)
+
+
+def covering(parameters: Sequence[Sequence[Any]], strength: int) -> list[tuple[Any, ...]]:
+    """Return a few combinations in which every choice of values for `strength` parameters occurs.
+
+    Each next one is the combination with the most choices that did not occur before.
+    """
+
+    def choices(indices: tuple[int, ...]) -> set[tuple[tuple[int, int], ...]]:
+        return set(combinations(enumerate(indices), strength))
+
+    rest = list(product(*(range(len(values)) for values in parameters)))
+    missing = set().union(*map(choices, rest))
+    found = []
+    while missing:
+        best = max(rest, key=lambda indices: len(choices(indices) & missing))
+        missing -= choices(best)
+        found.append(best)
+    return [
+        tuple(values[index] for values, index in zip(parameters, indices, strict=True))
+        for indices in found
+    ]
