@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -58,6 +58,11 @@ class LevelInfo:
     source: str | None
     path: Path
     origin: str = ""
+
+    def __setstate__(self, state: Sequence[Any]) -> None:
+        # Pickles of version 0.1 have no origin.
+        for field, value in zip(fields(self), [*state, ""], strict=False):
+            object.__setattr__(self, field.name, value)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
