@@ -95,7 +95,7 @@ def page(level: Level, options: PictureOptions) -> str:
     """Return an HTML page on which the level can be played."""
     from babyrobot_levels.render.page import to_html
 
-    check_page_size(level)
+    check_page_size(level, "save a picture instead: -o FILE.svg or -o FILE.png")
     is_asked_for = options.values or options.policy is Walker.BEST
     guide = guide_of(level, needed=is_asked_for)
     try:
@@ -111,14 +111,14 @@ def page(level: Level, options: PictureOptions) -> str:
         fail(str(error))
 
 
-def check_page_size(level: Level) -> None:
+def check_page_size(level: Level, help_text: str) -> None:
     """End the command if a level is too large for a page, before it is solved for one."""
     from babyrobot_levels.render.page_data import TooLargeError, without_panels
 
     try:
         without_panels(level)
     except TooLargeError as error:
-        fail(str(error), "save a picture instead: -o FILE.svg or -o FILE.png")
+        fail(str(error), help_text)
 
 
 def _overlay(level: Level, options: PictureOptions) -> Overlay:

@@ -106,7 +106,7 @@ def _fragment(level: Level) -> str:
     if level.has_random_maze:
         note("the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)")
         game = level.with_maze_seed(0)
-    check_page_size(game)
+    check_page_size(game, "send the level file")
     guide = guide_of(game, needed=False)
     if guide is not None:
         with suppress(TooLargeError):

@@ -68,11 +68,11 @@ def test_a_changed_game(repository: Repository) -> None:
         "rewards.exit: 0 -> 5\n"
         "transitions: 2 of 20 changed\n"
         "  [1, 0] south\n"
-        "    before: [1, 1], reward 0, the end\n"
-        "    after:  [1, 1], reward 5, the end\n"
+        "    before: [1, 1], reward 0, terminal\n"
+        "    after:  [1, 1], reward 5, terminal\n"
         "  [0, 1] east\n"
-        "    before: [1, 1], reward 0, the end\n"
-        "    after:  [1, 1], reward 5, the end\n"
+        "    before: [1, 1], reward 0, terminal\n"
+        "    after:  [1, 1], reward 5, terminal\n"
         "\n"
         "optimal return: -1 -> 4\n"
         "random return: -5 -> 0\n"
@@ -141,7 +141,7 @@ def test_a_file_that_comes_without_being_a_level_is_shown_as_text(repository: Re
 
 def test_a_file_that_cannot_be_read(repository: Repository) -> None:
     (repository.folder / "levels/maze.yaml").write_bytes(b"\xff\xfe")
-    assert repository.git("diff") == "levels/maze.yaml: the file is UTF-16, not UTF-8\n\n"
+    assert repository.git("diff") == "levels/maze.yaml: the file is encoded as UTF-16\n\n"
 
 
 def test_a_conflict(repository: Repository) -> None:

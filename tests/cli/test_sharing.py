@@ -75,7 +75,7 @@ def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> Non
         refused = babyrobot("share", f"{side}.yaml", "--link", "play.html", status=2)
         assert what in refused.err
         assert "no optimal moves" not in refused.err
-        assert "send the file; up to 16,384 cells, there is `babyrobot preview" in refused.err
+        assert "help: send the level file" in refused.err
         assert refused.out == ""
 
 
