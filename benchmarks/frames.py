@@ -1,11 +1,11 @@
-"""Frames as films and agents want them: a step, and the picture after it as an array of pixels.
+"""Frames for videos and agents: a step, and the picture after it as an array of pixels.
 
     python benchmarks/frames.py
 
-All pictures are new arrays (`rgb_array`) of 8 by 5 cells of 64 pixels. MiniGrid shows an empty
-room, which is the least that it can have to draw, and FrozenLake a lake of that size; ours is the
-final maze, with walls and puddles. MiniGrid asks for another pygame than the tests do, so it runs
-in an environment of its own, which the first run sets up.
+All pictures are new arrays (`rgb_array`) of 8 by 5 cells of 64 pixels. MiniGrid draws an empty
+room, its simplest picture, and FrozenLake a lake of that size; ours is the final maze, with walls
+and puddles. MiniGrid needs another version of pygame than the tests, so it runs in a virtual
+environment of its own, which the first run creates.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ CELL = 64
 LAKE = ["SFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FHFFFFFF", "FFFHFFFG"]
 FRAMES = 10_000
 FEWER = 200
-"""How many frames the others draw, so that all measures take about as long."""
+"""The number of frames of the peers, so that all measurements take about as long."""
 
 
 def drawing(env: gymnasium.Env[Any, Any], first_action: int, count: int) -> Measure:
-    """Return a measure of an environment's frames per second; it has four moves."""
+    """Return a measure of the frames per second of an environment with four moves."""
     rng = random.Random(0)
     actions = [first_action + rng.randrange(4) for _ in range(count)]
 
@@ -51,7 +51,7 @@ def drawing(env: gymnasium.Env[Any, Any], first_action: int, count: int) -> Meas
 def asking(peer: Peer, highlight: bool) -> Measure:
     """Return a measure of MiniGrid's frames per second, with or without the agent's field of view.
 
-    Seeing what the agent sees is MiniGrid's default.
+    MiniGrid highlights the field of view by default.
     """
     question = {"size": SIZE, "tile": CELL, "frames": FEWER}
     return lambda: FEWER / float(peer.ask(**question, highlight=highlight)["seconds"])
@@ -65,7 +65,7 @@ def shown(env: gymnasium.Env[Any, Any]) -> str:
 
 
 def compare(count: int) -> Iterator[Comparison]:
-    """Measure pictures of our maze beside those of others."""
+    """Measure pictures of our maze and those of the peers."""
     level = brl.load("final-maze").replace(display={})
     plain, written = level.make(render_mode="rgb_array"), level.make(render_mode="rgb_array")
     best = brl.solve(level)

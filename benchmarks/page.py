@@ -1,4 +1,4 @@
-"""The page that keeps a run's results: machine, versions, the table, and what is missing."""
+"""The page with the results of a run: machine, versions, the table, and what is missing."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ PROCESSORS = Path("/proc/cpuinfo")
 
 @dataclass(frozen=True)
 class Result:
-    """What a benchmark came to.
+    """The result of a benchmark.
 
     Attributes:
         name: the script's.
-        comparisons: what it measured, all of it unless it failed.
-        failure: why it did not come to its end, if so.
+        comparisons: its measurements, up to a failure.
+        failure: the reason why it failed, if it did.
     """
 
     name: str
@@ -31,7 +31,7 @@ class Result:
 
 
 def result_table(results: Sequence[Result]) -> str:
-    """Return one table of all that was measured."""
+    """Return one table of all measurements."""
     return table(
         (
             (result.name, *row.cells)
@@ -44,42 +44,42 @@ def result_table(results: Sequence[Result]) -> str:
 
 
 def remarks(results: Sequence[Result], names: Sequence[str]) -> list[str]:
-    """Return what else is to be told, a line each: notes, what is missing, and what failed.
+    """Return lines with notes, missing peers, failures, and benchmarks that were not run.
 
     Args:
-        results: what there is.
-        names: the benchmarks that were asked for.
+        results: the results.
+        names: the requested benchmarks.
     """
-    told = [
+    notes = [
         f"- {comparison.note}"
         for result in results
         for comparison in result.comparisons
         if comparison.note
     ]
-    # A peer is missing once, however often it would have been measured.
-    told += dict.fromkeys(
+    # A missing peer is listed once, however often it would have been measured.
+    notes += dict.fromkeys(
         f"- missing: {why}"
         for result in results
         for comparison in result.comparisons
         for why in comparison.missing.values()
     )
-    told += [f"- failed: {result.name}: {result.failure}" for result in results if result.failure]
+    notes += [f"- failed: {result.name}: {result.failure}" for result in results if result.failure]
     done = {result.name for result in results}
-    return told + [f"- not run: {name}" for name in names if name not in done]
+    return notes + [f"- not run: {name}" for name in names if name not in done]
 
 
 def page(results: Sequence[Result], names: Sequence[str], count: int) -> str:
-    """Return the page: results of the benchmarks asked for, by their names, with so many rounds."""
+    """Return the page with the results of the requested benchmarks, measured in `count` rounds."""
     versions: dict[str, str] = {}
     for result in results:
         for comparison in result.comparisons:
             versions |= comparison.versions
     packages = ", ".join(f"{name} {versions[name]}" for name in sorted(versions))
-    quick = "" if count >= ROUNDS else " **A quick run: too few rounds to be relied on.**"
+    quick = "" if count >= ROUNDS else " **A quick run: too few rounds for reliable results.**"
     lines = [
         "# Results",
         "",
-        "Written by `python benchmarks/run.py`; [README.md](README.md) tells what is measured.",
+        "Written by `python benchmarks/run.py`; [README.md](README.md) describes what is measured.",
         f"Each figure is the median of {count} rounds in turn.{quick}",
         "",
         f"- date: {datetime.datetime.now(datetime.UTC):%Y-%m-%d}",
@@ -89,16 +89,16 @@ def page(results: Sequence[Result], names: Sequence[str], count: int) -> str:
         "",
         result_table(results),
         "",
-        "A ratio is ours over the peer's, round by round: its median, and from the least to the",
-        "most. Where there is no peer, the spread is that of the rate. Aims are what the project",
-        "has set itself: a least ratio, or a least rate.",
+        "A ratio is ours over the peer's, round by round: its median, minimum and maximum. Without",
+        "a peer, the spread is that of the rate. Aims are the project's own: a smallest ratio or",
+        "rate.",
     ]
-    told = remarks(results, names)
-    return "\n".join([*lines, *(["", *told] if told else [])]) + "\n"
+    notes = remarks(results, names)
+    return "\n".join([*lines, *(["", *notes] if notes else [])]) + "\n"
 
 
 def processor() -> str:
-    """Return the processor's model, as far as the system tells."""
+    """Return the processor's model, if the system reports it."""
     if PROCESSORS.exists():
         for line in PROCESSORS.read_text("utf-8").splitlines():
             if line.startswith("model name"):

@@ -66,7 +66,7 @@ def probabilities(learner: Any, level: brl.Level) -> NDArray[np.float32]:
     """Return the learner's probability of each action in each cell, `[states, actions]`."""
     width, height = level.size
     cells = np.array([(x, y) for y in range(height) for x in range(width)])
-    masks = level.compile().possible.copy()
+    masks = level.compile().action_mask.copy()
     with torch.no_grad():
         observations, _ = learner.policy.obs_to_tensor(cells)
         chances = learner.policy.get_distribution(observations, masks).distribution.probs

@@ -145,7 +145,7 @@ def main() -> None:
 
     mdp = level.compile()
     with torch.no_grad():
-        possible = torch.tensor(mdp.possible, dtype=torch.bool)
+        possible = torch.tensor(mdp.action_mask, dtype=torch.bool)
         chances = learner.choice(torch.arange(mdp.num_states), possible).probs.numpy()
     greedy = chances.argmax(axis=1).reshape(mdp.height, mdp.width)
     print_comparison(level, {"learned, as it explores": chances, "learned, greedy": greedy})

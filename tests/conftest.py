@@ -1,10 +1,41 @@
-"""Folders in which nothing is found but what a test puts there."""
+"""What all tests share: which of them are slow, how much hypothesis tries, empty folders."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from hypothesis import settings
+
+TESTS = Path(__file__).parent
+
+SLOW = {
+    "cli/test_terminals.py",
+    "docs/test_notebooks.py",
+    "e2e/browser",
+    "e2e/test_benchmarks.py",
+    "e2e/test_examples.py",
+    "e2e/test_packaging.py",
+    "e2e/test_pre_commit.py",
+    "envs/test_notebook.py",
+    "library/packs/test_built.py",
+    "limits",
+    "render/notebook/test_output.py",
+}
+"""Files and folders in which every test is slow. Elsewhere the test itself is marked."""
+
+# `--hypothesis-profile thorough` chooses the second. A loaded machine is no reason to fail.
+settings.register_profile("fast", max_examples=50, deadline=None)
+settings.register_profile("thorough", max_examples=300, deadline=None)
+settings.load_profile("fast")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what is slow by its place."""
+    for item in items:
+        place = item.path.relative_to(TESTS)
+        if SLOW & {each.as_posix() for each in (place, *place.parents)}:
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture

@@ -113,7 +113,9 @@ def compare(
         actions=mapping,
         states=int(reached.sum()),
         outcomes=int(np.count_nonzero(mdp.probability[reached][:, mapping])),
-        everywhere=bool((agree.all(axis=1) | mdp.over).all() and (mdp.over == tables.over).all()),
+        everywhere=bool(
+            (agree.all(axis=1) | mdp.is_terminal).all() and (mdp.is_terminal == tables.over).all()
+        ),
         difference=difference,
         digest=mine.digest,
     )
@@ -249,7 +251,7 @@ def _invalid_table(why: str) -> ComparisonError:
 def _reached(mdp: Mdp) -> Flags:
     """Return the states that an episode reaches, without the terminal ones, `[states]`."""
     steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0).tolist())
-    reached: Flags = (steps >= 0) & ~mdp.over
+    reached: Flags = (steps >= 0) & ~mdp.is_terminal
     return reached
 
 

@@ -255,7 +255,7 @@ class Metrics:
             cells[cell] = None
             if policy[cell] < 0:
                 break
-            cell = int(mdp.target[cell, policy[cell] + self._optimal.first_action])
+            cell = int(mdp.intended_next_state[cell, policy[cell] + self._optimal.first_action])
         return list(cells)
 
 

@@ -93,7 +93,7 @@ def _facts(level: Level) -> dict[str, Any]:
         happens = mdp.probability > 0
         facts["states"] = int((~level.grid().blocked).sum())
         facts["outcomes"] = int(happens.sum())
-        facts["chance"] = bool(happens[~mdp.over].sum(axis=2).max(initial=0) > 1)
+        facts["chance"] = bool(happens[~mdp.is_terminal].sum(axis=2).max(initial=0) > 1)
         facts["digest"] = level.digest
         facts["metrics"] = _metrics(level)
     return facts

@@ -142,7 +142,7 @@ def checked_start(start: Any, level: Level) -> int | None:
             f"the start [{x}, {y}] is off the grid, which is {width} wide and {height} high"
         )
     state = y * width + x
-    if level.compile().over[state]:
+    if level.compile().is_terminal[state]:
         raise ValueError(
             f"at the start [{x}, {y}] the episode would be over: "
             "it is an exit, blocked, or ends the episode"

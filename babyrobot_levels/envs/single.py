@@ -245,7 +245,7 @@ class LevelEnv(RenderedEnv):
         the cells that are visited cost time.
         """
         first = self._first_action
-        mask = self._mdp.possible[state, first:]
+        mask = self._mdp.action_mask[state, first:]
         events = self._events[state, first:].tolist()
         outcomes = {
             number: self._outcomes(state, number + first, row) for number, row in enumerate(events)

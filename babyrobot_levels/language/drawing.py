@@ -180,11 +180,10 @@ class _Parser:
             return False
         for number, row in enumerate(self.rows):
             if len(row) != length and not self.is_full:
-                more = len(row) > length
                 self._report(
                     number,
-                    length if more else len(row),
-                    len(row) - length if more else 1,
+                    min(len(row), length),
+                    max(len(row) - length, 1),
                     f"this line has {len(row)} characters, the first one has {length}",
                     "draw each cell three characters wide, with one character between cells",
                 )

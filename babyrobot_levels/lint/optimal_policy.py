@@ -39,7 +39,7 @@ def surely_terminates(mdp: Mdp, discount: float) -> bool:
     This holds if every step costs something and there is no discount, or if all steps cost the
     same and the last step costs no more than the others. False means unknown.
     """
-    happens = (mdp.probability > 0) & ~mdp.over[:, None, None]
+    happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
     ends = mdp.terminal & happens
     going_on, ending = mdp.reward[happens & ~ends], mdp.reward[ends]
     if not going_on.size:
@@ -63,7 +63,7 @@ def endless_loop(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     ways = Graph(mdp.num_states, origins, targets)
     back = ways.reversed()
     visited = ways.distances(mdp.start.nonzero()[0].tolist()).tolist()
-    ending = back.distances(mdp.over.nonzero()[0].tolist()).tolist()
+    ending = back.distances(mdp.is_terminal.nonzero()[0].tolist()).tolist()
     stuck = [
         state
         for state in range(mdp.num_states)
@@ -91,15 +91,15 @@ def surely_within_limit(level: Level, to_exit: list[int]) -> bool:
         to_exit: the minimum number of steps from each state to an exit.
     """
     mdp, limit = level.compile(), level.max_steps or 0
-    happens = (mdp.probability > 0) & ~mdp.over[:, None, None]
+    happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
     ends = mdp.terminal & happens
     lowest_cost = -mdp.reward[happens & ~ends].max(initial=-np.inf)
-    if level.discount < 1 or lowest_cost <= 0 or mdp.over.sum() > len(level.exits):
+    if level.discount < 1 or lowest_cost <= 0 or mdp.is_terminal.sum() > len(level.exits):
         return False
     highest = float(mdp.reward[ends].max(initial=-np.inf))
     sure = happens.sum(axis=2) == 1
     # Cells that some action leaves deterministically, and terminal cells.
-    firm = (sure[:, 1:].any(axis=1) | mdp.over).tolist()
+    firm = (sure[:, 1:].any(axis=1) | mdp.is_terminal).tolist()
     is_sure = sure.tolist()
     following, rewards = mdp.next_state[:, :, 0].tolist(), mdp.reward[:, :, 0].tolist()
     for state in mdp.start.nonzero()[0].tolist():

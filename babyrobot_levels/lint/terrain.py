@@ -98,7 +98,7 @@ class TerrainEffects:
         mdp = level.compile()
         self._blocked = level.grid().blocked
         shape = (mdp.height, mdp.width)
-        self._over = mdp.over.reshape(shape)
+        self._over = mdp.is_terminal.reshape(shape)
         enters = [warp.at for warp in self._level.warps if warp.when == "enter"]
         leaves = [warp.at for warp in self._level.warps if warp.when == "leave"]
         self._stood = ~_flags(shape, enters)

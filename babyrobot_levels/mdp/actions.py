@@ -43,7 +43,7 @@ class HasPolicy(Protocol):
 def unwrapped_policy(policy: Any) -> tuple[Any, int | None]:
     """Return a policy and the `Action` that is number 0 in it.
 
-    The latter is None for a policy that is not in a `HasPolicy`, such as an array.
+    The latter is None for a policy without a numbering of its own, such as a plain array.
     """
     first = getattr(policy, "first_action", None)
     return (policy if first is None else getattr(policy, "policy", policy)), first

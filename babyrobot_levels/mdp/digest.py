@@ -33,7 +33,7 @@ def digest(grid: Grid, mdp: Mdp) -> str:
         np.array([(cell, side) for cell, side, _ in glass], "<u4"),
         np.array([probability for _, _, probability in glass], "<f8"),
         mdp.start.astype("<f8"),
-        mdp.over.astype("u1"),
+        mdp.is_terminal.astype("u1"),
         happens.sum(axis=2).astype("<u4"),
         mdp.probability[happens].astype("<f8"),
         mdp.next_state[happens].astype("<u4"),

@@ -28,12 +28,12 @@ def events_of(mdp: Mdp) -> NDArray[np.int8]:
 
     The events of padding, outcomes of probability 0, mean nothing.
     """
-    target = mdp.target[..., None]
+    target = mdp.intended_next_state[..., None]
     at_target = mdp.next_state == target
     to_a_start = target == mdp.num_states
     if to_a_start.any():
         at_target |= to_a_start & (mdp.start > 0)[mdp.next_state]
-    events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.hindered[..., None])
+    events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.obstruction[..., None])
     return events
 
 

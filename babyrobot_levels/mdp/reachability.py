@@ -56,7 +56,7 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     graph = transitions(mdp)
     backwards = graph.reversed()
     steps = graph.distances(mdp.start.nonzero()[0].tolist()).tolist()
-    over, blocked = mdp.over.tolist(), level.grid().blocked_cells
+    over, blocked = mdp.is_terminal.tolist(), level.grid().blocked_cells
     exits = sorted(y * width + x for x, y in level.exits)
     ends = [state for state, ended in enumerate(over) if ended and not blocked[state]]
     to_exit = backwards.distances(exits).tolist()
@@ -72,7 +72,7 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
 def transitions(mdp: Mdp) -> Graph:
     """Return the graph of all transitions from one state to another, each pair once."""
     states = np.arange(mdp.num_states, dtype=np.int32)[:, None]
-    happens = (mdp.probability > 0) & ~mdp.over[:, None, None]
+    happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
     targets = np.where(happens, mdp.next_state, states[:, :, None]).reshape(mdp.num_states, -1)
     targets.sort(axis=1)
     moves = targets != states

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,16 @@ Outcome = tuple[float, int, float, bool]
 """Probability, next state, reward, terminal."""
 
 FREE, REFUSED, GLASS = range(3)
-"""What hinders an action: nothing, a wall that refuses it, or a wall of glass that it tries."""
+"""What obstructs an action: nothing, a wall, or a wall of glass."""
+
+
+FORMER_NAMES = {
+    "over": "is_terminal",
+    "possible": "action_mask",
+    "hindered": "obstruction",
+    "target": "intended_next_state",
+}
+"""Attributes of `Mdp` by the names that they had in version 0.1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,11 +44,11 @@ class Mdp:
         reward: float64, `[states, actions, outcomes]`.
         terminal: bool, `[states, actions, outcomes]`.
         start: float64, `[states]`: the probability of each state at reset.
-        over: bool, `[states]`: whether the episode is over there.
-        possible: int8, `[states, actions]`: 1 for the actions that nothing refuses.
-        target: int32, `[states, actions]`: where the action leads without chance;
+        is_terminal: bool, `[states]`: whether the episode is over there.
+        action_mask: int8, `[states, actions]`: 1 for the actions that nothing refuses.
+        intended_next_state: int32, `[states, actions]`: where the action leads without chance;
             the number of states stands for "one of the starts".
-        hindered: int8, `[states, actions]`: `FREE`, `REFUSED` or `GLASS`.
+        obstruction: int8, `[states, actions]`: `FREE`, `REFUSED` or `GLASS`.
     """
 
     width: int
@@ -48,10 +58,10 @@ class Mdp:
     reward: NDArray[np.float64]
     terminal: NDArray[np.bool_]
     start: NDArray[np.float64]
-    over: NDArray[np.bool_]
-    possible: NDArray[np.int8]
-    target: NDArray[np.int32]
-    hindered: NDArray[np.int8]
+    is_terminal: NDArray[np.bool_]
+    action_mask: NDArray[np.int8]
+    intended_next_state: NDArray[np.int32]
+    obstruction: NDArray[np.int8]
 
     @property
     def num_states(self) -> int:
@@ -99,6 +109,18 @@ class Mdp:
     def __getstate__(self) -> dict[str, Any]:
         return dict(vars(self))
 
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name not in FORMER_NAMES:
+                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+            now = FORMER_NAMES[name]
+            warnings.warn(
+                f"Mdp.{name} is deprecated; use Mdp.{now}", DeprecationWarning, stacklevel=2
+            )
+            return getattr(self, now)
+
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        # Pickles of version 0.1 have the former names.
+        self.__dict__.update({FORMER_NAMES.get(name, name): value for name, value in state.items()})
         self.freeze()

@@ -207,7 +207,7 @@ def playable(level: GridWorld) -> dict[str, Any]:
     events = events_of(mdp)
     rows: dict[Row, int] = {}
     table: list[int] = []
-    for state, over in enumerate(mdp.over.tolist()):
+    for state, over in enumerate(mdp.is_terminal.tolist()):
         for action in range(NUM_ACTIONS):
             row = None if over else tuple(_row(mdp, events[state, action].tolist(), state, action))
             table.append(-1 if row is None else rows.setdefault(row, len(rows)))
@@ -223,7 +223,7 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "table": table,
         "possible": [
             sum(possible << action for action, possible in enumerate(row))
-            for row in mdp.possible.tolist()
+            for row in mdp.action_mask.tolist()
         ],
     }
 

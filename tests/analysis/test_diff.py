@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.worlds import World, decorated_worlds, level_of, worlds
 
@@ -27,7 +27,6 @@ def count_of_game(difference: Difference) -> int:
     return len(difference.game) + sum(changes.count for changes in listed)
 
 
-@settings(deadline=None)
 @given(worlds(4), worlds(4))
 def test_what_differs_is_told_and_only_that(one: World, two: World) -> None:
     difference = diff(one, two)
@@ -38,7 +37,6 @@ def test_what_differs_is_told_and_only_that(one: World, two: World) -> None:
         assert count_of_game(difference) > 0
 
 
-@settings(deadline=None)
 @given(decorated_worlds())
 def test_a_level_does_not_differ_from_itself(world: World) -> None:
     difference = diff(world, level_of(world).share_code())
@@ -48,7 +46,6 @@ def test_a_level_does_not_differ_from_itself(world: World) -> None:
     assert difference.best_return[0] == difference.best_return[1]
 
 
-@settings(deadline=None)
 @given(worlds(4), st.integers(0, 10**6))
 def test_the_transitions_are_those_of_the_tables(world: World, place: int) -> None:
     level = level_of(world)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
@@ -33,7 +33,7 @@ def ahead_of(level: Level) -> list[set[int]]:
     mdp = level.compile()
     return [
         set()
-        if mdp.over[state]
+        if mdp.is_terminal[state]
         else {there for action in range(5) for _, there, _, _ in mdp.outcomes(state, action)}
         - {state}
         for state in range(mdp.num_states)
@@ -112,13 +112,11 @@ def check_shape_and_paths(level: Level) -> None:
     assert found.turns == fewest_turns(level, path[0], found.path_length)
 
 
-@settings(deadline=None, max_examples=400)
 @given(world=worlds(6))
 def test_any_level_is_counted_right(world: World) -> None:
     check_shape_and_paths(level_of(world))
 
 
-@settings(deadline=None, max_examples=150)
 @given(world=worlds(5))
 def test_levels_with_nothing_but_walls_are_counted_right(world: World) -> None:
     """They need no tables."""
@@ -327,6 +325,7 @@ def test_an_exit_farther_down_the_same_way_is_more_difficult() -> None:
         assert increasing([maze.replace(exit=list(cell)) for cell in path[1:]])
 
 
+@pytest.mark.slow
 def test_a_larger_maze_is_more_difficult_on_average() -> None:
     def mean(size: int) -> float:
         fields = {"version": 1, "size": [size, size]}

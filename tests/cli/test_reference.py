@@ -90,7 +90,12 @@ def test_the_help_says_the_same_as_the_reference() -> None:
         assert " ".join(first.split()) in section(name)
 
 
-@pytest.mark.parametrize("line", examples())
+def slow_or_not(line: str) -> Any:
+    marks = [pytest.mark.slow] if line.startswith("babyrobot generate") else []
+    return pytest.param(line, marks=marks)
+
+
+@pytest.mark.parametrize("line", [slow_or_not(line) for line in examples()])
 def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     variables = environment(tmp_path)

@@ -64,6 +64,7 @@ def test_a_link_to_a_random_maze_says_which_one_the_page_plays() -> None:
     assert babyrobot("share", link.out).out == f"{load('random-maze').share_code()}\n"
 
 
+@pytest.mark.slow
 def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> None:
     for side in (45, 125, 200):
         text = f"version: 1\nsize: [{side}, {side}]\nmaze: {{seed: 1}}\n"
@@ -146,6 +147,7 @@ def test_a_resolved_level_finds_its_theme_or_takes_it_along(folder: Path) -> Non
     )
 
 
+@pytest.mark.slow
 def test_walls_that_no_file_could_hold_are_not_written(folder: Path) -> None:
     (folder / "huge.yaml").write_text("version: 1\nsize: [300, 300]\nmaze: {seed: 1}\n", "utf-8")
     with patch.object(Level, "resolve", side_effect=AssertionError):

@@ -168,9 +168,11 @@ _INTERRUPTED_IMPORT = """
 import os, signal, sys
 from babyrobot_levels.cli import app
 
+module = sys.argv[1]
+
 class Finder:
     def find_spec(self, name, path=None, target=None):
-        if name == sys.argv[1]:
+        if name == module:
             os.kill(os.getpid(), signal.SIGINT)
 
 sys.meta_path.insert(0, Finder())

@@ -204,7 +204,7 @@ def test_lava_ends_the_episode_with_nothing() -> None:
     level = level_of_world(world_of(MINIGRIDS["LavaCrossingS9N2"], "minigrid"))
     mdp = level.compile()
     cell = 5  # The first lava of the first row: `VR` stands in column 6, behind the ring.
-    assert mdp.over[cell]
+    assert mdp.is_terminal[cell]
     east = [(s, r, over) for p, s, r, over in mdp.outcomes(cell - 1, brl.Action.EAST) if p]
     assert east == [(cell, 0.0, True)]
 

@@ -25,9 +25,10 @@ from support.subprocesses import python
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.former_modules import MOVED, new_name
+from babyrobot_levels.mdp.tables import FORMER_NAMES
 
-RENAMED: dict[str, dict[str, str]] = {}
-"""For functions and classes, parameters that have a new name: `{"Mdp": {"over": "is_terminal"}}`.
+RENAMED: dict[str, dict[str, str]] = {"Mdp": FORMER_NAMES}
+"""For functions and classes, parameters that have a new name.
 
 An attribute of an old name has to stay, with a DeprecationWarning.
 """

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from pydantic import BaseModel
+from support.each import for_each
 from support.places import GALLERY_FOLDER, ROOT
 
 from babyrobot_levels.language.fields import LevelFields
@@ -45,7 +46,7 @@ ARTICLE_WORLDS = {
     "glass-wall",
 }
 
-each_level = pytest.mark.parametrize("name", FILES)
+each_level = for_each("name", FILES)
 
 
 @cache
@@ -76,7 +77,7 @@ def steps_from(mdp: Mdp, start: int) -> dict[int, int]:
     steps, queue = {start: 0}, deque([start])
     while queue:
         here = queue.popleft()
-        if mdp.over[here]:
+        if mdp.is_terminal[here]:
             continue
         for action in Action:
             for _, there, _, _ in mdp.outcomes(here, action):
@@ -175,7 +176,9 @@ def test_its_text_is_tidy(name: str) -> None:
 def test_it_can_be_won_from_every_start(name: str) -> None:
     for level in games(name):
         mdp = level.compile()
-        ends = [cell for cell in np.flatnonzero(mdp.over) if not level.grid().blocked_cells[cell]]
+        ends = [
+            cell for cell in np.flatnonzero(mdp.is_terminal) if not level.grid().blocked_cells[cell]
+        ]
         for start in level.starts:
             if level.exits:
                 assert steps_to_exit(level, start) is not None
@@ -455,5 +458,5 @@ def test_the_glass_doors_pay_if_bounces_are_cheap(bounce: float, way: Action) ->
 def test_each_chest_has_a_reward_of_its_own() -> None:
     level = load("treasure-chests")
     mdp = level.compile()
-    into = mdp.terminal & ~mdp.over[:, None, None]
+    into = mdp.terminal & ~mdp.is_terminal[:, None, None]
     assert set(mdp.reward[into].tolist()) == {3.0, 20.0, -10.0}

@@ -225,17 +225,3 @@ def test_the_installed_environments(installed: Path, tmp_path: Path) -> None:
         "print(env.step(1)[0].shape)\n"
     )
     assert run([installed / "python", "-c", code], tmp_path) == "0 0\n(2,)\n"
-
-
-def test_the_step_for_stable_baselines_runs_all_its_tests() -> None:
-    """It names where they are, so that not all others are collected."""
-    script = (ROOT / "scripts" / "check.sh").read_text("utf-8")
-    named = tuple(script.partition("pytest -m sb3 -n 2 ")[2].splitlines()[0].split())
-    mark = "pytest.mark." + "sb3"
-    marked = [
-        path.relative_to(ROOT).as_posix()
-        for path in (ROOT / "tests").rglob("test_*.py")
-        if mark in path.read_text("utf-8")
-    ]
-    assert marked
-    assert [path for path in marked if not path.startswith(named)] == []

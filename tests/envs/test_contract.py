@@ -84,7 +84,7 @@ class EnvContract:
             assert mask.tolist() == bare.get_wrapper_attr("action_masks")().tolist()
             state = bare.get_wrapper_attr("_state")
             table = bare.get_wrapper_attr("level").compile()
-            assert mask.tolist() == table.possible[state, first:].tolist()
+            assert mask.tolist() == table.action_mask[state, first:].tolist()
             if first == 0:
                 assert mask[Action.STAY] == 1
             if mask.any():
@@ -115,7 +115,7 @@ class EnvContract:
             _, reward, terminated, truncated, info = bare.step(bare.action_space.sample())
             assert type(reward) is float
             state = bare.get_wrapper_attr("_state")
-            assert terminated is bool(bare.get_wrapper_attr("level").compile().over[state])
+            assert terminated is bool(bare.get_wrapper_attr("level").compile().is_terminal[state])
             assert truncated is False
             assert type(info["target_reached"]) is bool
             assert type(info["skidded"]) is bool

@@ -106,7 +106,7 @@ def test_steps_happen_as_often_as_the_table_says(name: str) -> None:
 def state_can_start(env: LevelEnv, state: int) -> bool:
     y, x = divmod(state, env.level.size[0])
     entered = {warp.at for warp in env.level.warps if warp.when == "enter"}
-    return not env.level.compile().over[state] and (x, y) not in entered
+    return not env.level.compile().is_terminal[state] and (x, y) not in entered
 
 
 def test_the_bound_on_frequencies_sees_a_difference_of_a_twentieth() -> None:

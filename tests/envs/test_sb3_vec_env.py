@@ -213,7 +213,7 @@ def test_masks() -> None:
     envs = VecMonitor(many(max_episode_steps=9))
     assert is_masking_supported(envs)
     observations = envs.reset()
-    possible = brl.load("final-maze").compile().possible
+    possible = brl.load("final-maze").compile().action_mask
     rng = np.random.default_rng(5)
     for _ in range(40):
         masks = get_action_masks(envs)

@@ -351,6 +351,7 @@ def test_a_file_that_was_changed_is_not_taken_for_one_of_the_order(babyrobot: Ba
 
 @pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
+@pytest.mark.slow
 def test_an_interrupted_call_leaves_whole_files_and_can_go_on(
     jobs: str, babyrobot: Babyrobot, tmp_path: Path
 ) -> None:

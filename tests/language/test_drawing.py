@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from support.worlds import LEGEND, World, drawings, level_of, level_of_text, worlds
 
@@ -42,7 +42,6 @@ def drawn(text: str, **fields: Any) -> Level:
 # -- both ways -------------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(drawings())
 def test_what_is_composed_parses_to_the_same(drawing: d.Drawing) -> None:
     text = d.compose(drawing)
@@ -50,7 +49,6 @@ def test_what_is_composed_parses_to_the_same(drawing: d.Drawing) -> None:
     assert d.compose(drawing) == text
 
 
-@settings(deadline=None)
 @given(drawings())
 def test_the_drawing_of_a_drawn_level_stays_the_same(drawing: d.Drawing) -> None:
     """Draw, parse, draw. Walls that nobody can meet may get lost the first time."""
@@ -58,14 +56,12 @@ def test_the_drawing_of_a_drawn_level_stays_the_same(drawing: d.Drawing) -> None
     assert drawn(first, legend=LEGEND).draw() == first
 
 
-@settings(deadline=None)
 @given(drawings(cells=" SEoO~x9"))
 def test_without_blocked_cells_a_drawn_level_draws_what_was_drawn(drawing: d.Drawing) -> None:
     text = d.compose(drawing)
     assert drawn(text, legend=LEGEND).draw() == text
 
 
-@settings(deadline=None)
 @given(worlds())
 def test_the_drawing_of_any_level_can_be_pasted_back(world: World) -> None:
     level = level_of(world)
@@ -79,7 +75,6 @@ def test_the_drawing_of_any_level_can_be_pasted_back(world: World) -> None:
     assert copy.grid().glass.keys() == level.grid().glass.keys()
 
 
-@settings(deadline=None)
 @given(drawings())
 def test_a_drawing_is_the_same_game_as_its_fields(drawing: d.Drawing) -> None:
     level = drawn(d.compose(drawing), legend=LEGEND)
@@ -163,7 +158,6 @@ def test_a_start_hides_a_puddle() -> None:
 # -- what does not matter ----------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(drawings(4), st.integers(0, 5), st.integers(0, 3), st.integers(0, 3), st.data())
 def test_indentation_blank_lines_and_blanks_at_the_end_do_not_matter(
     drawing: d.Drawing, indent: int, before: int, after: int, data: st.DataObject
@@ -176,7 +170,6 @@ def test_indentation_blank_lines_and_blanks_at_the_end_do_not_matter(
     assert parse(text) == (drawing, [])
 
 
-@settings(deadline=None, max_examples=200)
 @given(drawings(3), st.data())
 def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
     drawing: d.Drawing, data: st.DataObject

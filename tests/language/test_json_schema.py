@@ -11,7 +11,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from pydantic import BaseModel
@@ -188,20 +188,17 @@ def _bend(draw: DrawFn, here: Any) -> None:
         here[key] = draw(JUNK)
 
 
-@settings(max_examples=60, deadline=None)
 @given(decorated_worlds())
 def test_good_levels_are_accepted(world: dict[str, Any]) -> None:
     assert shape_faults(world, LevelSpec) == []
     LEVEL.validate(world)
 
 
-@settings(max_examples=400, deadline=None)
 @given(bent(decorated_worlds()))
 def test_the_schema_accepts_the_shapes_that_the_loader_accepts(data: dict[str, Any]) -> None:
     assert_agreed(data)
 
 
-@settings(max_examples=400, deadline=None)
 @given(st.dictionaries(FIELDS, JUNK, max_size=3))
 def test_they_agree_on_single_fields_of_all_shapes(fields: dict[str, Any]) -> None:
     assert_agreed({"version": 1, **fields})
@@ -269,7 +266,6 @@ def test_they_agree_on_a_drawing_that_is_not_there(fields: dict[str, Any]) -> No
     assert shape_faults({"version": 1, **fields}, LevelSpec) == []
 
 
-@settings(max_examples=200, deadline=None)
 @given(
     st.fixed_dictionaries(
         {},
@@ -288,6 +284,7 @@ def test_they_agree_on_themes(data: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("order", [[], ["--maze-seed", "3"], ["--template", "drawing"]], ids=str)
+@pytest.mark.slow
 def test_other_checkers_accept_a_new_level(
     order: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

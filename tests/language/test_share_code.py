@@ -5,16 +5,17 @@ from __future__ import annotations
 import contextlib
 import hashlib
 import re
-import tracemalloc
 import zlib
 from pathlib import Path
 from typing import Any
 
 import gymnasium
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.codes import code_of, packed, sealed
+from support.each import for_each
+from support.work import traced_memory
 from support.worlds import LEGEND, World, decorated_worlds, drawings, level_of
 
 import babyrobot_levels as brl
@@ -46,7 +47,6 @@ def assert_same(other: Level, level: Level) -> None:
 # -- there and back ------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(decorated_worlds())
 def test_a_code_holds_the_whole_level(world: World) -> None:
     level = level_of(world)
@@ -58,21 +58,18 @@ def test_a_code_holds_the_whole_level(world: World) -> None:
     assert other.share_code() == code
 
 
-@settings(deadline=None)
 @given(drawings())
 def test_a_code_holds_a_drawing(drawing: Any) -> None:
     level = level_of({"version": 1, "map": compose(drawing), "legend": LEGEND})
     assert_same(load(level.share_code()), level)
 
 
-@settings(deadline=None)
 @given(st.floats(-1e300, 1e300), st.integers(-(10**30), 10**30))
 def test_a_code_holds_any_number(reward: float, seed: int) -> None:
     level = level_of({"version": 1, "rewards": {"step": reward}, "maze": {"seed": seed}})
     assert_same(load(level.share_code()), level)
 
 
-@settings(deadline=None)
 @given(st.text())
 def test_a_code_holds_any_text(text: str) -> None:
     level = level_of({"version": 1, "title": text})
@@ -172,7 +169,6 @@ def test_random_mazes_have_no_one_digest() -> None:
 # -- damaged codes ---------------------------------------------------------------------------
 
 
-@settings(deadline=None)
 @given(st.integers(0, len(MAZE) - 1), st.characters(exclude_categories=["Z", "C"]))
 def test_no_changed_character_goes_unnoticed(place: int, character: str) -> None:
     code = MAZE[:place] + character + MAZE[place + 1 :]
@@ -182,7 +178,7 @@ def test_no_changed_character_goes_unnoticed(place: int, character: str) -> None
         load(code)
 
 
-@pytest.mark.parametrize("length", range(5, len(MAZE)))
+@for_each("length", range(5, len(MAZE)))
 def test_a_code_that_is_cut_off_says_so(length: int) -> None:
     with pytest.raises(LevelError, match=r"^the share code is cut off: "):
         load(MAZE[:length])
@@ -241,13 +237,9 @@ def test_a_bomb_is_refused_before_it_is_unpacked() -> None:
     block = b" " * (1 << 20)
     code = sealed(b"".join(packer.compress(block) for _ in range(400)) + packer.flush())
     assert len(code) < MAX_CHARACTERS
-    tracemalloc.start()
-    try:
-        with pytest.raises(LevelError, match="larger than 1 MiB"):
-            load(code)
-        assert tracemalloc.get_traced_memory()[1] < 16 << 20
-    finally:
-        tracemalloc.stop()
+    with traced_memory() as work, pytest.raises(LevelError, match="larger than 1 MiB"):
+        load(code)
+    assert work.memory < 16 << 20
 
 
 @pytest.mark.parametrize(
@@ -274,7 +266,6 @@ def test_what_a_code_holds_is_checked_as_a_file_is(data: bytes, rule: str) -> No
     assert "<share code>:1:" in str(caught.value)
 
 
-@settings(deadline=None)
 @given(st.binary(max_size=300))
 def test_whatever_a_code_holds_nothing_but_a_level_error_comes_of_it(data: bytes) -> None:
     for code in (code_of(data), sealed(data)):

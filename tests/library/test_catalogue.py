@@ -15,6 +15,7 @@ from typing import Any
 
 import gymnasium
 import pytest
+from support.each import for_each
 from support.playing import GALLERY
 from support.sessions import run_here
 from support.subprocesses import run
@@ -575,7 +576,7 @@ def test_the_public_names() -> None:
     assert len(set(brl.__all__)) == len(brl.__all__)
 
 
-@pytest.mark.parametrize("name", brl.__all__)
+@for_each("name", brl.__all__)
 def test_each_public_name_can_be_had(name: str) -> None:
     value = getattr(brl, name)
     assert getattr(brl, name) is value

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import ValidationError
+from support.each import for_each
 from support.reports import GOOD
 from support.worlds import (
     AWKWARD,
@@ -39,7 +40,6 @@ from babyrobot_levels.text.source import SourceFile
 # -- as text -----------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=150)
 @given(decorated_worlds())
 def test_yaml_and_back(world: World) -> None:
     level = level_of(world)
@@ -50,7 +50,6 @@ def test_yaml_and_back(world: World) -> None:
     assert again.to_yaml() == text
 
 
-@settings(deadline=None, max_examples=50)
 @given(drawings(5))
 def test_drawn_levels_to_yaml_and_back(drawing: d.Drawing) -> None:
     text = d.compose(drawing)
@@ -71,7 +70,6 @@ def test_awkward_texts_survive(text: str) -> None:
     assert level.areas[0].label == text
 
 
-@settings(deadline=None, max_examples=300)
 @given(texts, st.dictionaries(texts.filter(lambda key: key != "<<"), texts, max_size=3))
 def test_what_is_emitted_reads_back(text: str, mapping: dict[str, str]) -> None:
     data = {"text": text, "list": [text, 1, 0.5, None, True], "mapping": mapping}
@@ -101,7 +99,6 @@ def wrapped(value: Any, ways: list[str]) -> Any:
     return value
 
 
-@settings(deadline=None, max_examples=300)
 @given(trees, st.integers(0, 50).flatmap(lambda n: st.lists(wrappings, min_size=n, max_size=n)))
 @example([], ["in a list"] * 45)
 @example({}, ["in a list"] * 45)
@@ -353,7 +350,7 @@ def test_good_files_are_saved_as_the_same_level(path: Path, tmp_path: Path) -> N
     assert again.to_dict() == level.to_dict()
 
 
-@pytest.mark.parametrize("path", GOOD, ids=lambda path: path.stem)
+@for_each("path", GOOD)
 @pytest.mark.parametrize(
     "fields",
     [
@@ -438,7 +435,6 @@ def test_a_level_without_a_text_is_saved_as_canonical_yaml(tmp_path: Path) -> No
     assert saved(level, tmp_path) == level.to_yaml()
 
 
-@settings(deadline=None, max_examples=100)
 @given(decorated_worlds(), decorated_worlds())
 def test_any_level_can_be_spliced_into_any_text(one: World, other: World) -> None:
     from babyrobot_levels.text.splice import splice

@@ -9,7 +9,6 @@ import re
 import stat
 import struct
 import sys
-import time
 import zipfile
 import zlib
 from collections.abc import Callable
@@ -28,6 +27,7 @@ from support.packs import (
     sealed,
     users_files,
 )
+from support.work import counted_calls
 
 from babyrobot_levels.library.packs import archive
 from babyrobot_levels.library.packs.format import MANIFEST
@@ -383,15 +383,15 @@ def refused(data: bytes) -> str:
     before = users_files()
     path = Path("hostile.brlpack")
     path.write_bytes(data)
-    begin = time.perf_counter()
-    result = babyrobot("install", path)
+    with counted_calls() as work:
+        result = babyrobot("install", path)
     assert (result.status, result.out) == (1, ""), result
     assert result.err.count("\n") == 1
     assert len(result.err) < 500
     assert result.err.startswith("error: hostile.brlpack was not installed: ")
     assert users_files() == before
     assert sorted(found.name for found in Path().iterdir()) == ["hostile.brlpack"]
-    assert time.perf_counter() - begin < 20
+    assert work.calls < 500_000, work
     return result.err
 
 
@@ -444,14 +444,12 @@ def test_a_million_entries_are_refused_before_they_are_read() -> None:
         0,
     )
     small = local + central * 200_000
-    begin = time.perf_counter()
     assert "larger than the limit" in refused(local + central * count + end)
     # As many as fit into the size of a pack; the count at the end is a lie.
     for stated in (3, 10_001, 0xFFFF):
         size = len(small) - len(local)
         liar = struct.pack("<4s4H2IH", b"PK\5\6", 0, 0, stated, stated, size, len(local), 0)
         refused(small + liar)
-    assert time.perf_counter() - begin < 5
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")

@@ -6,16 +6,15 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from support.reference import ACTIONS, Cell, Outcomes, Reference, World
 from support.worlds import level_of, worlds
 
 from babyrobot_levels import Action
-from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.tables import FORMER_NAMES, FREE, GLASS, REFUSED, Mdp
 
 STAY, NORTH, EAST, SOUTH, WEST = Action
-
-laws = settings(deadline=None, max_examples=80)
 
 
 def outcomes(world: World, cell: Cell, action: int) -> Outcomes:
@@ -56,7 +55,6 @@ def field(size: int = 3, **fields: object) -> World:
 # -- laws ------------------------------------------------------------------------------------
 
 
-@laws
 @given(worlds())
 def test_probabilities_are_distributions(world: World) -> None:
     mdp = level_of(world).compile()
@@ -67,7 +65,6 @@ def test_probabilities_are_distributions(world: World) -> None:
     assert sorted(np.flatnonzero(mdp.start)) == sorted(y * mdp.width + x for x, y in starts)
 
 
-@laws
 @given(worlds())
 def test_outcomes_are_distinct_and_sorted(world: World) -> None:
     mdp = level_of(world).compile()
@@ -79,7 +76,6 @@ def test_outcomes_are_distinct_and_sorted(world: World) -> None:
             assert not padding.any()
 
 
-@laws
 @given(worlds())
 def test_next_states_are_cells_that_exist(world: World) -> None:
     level = level_of(world)
@@ -88,33 +84,29 @@ def test_next_states_are_cells_that_exist(world: World) -> None:
     assert not blocked[reached].any()
 
 
-@laws
 @given(worlds())
 def test_terminal_is_exactly_where_the_episode_is_over(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)
     happens = mdp.probability > 0
-    assert (mdp.terminal[happens] == mdp.over[mdp.next_state][happens]).all()
-    assert mdp.over.tolist() == [reference.is_over(cell) for cell in reference.cells]
+    assert (mdp.terminal[happens] == mdp.is_terminal[mdp.next_state][happens]).all()
+    assert mdp.is_terminal.tolist() == [reference.is_over(cell) for cell in reference.cells]
 
 
-@laws
 @given(worlds())
 def test_where_the_episode_is_over_nothing_happens_any_more(world: World) -> None:
     mdp = level_of(world).compile()
-    for state in np.flatnonzero(mdp.over).tolist():
+    for state in np.flatnonzero(mdp.is_terminal).tolist():
         for action in range(5):
             assert mdp.outcomes(state, action) == [(1.0, state, 0.0, True)]
-        assert mdp.possible[state].tolist() == [1, 0, 0, 0, 0]
+        assert mdp.action_mask[state].tolist() == [1, 0, 0, 0, 0]
 
 
-@laws
 @given(worlds())
 def test_possible_actions_are_those_that_nothing_refuses(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)
-    assert mdp.possible.tolist() == [reference.possible(cell) for cell in reference.cells]
+    assert mdp.action_mask.tolist() == [reference.possible(cell) for cell in reference.cells]
 
 
-@laws
 @given(worlds())
 def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
     calm = {**world, "skid": None, "puddles": [], "areas": []}
@@ -124,8 +116,8 @@ def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
     for state in range(mdp.num_states):
         for action in range(5):
             found = mdp.outcomes(state, action)
-            target = int(mdp.target[state, action])
-            if mdp.hindered[state, action] == GLASS:
+            target = int(mdp.intended_next_state[state, action])
+            if mdp.obstruction[state, action] == GLASS:
                 assert target == mdp.num_states or target in {after for _, after, _, _ in found}
             elif target == mdp.num_states:
                 assert sorted({after for _, after, _, _ in found}) == anywhere
@@ -133,7 +125,6 @@ def test_target_is_where_an_action_leads_without_chance(world: World) -> None:
                 assert {after for _, after, _, _ in found} == {target}
 
 
-@laws
 @given(worlds())
 def test_arrays_are_as_documented_and_read_only(world: World) -> None:
     mdp = level_of(world).compile()
@@ -145,10 +136,10 @@ def test_arrays_are_as_documented_and_read_only(world: World) -> None:
         "reward": ((states, actions, most), np.float64),
         "terminal": ((states, actions, most), np.bool_),
         "start": ((states,), np.float64),
-        "over": ((states,), np.bool_),
-        "possible": ((states, actions), np.int8),
-        "target": ((states, actions), np.int32),
-        "hindered": ((states, actions), np.int8),
+        "is_terminal": ((states,), np.bool_),
+        "action_mask": ((states, actions), np.int8),
+        "intended_next_state": ((states, actions), np.int32),
+        "obstruction": ((states, actions), np.int8),
     }
     for name, (shape, dtype) in shapes.items():
         array = getattr(mdp, name)
@@ -174,7 +165,6 @@ def test_tables_are_made_once_and_shared() -> None:
 # -- the rules, once more ----------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=400)
 @given(worlds())
 def test_tables_are_those_of_the_reference(world: World) -> None:
     mdp, reference = level_of(world).compile(), Reference(world)
@@ -297,8 +287,8 @@ def test_skidding_makes_glass_harder_and_nothing_else() -> None:
 def test_glass_that_always_lets_through_is_still_glass() -> None:
     world = corridor(3, walls=[{"at": [0, 0], "side": "E", "pass": 1}])
     assert only(world, (0, 0), EAST) == ((1, 0), -1.0, False)
-    assert level_of(world).compile().hindered[0, EAST] == GLASS
-    assert level_of(world).compile().possible[0].tolist() == [1, 0, 1, 0, 0]
+    assert level_of(world).compile().obstruction[0, EAST] == GLASS
+    assert level_of(world).compile().action_mask[0].tolist() == [1, 0, 1, 0, 0]
 
 
 def test_glass_beside_a_blocked_cell_is_a_wall() -> None:
@@ -309,7 +299,7 @@ def test_glass_beside_a_blocked_cell_is_a_wall() -> None:
         walls=[{"at": [1, 0], "side": "W", "pass": 1}],
     )
     assert only(world, (1, 0), WEST)[0] == (1, 0)
-    assert level_of(world).compile().hindered[1, WEST] == REFUSED
+    assert level_of(world).compile().obstruction[1, WEST] == REFUSED
 
 
 def test_an_opening_takes_glass_away() -> None:
@@ -368,8 +358,8 @@ def test_leave_acts_on_every_move_and_on_no_stay() -> None:
     for action in (NORTH, EAST, SOUTH, WEST):
         assert only(world, (1, 0), action) == ((2, 2), 4.0, False)
     assert only(world, (1, 0), STAY) == ((1, 0), -1.0, False)
-    assert level_of(world).compile().possible[1].tolist() == [1, 1, 1, 1, 1]
-    assert (level_of(world).compile().hindered[1] == FREE).all()
+    assert level_of(world).compile().action_mask[1].tolist() == [1, 1, 1, 1, 1]
+    assert (level_of(world).compile().obstruction[1] == FREE).all()
 
 
 def test_leave_leads_on_through_enter_warps() -> None:
@@ -419,7 +409,7 @@ def test_a_move_that_the_wind_cancels_is_not_refused() -> None:
     world = field(wind={"south": [1, 0, 0]}, rewards={"bump": -5})
     for cell in ((0, 0), (0, 1)):
         assert only(world, cell, NORTH) == (cell, -1.0, False)
-        assert level_of(world).compile().possible[cell[1] * 3, NORTH] == 1
+        assert level_of(world).compile().action_mask[cell[1] * 3, NORTH] == 1
 
 
 def test_a_stronger_wind_blows_the_robot_back() -> None:
@@ -550,3 +540,11 @@ def test_the_tables_can_be_had_as_gymnasium_has_them() -> None:
     assert with_stay[0][EAST] == moves[0][EAST - 1] == [(1.0, 1, 0.0, True)]
     assert sorted(with_stay[0]) == [0, 1, 2, 3, 4]
     assert sorted(moves[0]) == [0, 1, 2, 3]
+
+
+@pytest.mark.parametrize("former", FORMER_NAMES)
+def test_former_names_of_tables_are_deprecated(former: str) -> None:
+    mdp = load("final-maze").compile()
+    now = FORMER_NAMES[former]
+    with pytest.warns(DeprecationWarning, match=f"Mdp.{former} is deprecated; use Mdp.{now}"):
+        assert getattr(mdp, former) is getattr(mdp, now)

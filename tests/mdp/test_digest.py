@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from support.worlds import World, decorated_worlds, level_of, level_of_text, worlds
 
 from babyrobot_levels.language.base import SIDES
@@ -63,7 +63,6 @@ def digest(**fields: Any) -> str:
 # -- what does not change it -------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=100)
 @given(decorated_worlds())
 def test_texts_looks_and_limits_do_not_change_it(world: World) -> None:
     game = {
@@ -87,7 +86,6 @@ def test_texts_looks_and_limits_do_not_change_it(world: World) -> None:
     assert level_of(world).digest == level_of(game).digest
 
 
-@settings(deadline=None, max_examples=100)
 @given(worlds())
 def test_a_maze_written_out_as_walls_is_the_same_game(world: World) -> None:
     level = level_of(world)

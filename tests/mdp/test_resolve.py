@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from support.worlds import LEGEND, World, drawings, level_of, worlds
@@ -73,7 +73,6 @@ def sides(walls: list[dict[str, Any]]) -> int:
     return sum(wall.get("length", 1) for wall in walls)
 
 
-@settings(deadline=None)
 @given(mazes())
 def test_the_game_and_the_picture_stay_the_same(world: World) -> None:
     level = level_of(world)
@@ -83,7 +82,6 @@ def test_the_game_and_the_picture_stay_the_same(world: World) -> None:
     assert resolved.resolve() is resolved
 
 
-@settings(deadline=None)
 @given(drawings(5), st.integers(0, 9))
 def test_a_drawing_shows_the_maze(drawing: Any, seed: int) -> None:
     level = level_of(
@@ -119,7 +117,6 @@ def test_the_gallery(name: str) -> None:
         assert_same(level.resolve(), level)
 
 
-@settings(deadline=None)
 @given(st.integers(0, 999))
 def test_walls_are_as_long_as_they_can_be_and_none_is_told_twice(seed: int) -> None:
     level = level_of({"version": 1, "size": [7, 6], "maze": {"seed": seed}})

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.each import for_each
 from support.places import TESTS
 from support.worlds import level_of
 
@@ -34,14 +35,14 @@ def test_the_record_is_there() -> None:
     assert sum(len(level["transitions"]) for level in RECORD["levels"]) == 23_879
 
 
-@pytest.mark.parametrize("maze", RECORD["mazes"], ids=lambda maze: f"{maze['size']}-{maze['seed']}")
+@for_each("maze", RECORD["mazes"], ids=lambda maze: f"{maze['size']}-{maze['seed']}")
 def test_mazes_are_equal_wall_for_wall(maze: dict[str, Any]) -> None:
     world = {"version": 1, "size": maze["size"], "start": maze["start"], "exit": "none"}
     grid = level_of({**world, "maze": {"seed": maze["seed"]}}).grid()
     assert open_sides(grid) == maze["open"]
 
 
-@pytest.mark.parametrize("number", range(200))
+@for_each("number", range(200))
 def test_levels_are_equal(number: int) -> None:
     record = RECORD["levels"][number]
     level = level_of(record["level"])
@@ -49,7 +50,7 @@ def test_levels_are_equal(number: int) -> None:
     # The package has nothing to say of cells where the episode is over.
     shown = [
         "0" if over else digit
-        for digit, over in zip(open_sides(grid, with_glass=True), mdp.over, strict=True)
+        for digit, over in zip(open_sides(grid, with_glass=True), mdp.is_terminal, strict=True)
     ]
     assert "".join(shown) == record["open"]
     for key, transitions in record["transitions"].items():
@@ -68,7 +69,7 @@ def test_levels_are_equal(number: int) -> None:
 # -- value iteration -------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("world", VALUES["worlds"], ids=lambda world: str(world["discount"]))
+@for_each("world", VALUES["worlds"], ids=lambda world: str(world["discount"]))
 def test_solutions_are_those_of_its_value_iteration(world: dict[str, Any]) -> None:
     solution = brl.solve(level_of(world["level"]), world["discount"])
     assert VALUES["threshold"] == 1e-9

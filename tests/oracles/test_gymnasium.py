@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import pytest
 from gymnasium.envs.toy_text.frozen_lake import generate_random_map
+from support.each import for_each
 from support.worlds import World, level_of
 
 Outcome = tuple[float, int, float, bool]
@@ -58,7 +59,7 @@ def lake(rows: Sequence[str], skid: float, goal: float, hole: float, ice: float)
 
 
 @pytest.mark.parametrize("is_slippery", [True, False])
-@pytest.mark.parametrize("size", range(2, 9))
+@for_each("size", range(2, 9))
 @pytest.mark.parametrize(
     ("seed", "rate", "schedule"),
     [(1, 1 / 3, (1, 0, 0)), (2, 0.8, (10, -5, -0.1)), (3, 0.0, (2, -1, 0.5)), (4, 1.0, (1, 0, 0))],

@@ -87,7 +87,7 @@ def at_random(mdp: Mdp, discount: float) -> Values:
     """Return the values of taking each of the four moves with probability 1/4, refused or not."""
     steps, gain = model(mdp)
     # Where the episode is over nothing more comes, and the equations would be singular.
-    unknown = np.flatnonzero(~mdp.over)
+    unknown = np.flatnonzero(~mdp.is_terminal)
     ahead = np.eye(len(unknown)) - discount * steps.mean(axis=1)[np.ix_(unknown, unknown)]
     values: Values = np.zeros(mdp.num_states)
     values[unknown] = np.linalg.solve(ahead, gain.mean(axis=1)[unknown])
@@ -328,7 +328,7 @@ def test_the_4x3_world() -> None:
         (2, 2): 0.611,
         (3, 2): 0.388,
     }
-    free = [cell for cell in np.ndindex(4, 3) if not mdp.over[state(mdp, cell)]]
+    free = [cell for cell in np.ndindex(4, 3) if not mdp.is_terminal[state(mdp, cell)]]
     assert set(free) == set(figure_17_3)
     for cell, utility in figure_17_3.items():
         assert utilities[state(mdp, cell)] == pytest.approx(utility, abs=0.0005), cell

@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
+from support.each import for_each
 from support.handwriting import Scribe
 from support.places import TESTS
 from support.worlds import decorated_worlds, level_of_text, worlds
@@ -64,7 +65,6 @@ def handwritten(scribe: Scribe, world: dict[str, Any]) -> tuple[str, Document]:
     return text, read_back
 
 
-@settings(deadline=None, max_examples=150)
 @given(
     decorated_worlds(),
     st.randoms(use_true_random=False),
@@ -80,7 +80,6 @@ def test_any_handwriting(world: dict[str, Any], rng: random.Random, chatty: floa
     assert formatted(result) == result
 
 
-@settings(deadline=None, max_examples=60)
 @given(worlds(5), st.randoms(use_true_random=False))
 def test_the_digest_stays(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Scribe(rng), world)
@@ -99,14 +98,12 @@ class Copyist(Scribe):
         return []
 
 
-@settings(deadline=None, max_examples=100)
 @given(worlds(4), st.randoms(use_true_random=False))
 def test_lists_and_mappings_come_to_one_form(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Copyist(rng, chatty=0.0), world)
     assert formatted(text).replace("\r\n", "\n") == Level.from_fields(world).to_yaml()
 
 
-@settings(deadline=None, max_examples=150)
 @given(decorated_worlds())
 def test_what_levels_write_is_canonical(world: dict[str, Any]) -> None:
     text = Level.from_fields(world).to_yaml()
@@ -135,7 +132,7 @@ def test_a_new_maze_is_canonical() -> None:
     assert formatted(text) == text
 
 
-@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+@for_each("path", GALLERY)
 def test_the_gallery_is_canonical(path: Path) -> None:
     text = path.read_bytes().decode()
     assert formatted(text) == text

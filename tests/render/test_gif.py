@@ -147,6 +147,7 @@ def test_a_film_of_a_large_level_is_no_larger_than_can_be_shown() -> None:
     assert max(frames.shape[1:3]) == MAX_SIDE
 
 
+@pytest.mark.slow
 def test_long_films_leave_out_what_is_between_cells() -> None:
     there_and_back = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.WEST, 0, -1.0)]
     world = level(size=[12, 12])

@@ -174,6 +174,13 @@ def test_a_solution_stands_for_its_arrays(actions: str) -> None:
     assert whole.actions[1][2] == ()
 
 
+def test_the_policy_of_a_solution_knows_that_its_actions_are_moves() -> None:
+    solution = brl.solve(LEVEL, actions="moves")
+    actions = read(policy=solution.policy).actions
+    assert actions is not None
+    assert actions[0][2] == (S,)
+
+
 def test_a_sweep_of_learning_stands_for_its_arrays() -> None:
     *_, sweep = value_iteration(LEVEL)
     whole = read(values=sweep, policy=sweep)
@@ -198,9 +205,9 @@ def test_texts_have_their_places_and_perhaps_colours() -> None:
         ([((math.nan, 0), "off")], "not on the level"),
         ([((0, 0), "a", "reddish")], "invalid CSS colour: 'reddish'"),
         ([((0, 0), "a", "red\n")], "colour"),
-        ([((0, 0), "a", "red", 7)], r"list of \(\(x, y\), text\)"),
-        ([(0, 0, "a")], r"list of \(\(x, y\), text\)"),
-        ("hello", r"list of \(\(x, y\), text\)"),
+        ([((0, 0), "a", "red", 7)], r"expected \(\(x, y\), text\)"),
+        ([(0, 0, "a")], r"expected \(\(x, y\), text\)"),
+        ("hello", r"expected \(\(x, y\), text\)"),
         (np.zeros((2, 3)), "use `values` for an array of numbers"),
         (7, "`text` must be a list, not 7"),
     ],
@@ -213,7 +220,7 @@ def test_texts_that_are_none_are_refused(told: Any, message: str) -> None:
 def test_panels_hold_a_text_or_lines() -> None:
     overlay = read(side_panel="one", bottom_panel=["two", "three"])
     assert (overlay.side_panel, overlay.bottom_panel) == (("one",), ("two", "three"))
-    with pytest.raises(ValueError, match="`side_panel` must be a list of texts, not of 7"):
+    with pytest.raises(ValueError, match="`side_panel` must be a list of texts; 7 is not a text"):
         read(side_panel=["one", 7])
 
 

@@ -10,7 +10,7 @@ import zlib
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.worlds import World, decorated_worlds, level_of
 
@@ -49,7 +49,6 @@ def play_data(link: str) -> Any:
     )
 
 
-@settings(deadline=None)
 @given(decorated_worlds())
 def test_a_link_is_read_as_its_level(world: World) -> None:
     level = level_of(world)
@@ -70,7 +69,6 @@ def test_links_are_short(name: str) -> None:
     assert load(link).to_dict(whole=True) == level.to_dict(whole=True)
 
 
-@settings(deadline=None)
 @given(st.integers(0, 3000))
 def test_however_much_of_the_play_part_is_missing_the_level_is_read(length: int) -> None:
     code, mark, part = LINK.partition("~")
@@ -78,7 +76,6 @@ def test_however_much_of_the_play_part_is_missing_the_level_is_read(length: int)
     assert load(f"{code}%7E{part[:length]}").digest == DIGEST
 
 
-@settings(deadline=None)
 @given(st.data())
 def test_no_changed_character_of_the_code_goes_unnoticed(data: st.DataObject) -> None:
     begin, end = LINK.index("brl1."), LINK.index("~")

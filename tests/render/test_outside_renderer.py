@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 import resvg_py
 from PIL import Image, ImageFont
+from support.each import for_each
 from support.places import GALLERY_FOLDER
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
@@ -122,7 +123,7 @@ def overlays() -> Iterator[dict[str, Any]]:
     }
 
 
-@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+@for_each("path", GALLERY)
 def test_levels_of_the_gallery(path: Path, font: Font) -> None:
     level = load(str(path))
     level = level.with_maze_seed(1) if level.has_random_maze else level
@@ -138,8 +139,8 @@ def test_themes_and_overlays(theme: str, info: dict[str, Any], font: Font) -> No
 
 
 @pytest.mark.parametrize("theme", BUILTIN_THEMES)
-@pytest.mark.parametrize("mood", Mood)
-@pytest.mark.parametrize("facing", Action)
+@for_each("mood", Mood)
+@for_each("facing", Action)
 def test_poses(theme: str, mood: Mood, facing: Action, font: Font) -> None:
     ends = {"start_text": False, "exit_text": False}
     level = Level.from_fields({"version": 1, "size": [2, 1], "theme": theme, "display": ends})

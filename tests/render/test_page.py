@@ -205,10 +205,10 @@ def test_its_tables_are_the_compiled_ones(name: str) -> None:
     assert (data["width"], data["height"]) == world.size
     assert data["starts"] == np.flatnonzero(mdp.start).tolist()
     for state in range(mdp.num_states):
-        assert (data["table"][5 * state] == -1) == bool(mdp.over[state])
+        assert (data["table"][5 * state] == -1) == bool(mdp.is_terminal[state])
         for action in Action:
-            assert data["possible"][state] >> action & 1 == mdp.possible[state, action]
-            if not mdp.over[state]:
+            assert data["possible"][state] >> action & 1 == mdp.action_mask[state, action]
+            if not mdp.is_terminal[state]:
                 told = [
                     (chance, state + shift, reward, bool(terminal))
                     for chance, shift, reward, terminal, _, _ in outcomes(data, state, action)

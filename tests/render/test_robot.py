@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.each import for_each
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.library.level import Level
@@ -53,7 +54,7 @@ def reach(shape: Shape) -> tuple[float, float]:
 @pytest.mark.parametrize(
     ("state", "facing"), [(HERE - WIDTH, N), (HERE + 1, E), (HERE + WIDTH, S), (HERE - 1, W)]
 )
-@pytest.mark.parametrize("action", Action)
+@for_each("action", Action)
 def test_he_looks_where_he_went_whatever_he_was_told(
     state: int, facing: Action, action: Action
 ) -> None:
@@ -61,7 +62,7 @@ def test_he_looks_where_he_went_whatever_he_was_told(
 
 
 @pytest.mark.parametrize("state", [HERE, 0, HERE + 2, HERE + WIDTH + 1], ids=str)
-@pytest.mark.parametrize("action", [0, 1, 2, 3, 4])
+@for_each("action", Action)
 def test_where_he_stayed_or_came_from_far_he_looks_where_he_wanted_to_go(
     state: int, action: int
 ) -> None:
@@ -88,8 +89,8 @@ def test_states_of_numpy_are_states() -> None:
 # -- the drawing ---------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("phase", [0.0, 0.1, 0.25, 0.5, 0.75, 0.9])
-@pytest.mark.parametrize("pose", POSES, ids=lambda pose: f"{pose.facing.name}-{pose.mood}")
+@for_each("phase", [0.0, 0.1, 0.25, 0.5, 0.75, 0.9])
+@for_each("pose", POSES)
 def test_he_never_leaves_his_cell(pose: Pose, phase: float) -> None:
     for shape in robot_shapes(Theme(), 0, 0, Pose(pose.facing, pose.mood, phase)):
         least, largest = reach(shape)
@@ -139,7 +140,7 @@ def test_he_bobs_on_the_way_and_stands_at_its_ends() -> None:
     assert top(0.75) == pytest.approx(top(0.25))
 
 
-@pytest.mark.parametrize("name", BUILTIN_THEMES)
+@for_each("name", BUILTIN_THEMES)
 @pytest.mark.parametrize("facing", Action)
 def test_he_stands_out_from_every_ground_even_when_small(name: str, facing: Action) -> None:
     world = Level.from_fields(

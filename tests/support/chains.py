@@ -23,7 +23,7 @@ def dense(mdp: Mdp, first_action: int) -> tuple[Floats, Floats]:
     steps[:, -1, -1] = 1.0
     for state in range(mdp.num_states):
         for action in range(actions):
-            if mdp.over[state]:
+            if mdp.is_terminal[state]:
                 steps[action, state, -1] = 1.0
                 continue
             for probability, goal, reward, over in mdp.outcomes(state, action + first_action):
@@ -87,7 +87,7 @@ def all_totals(steps: Floats, rewards: Floats, states: list[int]) -> tuple[Float
 
 def states_of(mdp: Mdp) -> list[int]:
     """Return the states in which an episode goes on."""
-    return [int(state) for state in np.flatnonzero(~mdp.over)]
+    return [int(state) for state in np.flatnonzero(~mdp.is_terminal)]
 
 
 def world(*, rows: list[str], **fields: Any) -> dict[str, Any]:

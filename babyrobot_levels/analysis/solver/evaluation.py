@@ -232,14 +232,14 @@ def simulate(
         steps[going] += 1
         state[going] = chain.next_state[here, which]
         factor *= discount
-        going = going[~mdp.over[state[going]]]
+        going = going[~mdp.is_terminal[state[going]]]
         if not going.size:
             break
     return Simulation(
         returns=returns,
         steps=steps,
         at_exit=_exits(level)[state],
-        cut=~mdp.over[state],
+        cut=~mdp.is_terminal[state],
         max_steps=limit,
         discount=discount,
     )

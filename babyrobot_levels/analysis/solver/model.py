@@ -145,7 +145,7 @@ def build_model(mdp: Mdp, exits: Ints, first_action: int) -> Model:
         exits: the states that are exits.
         first_action: the action that becomes number 0: 1 leaves `stay` out.
     """
-    states = np.flatnonzero(~mdp.over)
+    states = np.flatnonzero(~mdp.is_terminal)
     number = np.full(mdp.num_states, states.size, np.int32)
     number[states] = np.arange(states.size)
     # Where nothing lies between them, the tables need no copy.

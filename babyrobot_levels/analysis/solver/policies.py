@@ -83,16 +83,16 @@ def _named(name: str, mdp: Mdp, count: int) -> Floats:
         )
     weights = np.ones((mdp.num_states, count))
     if name == "random":
-        possible = mdp.possible[:, -count:]
+        possible = mdp.action_mask[:, -count:]
         weights = np.where(possible.any(axis=1, keepdims=True), possible, weights)
     even: Floats = weights / weights.sum(axis=1, keepdims=True)
-    even[mdp.over] = 0.0
+    even[mdp.is_terminal] = 0.0
     return even
 
 
 def _called(function: Callable[[int, int], Any], mdp: Mdp) -> Any:
     table = np.zeros((mdp.height, mdp.width), np.int64)
-    for state in np.flatnonzero(~mdp.over).tolist():
+    for state in np.flatnonzero(~mdp.is_terminal).tolist():
         y, x = divmod(state, mdp.width)
         action = function(x, y)
         try:
@@ -107,7 +107,7 @@ def _chosen(table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int) -> 
     if not np.issubdtype(table.dtype, np.integer):
         raise ValueError("a policy [height, width] is an array of integers, the actions")
     count = num_actions(actions)
-    states = np.flatnonzero(~mdp.over)
+    states = np.flatnonzero(~mdp.is_terminal)
     chosen = table[states].astype(np.int64) + first - (NUM_ACTIONS - count)
     wrong = (chosen < 0) | (chosen >= count)
     if wrong.any():
@@ -130,7 +130,7 @@ def _chosen(table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int) -> 
 
 
 def _weighed(table: np.ndarray[Any, Any], mdp: Mdp) -> Floats:
-    states = np.flatnonzero(~mdp.over)
+    states = np.flatnonzero(~mdp.is_terminal)
     weights = np.zeros(table.shape)
     weights[states] = table[states]
     total = weights[states].sum(axis=1)

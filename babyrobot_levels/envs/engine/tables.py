@@ -165,14 +165,14 @@ def build_tables(
         threshold[done : done + len(rows), : rows.shape[1]] = rows
         done += len(rows)
     starts = [np.flatnonzero(mdp.start) + base for mdp, base in zip(mdps, offset, strict=False)]
-    state_info = np.concatenate([_mask_words(mdp.possible[:, first_action:]) for mdp in mdps])
+    state_info = np.concatenate([_mask_words(mdp.action_mask[:, first_action:]) for mdp in mdps])
     return Tables(
         num_actions=num_actions,
         **columns,
         stochastic=stochastic.astype(np.intp),
         first=idle_row + 1 + np.cumsum(count) - count,
         threshold=threshold,
-        is_terminal=np.concatenate([mdp.over for mdp in mdps]),
+        is_terminal=np.concatenate([mdp.is_terminal for mdp in mdps]),
         state_info=state_info,
         offset=offset.astype(np.intp),
         starts=np.concatenate(starts).astype(np.intp),
@@ -209,7 +209,7 @@ def outcomes_of(mdp: Mdp, first_action: int, base: int) -> Outcomes:
     next_state = mdp.next_state[rows]
     events = events_of(mdp)[rows]
     info = np.zeros(next_state.shape, info_dtype(NUM_ACTIONS - first_action))
-    info["mask"] = mdp.possible[next_state, first_action:]
+    info["mask"] = mdp.action_mask[next_state, first_action:]
     info["reached"] = events == Event.REACHED
     info["skidded"] = events == Event.SKIDDED
     columns = {
@@ -339,8 +339,8 @@ def write_level(tables: Tables, span: Span, mdp: Mdp, outcomes: Outcomes) -> Non
     stochastic[:num_rows][is_stochastic] = np.arange(begin, begin + count)
     threshold.fill(ALWAYS)
     threshold[:count, :width] = outcomes.threshold[is_stochastic]
-    tables.is_terminal[span.states][: mdp.num_states] = mdp.over
+    tables.is_terminal[span.states][: mdp.num_states] = mdp.is_terminal
     first_action = NUM_ACTIONS - tables.num_actions
-    state_info = _mask_words(mdp.possible[:, first_action:])
+    state_info = _mask_words(mdp.action_mask[:, first_action:])
     tables.state_info[span.states][: mdp.num_states] = state_info
     tables.starts[span.starts] = np.flatnonzero(mdp.start) + base

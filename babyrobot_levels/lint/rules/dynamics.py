@@ -47,7 +47,7 @@ def warp_onto_itself(context: LintContext) -> Iterator[Finding]:
     mdp = context.mdp
     for number, warp in enumerate(context.level.warps):
         state = context.state(warp.at)
-        if warp.when != "leave" or mdp.over[state]:
+        if warp.when != "leave" or mdp.is_terminal[state]:
             continue
         targets = mdp.next_state[state, 1:][mdp.probability[state, 1:] > 0]
         if (targets == state).all():
@@ -143,7 +143,7 @@ def _possibly_idle(context: LintContext) -> list[int]:
         if warp.when == "leave":
             # Without the warp, moves lead to several cells or stay on this one.
             home = warp.at in starts if isinstance(warp.to, str) else warp.at == warp.to
-            acts = not (enters or home or context.mdp.over[state])
+            acts = not (enters or home or context.mdp.is_terminal[state])
         else:
             acts = any(
                 context.reach.on[other] and other not in left for other in context.neighbours(state)

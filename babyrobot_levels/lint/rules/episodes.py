@@ -145,7 +145,7 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
     if not near:
         return
     warps = {context.state(warp.at) for warp in level.warps if warp.when == "enter"}
-    others = {state for state, over in enumerate(mdp.over.tolist()) if not over}
+    others = {state for state, over in enumerate(mdp.is_terminal.tolist()) if not over}
     if others - warps <= {*context.starts}:
         return
     exits = [context.state(cell) for cell in level.exits]
@@ -155,7 +155,7 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
         if any(
             {next_state for _, next_state, *_ in mdp.outcomes(context.starts[number], action)}
             <= {*exits}
-            for action in range(mdp.possible.shape[1])
+            for action in range(mdp.action_mask.shape[1])
         )
     ]
     if trivial:

@@ -122,7 +122,7 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
 def _help_for_cells(context: LintContext, missed: list[int]) -> str:
     for state in missed:
         for other in context.neighbours(state):
-            if context.mdp.over[other] and context.reach.reached(other):
+            if context.mdp.is_terminal[other] and context.reach.reached(other):
                 x, y = context.cell(other)
                 return f"the episode ends on [{x}, {y}], which blocks the path there"
     if context.level.map is not None:

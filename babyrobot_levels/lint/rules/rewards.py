@@ -106,7 +106,7 @@ def _is_surely_given(context: LintContext, name: str) -> bool:
         # Only a warp takes precedence where the robot stays on a cell that is no exit.
         from babyrobot_levels.mdp.tables import REFUSED
 
-        is_possible = name == "stay" or bool((context.mdp.hindered == REFUSED).any())
+        is_possible = name == "stay" or bool((context.mdp.obstruction == REFUSED).any())
         return is_possible and not level.warps and not level.wind
     if name not in ("closer", "farther") or level.warps or level.wind or len(level.exits) != 1:
         return False

@@ -59,19 +59,19 @@ def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
     if branches.row.size:
         tables = _with_outcomes(tables, _merged(branches, arrivals, starts), terrain)
 
-    hindered, target = _hindrances(moves, terrain, warps)
-    possible = (hindered != REFUSED).astype(np.int8)
-    possible[terrain.over, 1:] = 0
+    obstruction, intended = _obstructions(moves, terrain, warps)
+    action_mask = (obstruction != REFUSED).astype(np.int8)
+    action_mask[terrain.over, 1:] = 0
     start = np.zeros(terrain.over.size)
     start[starts] = 1.0 / starts.size
     return Mdp(
         width=grid.width,
         height=grid.height,
         start=start,
-        over=terrain.over,
-        possible=possible,
-        target=target,
-        hindered=hindered,
+        is_terminal=terrain.over,
+        action_mask=action_mask,
+        intended_next_state=intended,
+        obstruction=obstruction,
         **tables,
     ).freeze()
 
@@ -146,19 +146,19 @@ def _with_outcomes(
     return wide
 
 
-def _hindrances(
+def _obstructions(
     moves: Moves, terrain: Terrain, warps: Warps
 ) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
     """Return what hinders each action, and where it leads without chance."""
     states = np.arange(terrain.over.size)
-    hindered = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
+    obstruction = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
     target = np.empty((states.size, NUM_ACTIONS), np.int32)
     target[:, Action.STAY] = states
     glass = moves.glass > 0
     moves_on = ~warps.leaves & ~terrain.over
-    hindered[:, 1:][(moves_on & moves.refused).T] = REFUSED
-    hindered[:, 1:][(moves_on & glass).T] = GLASS
+    obstruction[:, 1:][(moves_on & moves.refused).T] = REFUSED
+    obstruction[:, 1:][(moves_on & glass).T] = GLASS
     goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
     target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
     target[terrain.over] = states[terrain.over, None]
-    return hindered, target
+    return obstruction, target

@@ -71,7 +71,7 @@ def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]
 
 
 def _arrow(start: Point, end: Point, gap: float, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield a bowed arrow that ends so many pixels before the middle of the cell it points to."""
+    """Yield a bowed arrow; `gap` is the distance in pixels from its tip to `end`."""
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     bow = min(0.16 * length, CELL)

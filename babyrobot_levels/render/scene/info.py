@@ -131,8 +131,8 @@ def _note(item: Any, precision: int, level: GridWorld) -> Note:
         x, y = float(x), float(y)
     except (TypeError, ValueError):
         raise ValueError(
-            f"`text` must be a list of ((x, y), text), not of {item!r}; "
-            "use `values` for an array of numbers"
+            f"invalid entry in `text`: {item!r}; expected ((x, y), text), "
+            "or use `values` for an array of numbers"
         ) from None
     width, height = level.size
     if not (-0.5 <= x <= width - 0.5 and -0.5 <= y <= height - 0.5):
@@ -147,12 +147,12 @@ def _lines(given: Mapping[str, Any], key: str) -> tuple[str, ...]:
     lines = _items(given, key)
     for line in lines:
         if not isinstance(line, str):
-            raise ValueError(f"`{key}` must be a list of texts, not of {line!r}")
+            raise ValueError(f"`{key}` must be a list of texts; {line!r} is not a text")
     return lines
 
 
-def _items(told: Mapping[str, Any], key: str) -> tuple[Any, ...]:
-    items = told.get(key, ())
+def _items(given: Mapping[str, Any], key: str) -> tuple[Any, ...]:
+    items = given.get(key, ())
     if isinstance(items, str):
         return (items,)
     if isinstance(items, Mapping) and "panel" in key:

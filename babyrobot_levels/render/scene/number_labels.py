@@ -41,10 +41,10 @@ def short(value: float, precision: int = 2) -> str:
     return "0" if text == "-0" else text
 
 
-def pill(
+def number_label(
     value: float,
     x: float,
-    under: float,
+    bottom: float,
     room: float,
     precision: int,
     colors: Colors,
@@ -57,7 +57,7 @@ def pill(
     Args:
         value: the value; it may be infinite.
         x: the left edge, middle or right edge of the background, depending on `anchor`.
-        under: its lower edge.
+        bottom: its lower edge.
         room: its largest width.
         precision: the largest number of decimals.
         colors: the theme's colours.
@@ -76,8 +76,8 @@ def pill(
     size = min(0.8 * height, (room - padding) / (count * CHARACTER_WIDTH))
     width = count * size * CHARACTER_WIDTH + padding
     left = x - {"start": 0.0, "middle": width / 2, "end": width}[anchor]
-    middle, centre = left + width / 2, under - height / 2
-    yield Rect(left, under - height, width, height, colors.text_bg, radius=height / 2)
+    middle, centre = left + width / 2, bottom - height / 2
+    yield Rect(left, bottom - height, width, height, colors.text_bg, radius=height / 2)
     if text:
         yield Text(middle, centre + 0.342 * size, text, size, colors.text_fg, bold=strong)
         return
@@ -89,7 +89,7 @@ def pill(
         yield Path(minus, stroke=colors.text_fg, width=1.3)
 
 
-def action_pills(
+def action_labels(
     values: Sequence[float | None],
     corner: Point,
     room: tuple[float, float],
@@ -119,11 +119,13 @@ def action_pills(
         Action.SOUTH: (middle, foot, CELL - 4, "middle"),
         Action.WEST: (left, centre, half, "start"),
     }
-    for action, (x, under, width, anchor) in places.items():
+    for action, (x, bottom, width, anchor) in places.items():
         value = values[action]
         if value is not None:
             strong = value == best
-            yield from pill(value, x, under, width, precision, colors, anchor, height, strong)
+            yield from number_label(
+                value, x, bottom, width, precision, colors, anchor, height, strong
+            )
 
 
 def _infinity(x: float, y: float) -> tuple[Command, ...]:

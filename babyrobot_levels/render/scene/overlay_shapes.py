@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.number_labels import HEIGHT, SMALL, action_pills, pill
+from babyrobot_levels.render.scene.number_labels import HEIGHT, SMALL, action_labels, number_label
 from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
 from babyrobot_levels.render.scene.panels import panel_texts
 from babyrobot_levels.render.scene.shapes import (
@@ -52,20 +52,20 @@ def overlay_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Overla
     Raises:
         ValueError: the overlay has another size than the level.
     """
-    colors, rooms = level.resolved_theme.colors, Rooms(level, layout)
+    colors, free = level.resolved_theme.colors, FreeSpace(level, layout)
     visits = [(cell, count) for cell, count in _cells(overlay.visits, layout) if count]
-    ground: list[Shape] = [*heat_shapes(visits, rooms, layout, colors.arrows)]
-    tops = _corners(level, overlay, visits, rooms, layout)
+    ground: list[Shape] = [*heat_shapes(visits, free, layout, colors.arrows)]
+    tops = _corners(level, overlay, visits, free, layout)
     numbers = [*_counts(visits, tops, colors, layout)]
-    numbers += _values(level, overlay, rooms, layout)
+    numbers += _values(level, overlay, free, layout)
     crowded = {
         cell: values
         for cell, values in _cells(overlay.action_values, layout)
         if any(value is not None for value in values)
     }
-    numbers += _action_values(crowded, overlay, rooms, colors, layout)
+    numbers += _action_values(crowded, overlay, free, colors, layout)
     actions = _cells(overlay.actions, layout)
-    ground += arrow_shapes(actions, rooms, layout, colors.arrows, crowded)
+    ground += arrow_shapes(actions, free, layout, colors.arrows, crowded)
     texts: list[Shape] = []
     if overlay.coordinates and not level.display.coordinates:
         texts += coordinate_texts(level, layout, tops)
@@ -78,14 +78,14 @@ def _corners(
     level: GridWorld,
     overlay: Overlay,
     visits: list[tuple[Cell, float]],
-    rooms: Rooms,
+    free: FreeSpace,
     layout: Layout,
 ) -> dict[Cell, float]:
     """Return the tops of coordinates and counts: they share the upper edge of their cell."""
     if level.display.coordinates:
         return dict.fromkeys(layout.cells(), BESIDE_COORDINATES)
     cells = layout.cells() if overlay.coordinates else (cell for cell, _ in visits)
-    return {cell: rooms.take_top(cell, HEIGHT) for cell in cells}
+    return {cell: free.take_top(cell, HEIGHT) for cell in cells}
 
 
 def _counts(
@@ -93,34 +93,34 @@ def _counts(
 ) -> Iterator[Shape]:
     for cell, count in visits:
         right, upper = layout.corner(cell[0] + 1, cell[1])
-        under = upper + tops[cell] + HEIGHT
-        yield from pill(count, right - 4, under, _COUNT_ROOM, 0, colors, "end")
+        bottom = upper + tops[cell] + HEIGHT
+        yield from number_label(count, right - 4, bottom, _COUNT_ROOM, 0, colors, "end")
 
 
-def _values(level: GridWorld, overlay: Overlay, rooms: Rooms, layout: Layout) -> Iterator[Shape]:
+def _values(level: GridWorld, overlay: Overlay, free: FreeSpace, layout: Layout) -> Iterator[Shape]:
     """Yield values at the bottom of the cells; a value of 0 at an exit is left out."""
     colors = level.resolved_theme.colors
     for cell, value in _cells(overlay.values, layout):
         if value is not None and not (value == 0 and cell in level.exits):
             middle, upper = layout.corner(cell[0] + 0.5, cell[1])
-            under = upper + rooms.take_foot(cell, HEIGHT)
-            yield from pill(value, middle, under, CELL - 4, overlay.precision, colors)
+            bottom = upper + free.take_foot(cell, HEIGHT)
+            yield from number_label(value, middle, bottom, CELL - 4, overlay.precision, colors)
 
 
 def _action_values(
     crowded: Mapping[Cell, Sequence[float | None]],
     overlay: Overlay,
-    rooms: Rooms,
+    free: FreeSpace,
     colors: Colors,
     layout: Layout,
 ) -> Iterator[Shape]:
     """Yield values of actions at the sides of the cells; the middle is left to arrows."""
     gap = 2 * SHORTEST if overlay.actions is not None else 0.0
     for cell, values in crowded.items():
-        height = min(SMALL, rooms.height(cell) / 3)
-        box = rooms.take_top(cell, height), rooms.take_foot(cell, height)
+        height = min(SMALL, free.height(cell) / 3)
+        box = free.take_top(cell, height), free.take_foot(cell, height)
         corner = layout.corner(*cell)
-        yield from action_pills(values, corner, box, height, gap, overlay.precision, colors)
+        yield from action_labels(values, corner, box, height, gap, overlay.precision, colors)
 
 
 def _cells(rows: Rows[Content] | None, layout: Layout) -> Iterator[tuple[Cell, Content]]:
@@ -143,7 +143,7 @@ BESIDE_COORDINATES = 3.0
 Cell = tuple[int, int]
 
 
-class Rooms:
+class FreeSpace:
     """The free part of each cell, from top to bottom, in pixels below its upper edge.
 
     Args:
@@ -154,36 +154,36 @@ class Rooms:
     def __init__(self, level: GridWorld, layout: Layout) -> None:
         top = _BELOW_COORDINATES if level.display.coordinates else _TOP
         cells = ((x, y) for y in range(layout.rows) for x in range(layout.columns))
-        self._rooms = dict.fromkeys(cells, (top, _FOOT))
+        self._free = dict.fromkeys(cells, (top, _FOOT))
         for left, upper, right, lower in _text_boxes(level, layout):
             y = int((upper - layout.margin) // CELL)
             edge = layout.corner(0, y)[1]
             first, last = (int((place - layout.margin) // CELL) for place in (left, right))
             for x in range(first, last + 1):
-                top, foot = self._rooms[x, y]
+                top, foot = self._free[x, y]
                 if upper - edge < CELL / 2:
-                    self._rooms[x, y] = max(top, lower - edge + _GAP), foot
+                    self._free[x, y] = max(top, lower - edge + _GAP), foot
                 else:
-                    self._rooms[x, y] = top, min(foot, upper - edge - _GAP)
+                    self._free[x, y] = top, min(foot, upper - edge - _GAP)
 
     def __getitem__(self, cell: Cell) -> tuple[float, float]:
-        return self._rooms[cell]
+        return self._free[cell]
 
     def height(self, cell: Cell) -> float:
         """Return the height of the free part of a cell."""
-        top, foot = self._rooms[cell]
+        top, foot = self._free[cell]
         return foot - top
 
     def take_top(self, cell: Cell, height: float) -> float:
         """Take a strip from the top of a cell's free part; return where the strip begins."""
-        top, foot = self._rooms[cell]
-        self._rooms[cell] = top + height + _GAP, foot
+        top, foot = self._free[cell]
+        self._free[cell] = top + height + _GAP, foot
         return top
 
     def take_foot(self, cell: Cell, height: float) -> float:
         """Take a strip from the bottom of a cell's free part; return where the strip ends."""
-        top, foot = self._rooms[cell]
-        self._rooms[cell] = top, foot - height - _GAP
+        top, foot = self._free[cell]
+        self._free[cell] = top, foot - height - _GAP
         return foot
 
 
@@ -200,7 +200,7 @@ _FAINTEST, _STRONGEST = 0.1, 0.6
 
 
 def heat_shapes(
-    visits: Sequence[tuple[Cell, float]], rooms: Rooms, layout: Layout, color: str
+    visits: Sequence[tuple[Cell, float]], free: FreeSpace, layout: Layout, color: str
 ) -> Iterator[Rect]:
     """Yield a heat map: a square for each cell, more opaque for more visits.
 
@@ -212,7 +212,7 @@ def heat_shapes(
         share = math.log1p(count) / most
         opacity = round(_FAINTEST + (_STRONGEST - _FAINTEST) * share, 2)
         left, upper = layout.corner(*cell)
-        top, foot = rooms[cell]
+        top, foot = free[cell]
         yield Rect(left + _INSET, upper + top, CELL - 2 * _INSET, foot - top, color, 7.0, opacity)
 
 
@@ -230,7 +230,7 @@ _SHADE = "#000000"
 
 def arrow_shapes(
     cells: Iterable[tuple[Cell, Sequence[int]]],
-    rooms: Rooms,
+    free: FreeSpace,
     layout: Layout,
     color: str,
     crowded: Container[Cell],
@@ -239,7 +239,7 @@ def arrow_shapes(
 
     Args:
         cells: the actions of each cell.
-        rooms: the free part of each cell.
+        free: the free part of each cell.
         layout: where the cells are.
         color: the colour of the arrows.
         crowded: the cells with numbers at their sides.
@@ -247,7 +247,7 @@ def arrow_shapes(
     shafts: list[Command] = []
     heads: list[Command] = []
     for (x, y), actions in cells:
-        top, foot = rooms[x, y]
+        top, foot = free[x, y]
         left, upper = layout.corner(x, y)
         longest = SHORTEST if (x, y) in crowded else _LONGEST
         reach = min(max((foot - top) / 2, SHORTEST), longest)

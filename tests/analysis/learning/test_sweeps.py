@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.worlds import World, level_of, worlds
 
@@ -140,7 +140,6 @@ def test_policy_iteration_ends_at_the_optimum_in_few_rounds(name: str) -> None:
         np.testing.assert_allclose(after.values, evaluate(name, before.policy).values, atol=1e-8)
 
 
-@settings(max_examples=40, deadline=None)
 @given(worlds(4), st.sampled_from(["all", "moves"]))
 def test_with_a_discount_policy_iteration_is_right_everywhere(world: World, actions: str) -> None:
     level = level_of(world)

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.chains import dense, world
 from support.worlds import World, level_of, worlds
@@ -23,7 +23,6 @@ from babyrobot_levels.analysis.solver.results import PolicyArray
 CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "others"})
 
 
-@settings(max_examples=50, deadline=None)
 @given(worlds(5), st.integers(0, 99), st.sampled_from(["all", "moves"]))
 def test_values_are_those_of_repeated_steps(world: World, seed: int, actions: str) -> None:
     level = level_of(world)
@@ -36,7 +35,7 @@ def test_values_are_those_of_repeated_steps(world: World, seed: int, actions: st
     for _ in range(250):
         ahead = rewards + 0.8 * steps @ expected
         expected = np.einsum("sa,as->s", chances, ahead)
-    over = mdp.over
+    over = mdp.is_terminal
     np.testing.assert_allclose(found.values.ravel()[~over], expected[:-1][~over], atol=1e-9)
     by_action = found.action_values.reshape(-1, len(steps))[~over]
     np.testing.assert_allclose(by_action, ahead.T[:-1][~over], atol=1e-9)
@@ -48,7 +47,7 @@ def test_random_takes_what_is_possible_and_uniform_takes_all() -> None:
     level = world(rows=["  S  E"])
     mdp = level_of(level).compile()
     for actions in ("all", "moves"):
-        possible = mdp.possible[:, 0 if actions == "all" else 1 :].astype(float)
+        possible = mdp.action_mask[:, 0 if actions == "all" else 1 :].astype(float)
         possible[-1] = 1
         even = possible / possible.sum(axis=1, keepdims=True)
         found, expected = (evaluate(level, p, 1.0, actions) for p in ("random", even))

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.chains import world
 from support.worlds import World, level_of, worlds
@@ -39,7 +39,6 @@ def test_means_are_what_evaluate_expects(name: str, policy: str, discount: float
     assert abs(runs.exit_rate - chance) <= 4 * math.sqrt(chance * (1 - chance) / 4000) + 1e-9
 
 
-@settings(max_examples=30, deadline=None)
 @given(worlds(5), st.sampled_from(["all", "moves"]))
 def test_discounted_means_on_random_levels(world: World, actions: str) -> None:
     level = level_of(world)

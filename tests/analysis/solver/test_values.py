@@ -9,10 +9,11 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from hypothesis import assume, event, given, settings
+from hypothesis import assume, event, given
 from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn
 from support.chains import all_totals, dense, states_of, value_iteration
+from support.each import for_each
 from support.playing import GALLERY
 from support.worlds import World, level_of, worlds
 
@@ -32,7 +33,7 @@ FIRST = {"all": 0, "moves": 1}
 def assert_sound(level: Any, solution: Solution) -> None:
     """Check what each solution promises of itself."""
     mdp, blocked = level.compile(), level.grid().blocked
-    over = mdp.over.reshape(blocked.shape)
+    over = mdp.is_terminal.reshape(blocked.shape)
     assert (np.isnan(solution.values) == blocked).all()
     assert (solution.values[over & ~blocked] == 0).all()
     assert (solution.policy[over] == -1).all()
@@ -59,7 +60,6 @@ def as_if_large(large: bool) -> Iterator[None]:
         yield
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     worlds(6), st.sampled_from([0.3, 0.9, 0.97]), st.sampled_from(["all", "moves"]), st.booleans()
 )
@@ -70,7 +70,7 @@ def test_discounted_values_are_those_of_value_iteration(
     with as_if_large(large):
         solution = solve(level, discount, actions=actions)
     expected = value_iteration(*dense(level.compile(), FIRST[actions]), discount)[:-1]
-    found = np.where(level.compile().over, 0.0, solution.values.ravel())
+    found = np.where(level.compile().is_terminal, 0.0, solution.values.ravel())
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-8)
     assert_sound(level, solution)
 
@@ -110,7 +110,6 @@ def rooms(draw: DrawFn) -> World:
     return world
 
 
-@settings(max_examples=250, deadline=None)
 @given(rooms() | worlds(3), st.sampled_from(["all", "moves"]), st.booleans())
 def test_totals_are_the_best_of_all_policies(world: World, actions: str, large: bool) -> None:
     with as_if_large(large):
@@ -139,7 +138,7 @@ def check_totals(world: World, actions: str) -> None:
 
 @pytest.mark.parametrize("discount", [1.0, 0.95])
 @pytest.mark.parametrize("actions", ["all", "moves"])
-@pytest.mark.parametrize("name", sorted(GALLERY))
+@for_each("name", sorted(GALLERY))
 def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> None:
     level = load(GALLERY[name])
     if level.has_random_maze:
@@ -150,7 +149,6 @@ def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> 
     assert_sound(level, solve(level, discount, actions=actions))
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 999), st.sampled_from([0, 0.5, 1]))
 def test_without_chance_the_best_way_is_the_shortest(
     width: int, height: int, seed: int, loops: float
@@ -159,9 +157,9 @@ def test_without_chance_the_best_way_is_the_shortest(
     level = level_of(
         {"version": 1, "size": [width, height], "maze": {"seed": seed, "loops": loops}}
     )
-    steps = np.where(level.compile().over, 0, -1)
+    steps = np.where(level.compile().is_terminal, 0, -1)
     is_open = level.grid().open.reshape(-1, 4)
-    ring = np.flatnonzero(level.compile().over).tolist()
+    ring = np.flatnonzero(level.compile().is_terminal).tolist()
     for state in ring:
         for side, there in enumerate((state - width, state + 1, state + width, state - 1)):
             if is_open[state, side] and steps[there] < 0:

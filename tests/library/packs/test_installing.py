@@ -405,6 +405,7 @@ class Disk:
 # -- several at once -------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_calls_at_once_do_not_break_one_another() -> None:
     archives = [packed(f"{number}.0.0") for number in range(1, 5)]
     code = (

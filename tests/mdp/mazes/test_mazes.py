@@ -7,7 +7,7 @@ import random
 from typing import get_args
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from support.mazes import (
     BACK,
@@ -40,7 +40,6 @@ def test_the_language_the_package_and_the_command_know_the_same_algorithms() -> 
 # -- what holds for all ----------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=800)
 @given(chosen=algorithms_and_boards(), seed=st.integers())
 def test_mazes_are_perfect(chosen: tuple[str, Board], seed: int) -> None:
     """A spanning tree of the cells that hang together with the start; all others stay walled in."""
@@ -52,7 +51,6 @@ def test_mazes_are_perfect(chosen: tuple[str, Board], seed: int) -> None:
     assert not any(sides[cell] for cell in range(len(sides)) if cell not in cells)
 
 
-@settings(deadline=None, max_examples=800)
 @given(chosen=algorithms_and_boards(), seed=st.integers(), loops=st.sampled_from([0.0, 0.3, 1.0]))
 def test_sides_are_open_from_both_cells_and_lead_to_free_ones(
     chosen: tuple[str, Board], seed: int, loops: float
@@ -111,7 +109,6 @@ def test_the_global_generator_is_left_alone(algorithm: str) -> None:
 # -- loops -----------------------------------------------------------------------------------
 
 
-@settings(deadline=None, max_examples=300)
 @given(chosen=algorithms_and_boards(), seed=st.integers(), share=st.sampled_from([0.1, 0.5, 0.9]))
 def test_loops_only_take_walls_away_and_open_dead_ends(
     chosen: tuple[str, Board], seed: int, share: float
@@ -128,7 +125,6 @@ def test_loops_only_take_walls_away_and_open_dead_ends(
         assert wanted <= len(before) - len(after) <= 2 * wanted
 
 
-@settings(deadline=None, max_examples=300)
 @given(chosen=algorithms_and_boards(), seed=st.integers())
 def test_all_loops_leave_no_dead_end_that_can_be_opened(
     chosen: tuple[str, Board], seed: int
@@ -141,7 +137,6 @@ def test_all_loops_leave_no_dead_end_that_can_be_opened(
 # -- the shapes that single algorithms promise -----------------------------------------------
 
 
-@settings(deadline=None, max_examples=100)
 @given(board=boards(whole=True), seed=st.integers())
 def test_binary_trees_open_each_cell_either_to_the_north_or_to_the_west(
     board: Board, seed: int
@@ -150,7 +145,6 @@ def test_binary_trees_open_each_cell_either_to_the_north_or_to_the_west(
     assert [(bits & 1) + (bits >> 3) for bits in sides] == [0] + [1] * (len(sides) - 1)
 
 
-@settings(deadline=None, max_examples=100)
 @given(board=boards(whole=True), seed=st.integers())
 def test_sidewinders_open_one_cell_of_each_run_to_the_north(board: Board, seed: int) -> None:
     width = board[0]
@@ -163,7 +157,6 @@ def test_sidewinders_open_one_cell_of_each_run_to_the_north(board: Board, seed: 
             openings = 0
 
 
-@settings(deadline=None, max_examples=100)
 @given(board=boards(whole=True), seed=st.integers())
 def test_recursive_division_begins_with_a_wall_across_the_longer_side_with_one_gap(
     board: Board, seed: int

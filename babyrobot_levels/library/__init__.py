@@ -1,0 +1,1 @@
+"""Levels as users hold them, and where they are found: the gallery, folders and packs."""

@@ -1,0 +1,102 @@
+"""The scripts around the tests, and what the tests themselves are built on."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+from mutants import Mutant, mutants_of
+from support.each import for_each
+from support.places import ROOT
+
+SOURCE = '''\
+"""A docstring with 1 + 1."""
+
+from __future__ import annotations
+
+
+def price(count: int = 3, *, old: bool = False) -> float | None:
+    """Return 2."""
+    if count <= 0 or not old:
+        raise ValueError(f"{count + 1}")
+    total = 2.5 * count
+    while True:
+        total -= 1
+        if total < 5:
+            break
+    print(total)
+    return total if old else None
+'''
+
+
+def changed(mutant: Mutant) -> str:
+    data = SOURCE.encode()
+    return (data[: mutant.start] + mutant.new.encode() + data[mutant.end :]).decode()
+
+
+def test_each_mutant_is_one_change_of_what_runs() -> None:
+    mutants = list(mutants_of("price.py", SOURCE))
+    found = sorted((mutant.line, mutant.kind, mutant.old, mutant.new) for mutant in mutants)
+    assert found == [
+        (6, "constant", "False", "True"),
+        (6, "off by one", "3", "(2)"),
+        (6, "off by one", "3", "4"),
+        (8, "boolean", "count <= 0 or not old", "(count <= 0 and (not old))"),
+        (8, "boolean", "not old", "(old)"),
+        (8, "comparison", "count <= 0", "(count < 0)"),
+        (8, "off by one", "0", "(-1)"),
+        (8, "off by one", "0", "1"),
+        (9, "removed", 'raise ValueError(f"{count + 1}")', "pass"),
+        (10, "arithmetic", "2.5 * count", "(2.5 // count)"),
+        (10, "constant", "2.5", "5.0"),
+        (11, "constant", "True", "False"),
+        (12, "arithmetic", "total -= 1", "total += 1"),
+        (12, "off by one", "1", "(0)"),
+        (12, "off by one", "1", "2"),
+        (12, "removed", "total -= 1", "pass"),
+        (13, "comparison", "total < 5", "(total <= 5)"),
+        (13, "off by one", "5", "(4)"),
+        (13, "off by one", "5", "6"),
+        (14, "removed", "break", "pass"),
+        (15, "removed", "print(total)", "pass"),
+        (16, "boolean", "total if old else None", "(total if not old else None)"),
+    ]
+    for mutant in mutants:
+        assert ast.unparse(ast.parse(changed(mutant))) != ast.unparse(ast.parse(SOURCE))
+
+
+def test_a_law_of_many_values_names_the_one_that_breaks_it(tmp_path: Path) -> None:
+    seen = []
+
+    @for_each("number", [1, 2, 3, 4])
+    def law(number: int, tmp_path: Path) -> None:
+        seen.append((number, tmp_path))
+        if number == 2:
+            pytest.skip("needs an odd number")
+        assert number < 3
+
+    with pytest.raises(AssertionError) as caught:
+        law(tmp_path=tmp_path)
+    assert caught.value.__notes__ == ["with number = 3"]
+    assert seen == [(number, tmp_path) for number in (1, 2, 3)]
+
+
+def test_the_step_for_stable_baselines_runs_all_its_tests() -> None:
+    """It names where they are, so that not all others are collected."""
+    script = (ROOT / "scripts" / "check.sh").read_text("utf-8")
+    named = tuple(script.partition("pytest -m sb3 -n 2 ")[2].splitlines()[0].split())
+    mark = "pytest.mark." + "sb3"
+    marked = [
+        path.relative_to(ROOT).as_posix()
+        for path in (ROOT / "tests").rglob("test_*.py")
+        if mark in path.read_text("utf-8")
+    ]
+    assert marked
+    assert [path for path in marked if not path.startswith(named)] == []
+
+
+def test_slow_places_are_places(pytestconfig: pytest.Config) -> None:
+    plugins = pytestconfig.pluginmanager.get_plugins()
+    slow = next(plugin.SLOW for plugin in plugins if hasattr(plugin, "SLOW"))
+    assert [place for place in slow if not (ROOT / "tests" / place).exists()] == []
