@@ -1,4 +1,4 @@
-"""`babyrobot compare`: whether a level is the same game as another one."""
+"""`babyrobot compare`: whether two levels are the same MDP."""
 
 from __future__ import annotations
 
@@ -13,11 +13,13 @@ from babyrobot_levels.cli.console import (
     FINDINGS,
     FormatOption,
     ReportFormat,
+    fact_lines,
     fail,
     write,
     write_json,
 )
-from babyrobot_levels.cli.preview import LevelArgument, load_level, load_two
+from babyrobot_levels.cli.inputs import LevelArgument, load_level, load_two
+from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.text.source import printable
 
@@ -32,28 +34,32 @@ def compare(
         str,
         typer.Argument(
             metavar="OTHER",
-            help="Another level, or `gymnasium:ID`, an environment that has a table of outcomes.",
+            help="Another level, or `gymnasium:ID`, an environment with a table `P`.",
         ),
     ],
     actions: Annotated[
         str | None,
         typer.Option(
             metavar="A,B,…",
-            help="For each action of the other the level's own: 0 stay, 1 north, 2 east, 3 south, "
-            "4 west.  [default: found]",
+            help="The level's action for each action of the other: 0 stay, 1 north, 2 east, "
+            "3 south, 4 west; for example 4,3,2,1.  [default: found by search]",
             show_default=False,
         ),
     ] = None,
     kwargs: Annotated[
         str | None,
-        typer.Option(metavar="JSON", help="What the environment is made with.", show_default=False),
+        typer.Option(
+            metavar="JSON", help="Keyword arguments of the environment.", show_default=False
+        ),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Prove that a level is the same game as another one, or show the first difference.
+    """Test whether two levels are the same MDP, or show the first difference.
 
-    Starts and all outcomes are compared, entry by entry; limits of steps are not.
-    Ends with status 0 if the games are the same, and with 1 if they differ.
+    All start states and transitions are compared; `max_steps` is not. Actions may be numbered
+    differently.
+
+    Exits with status 0 if they are the same, and with 1 if they differ.
 
     Examples:
 
@@ -73,19 +79,20 @@ def compare(
     else:
         loaded, peer = load_two(level, other)
     level, other = shown_name(level), shown_name(other)
-    certificate = compared(loaded, peer, actions=given, kwargs=keywords)
+    with working("comparing"):
+        certificate = compared(loaded, peer, actions=given, kwargs=keywords)
     if report_format is ReportFormat.JSON:
         write_json({"level": level, "other": other, "kwargs": keywords, **asdict(certificate)})
     else:
         made = other if keywords is None else f"{other} {json.dumps(keywords)}"
-        write(printable(_told(loaded, certificate, level, made)))
+        write(printable(_text(loaded, certificate, level, made)))
     if not certificate.equal:
         raise typer.Exit(FINDINGS)
 
 
 def _numbers(text: str) -> tuple[int, ...]:
     if not re.fullmatch(r"[0-4](,[0-4])*", text):
-        fail(f"--actions takes numbers from 0 to 4 with commas between, not {text!r}")
+        fail(f"invalid --actions {text!r}", "expected numbers from 0 to 4, for example 4,3,2,1")
     return tuple(map(int, text.split(",")))
 
 
@@ -93,27 +100,24 @@ def _mapping(text: str) -> dict[str, Any]:
     try:
         keywords = json.loads(text)
     except (ValueError, RecursionError) as error:
-        fail(f"--kwargs is not JSON: {error}", "such as '{\"is_slippery\": false}'")
+        fail(f"--kwargs is not JSON: {error}", "for example '{\"is_slippery\": false}'")
     if not isinstance(keywords, dict):
-        fail("--kwargs takes a JSON object", "such as '{\"is_slippery\": false}'")
+        fail("--kwargs must be a JSON object", "for example '{\"is_slippery\": false}'")
     return keywords
 
 
-def _told(loaded: Level, certificate: Certificate, level: str, other: str) -> str:
+def _text(loaded: Level, certificate: Certificate, level: str, other: str) -> str:
     from babyrobot_levels.mdp.actions import Action
 
     if not certificate.equal:
-        return f"{level} and {other} are different games\n\n{certificate.difference}\n"
+        return f"{level} and {other} are different MDPs\n\n{certificate.difference}\n"
     width, height = loaded.size
     names = [Action(action).name.lower() for action in certificate.actions or ()]
-    told = {
-        "states": f"{certificate.states} compared, of {width * height}",
-        "outcomes": f"{certificate.outcomes} compared",
-        "elsewhere": "the same"
-        if certificate.everywhere
-        else "different, but no episode comes there",
+    facts = {
+        "states": f"{certificate.states} of {width * height} are reachable, all equal",
+        "transitions": f"{certificate.outcomes}, all equal",
+        "unreachable": "equal" if certificate.everywhere else "different, which has no effect",
         "actions": ", ".join(f"{number} = {name}" for number, name in enumerate(names)),
         "digest": certificate.digest,
     }
-    lines = "".join(f"{name + ':':<10} {value}\n" for name, value in told.items())
-    return f"{level} and {other} are the same game\n\n{lines}"
+    return f"{level} and {other} are the same MDP\n\n{fact_lines(facts)}"

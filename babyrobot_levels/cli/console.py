@@ -1,19 +1,21 @@
-"""What all commands share: output, colour, and how they end."""
+"""What the commands share: exit statuses, output, styles, tables, unified diffs."""
 
 from __future__ import annotations
 
+import difflib
 import json
 import sys
+from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Any, NoReturn
+from typing import IO, Annotated, Any, NoReturn
 
 import typer
 
 from babyrobot_levels.render.terminal import speaks_unicode as speaks_unicode
 from babyrobot_levels.render.terminal import wants_color as wants_color
 from babyrobot_levels.text.diagnostics import one_line
-from babyrobot_levels.text.source import printable
+from babyrobot_levels.text.source import columns, printable
 
 FINDINGS = 1
 """Exit status: the level or levels have findings."""
@@ -22,21 +24,21 @@ WRONG_CALL = 2
 
 
 class ReportFormat(StrEnum):
-    """How a command reports."""
+    """Output format of a command that reports."""
 
     TEXT = "text"
     JSON = "json"
 
 
-FormatOption = Annotated[ReportFormat, typer.Option("--format", help="How to report.")]
-"""The option that every command has that reports."""
+FormatOption = Annotated[ReportFormat, typer.Option("--format", help="Output format.")]
+"""The option of commands that report."""
 
 
 STANDARD_OUTPUT = Path("-")
 
 
 def _file(path: Path | None) -> Path | None:
-    """Return the file that is meant, None for standard output."""
+    """Return the file, None for standard output."""
     return None if path == STANDARD_OUTPUT else path
 
 
@@ -47,16 +49,16 @@ OutputOption = Annotated[
         "-o",
         metavar="FILE",
         callback=_file,
-        help="Write to a file.  [default: -, standard output]",
+        help="Write to this file.  [default: -, standard output]",
         show_default=False,
     ),
 ]
-ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite the file.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite existing files.")]
 """The options of the commands that write a file."""
 
 
 def write(text: str) -> None:
-    """Write to standard output, as it is."""
+    """Write to standard output."""
     sys.stdout.write(text)
 
 
@@ -67,13 +69,13 @@ def write_json(data: Any) -> None:
 
 
 def note(text: str) -> None:
-    """Write a line to standard error: for what is not the command's result."""
+    """Write a line to standard error, for what is not the command's result."""
     sys.stderr.write(printable(text) + "\n")
 
 
 def fail(message: str, help_text: str | None = None) -> NoReturn:
-    """End the command because the call is wrong, and say why."""
-    prefix = "\x1b[1;31merror\x1b[0m" if wants_color(sys.stderr) else "error"
+    """End the command with status 2 and an error message."""
+    prefix = styled("error", sys.stderr, fg="red", bold=True)
     sys.stderr.write(f"{prefix}: {one_line(message)}\n")
     if help_text:
         note(f"  help: {one_line(help_text)}")
@@ -81,20 +83,123 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
 
 
 def save(path: Path, data: str | bytes, *, force: bool) -> None:
-    """Write a file whole, but never over one that is there without `--force`."""
+    """Write a file atomically; refuse to overwrite one without `--force`."""
     from babyrobot_levels.text.files import write_bytes
 
     if path == STANDARD_OUTPUT:
-        fail("this is not written to standard output", "name a file")
+        fail("this output cannot be written to standard output", "give the path of a file")
     try:
         if path.is_dir():
-            fail(f"{path} is a folder", "name a file in it")
+            fail(f"{path} is a folder", "give the path of a file")
         if path.exists() and not path.is_file():
-            fail(f"{path} is not a regular file, and is left alone")
+            fail(f"{path} exists and is not a regular file")
         if path.exists() and not force:
-            fail(f"{path} is there already", "write it anew with --force")
+            fail(f"{path} already exists", "use --force to overwrite it")
         write_bytes(path, data.encode("utf-8") if isinstance(data, str) else data)
     except typer.Exit:
         raise
     except (OSError, RuntimeError) as error:
         fail(f"{path} cannot be written ({getattr(error, 'strerror', None) or error})")
+
+
+def styled(text: str, stream: IO[str] | None = None, **style: Any) -> str:
+    """Return a text in a style such as `bold=True` if a stream takes colour, else as it is."""
+    return typer.style(text, **style) if wants_color(stream or sys.stdout) else text
+
+
+def bold(text: str) -> str:
+    """Return a text in bold if standard output takes colour."""
+    return styled(text, bold=True)
+
+
+def fact_lines(facts: Mapping[str, str]) -> str:
+    """Return names and values, one below the other, with the values aligned."""
+    width = max(map(len, facts)) + 1
+    lines = (
+        bold(f"{name}:".ljust(width)) + " " + value.replace("\n", "\n" + " " * (width + 1)) + "\n"
+        for name, value in facts.items()
+        if value
+    )
+    return "".join(lines)
+
+
+def write_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
+    """Write a table to standard output; on a terminal, long cells wrap between words."""
+    write(_wrapped_table(heading, rows) if sys.stdout.isatty() else _table([heading, *rows]))
+
+
+def _wrapped_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    from io import StringIO
+
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    from babyrobot_levels.render.terminal import room_of
+
+    shown = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for name in heading:
+        # What somebody may want to copy or count is never broken.
+        shown.add_column(name, no_wrap=name not in ("TITLE", "TAGS", "FROM", "DESCRIPTION"))
+    for row in rows:
+        shown.add_row(*map(Text, row))
+    console = Console(
+        file=StringIO(),
+        width=room_of(sys.stdout).columns,
+        force_terminal=wants_color(sys.stdout),
+        color_system="standard" if wants_color(sys.stdout) else None,
+        legacy_windows=False,
+    )
+    with console.capture() as captured:
+        console.print(shown)
+    return "".join(f"{line.rstrip()}\n" for line in captured.get().splitlines())
+
+
+def _table(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows of cells as a text with aligned columns; the first row is the heading."""
+    widths = [max(columns(row[number]) for row in rows) for number in range(len(rows[0]))]
+    lines = [
+        "  ".join(
+            text + " " * (width - columns(text)) for text, width in zip(row, widths, strict=True)
+        ).rstrip()
+        for row in rows
+    ]
+    lines[0] = bold(lines[0])
+    return "\n".join(lines) + "\n"
+
+
+_STYLES: dict[str, dict[str, Any]] = {
+    "---": {"bold": True},
+    "+++": {"bold": True},
+    "@@": {"fg": "cyan"},
+    "-": {"fg": "red"},
+    "+": {"fg": "green"},
+}
+
+
+def unified(before: str, after: str, name: str, *, color: bool = False) -> str:
+    """Return the changes from one text to another as a unified diff.
+
+    Control characters are shown as escapes, so that no file can move the reader's cursor.
+    """
+    shown = one_line(name)
+    lines = difflib.unified_diff(_lines(before), _lines(after), shown, shown)
+    return "".join(f"{_painted(text, color)}\n" for line in lines for text in _texts(line))
+
+
+def _lines(text: str) -> list[str]:
+    """Return the lines of a text with their line ends, which may be all that changes."""
+    lines = [f"{line}\n" for line in text.split("\n")]
+    last = lines.pop().removesuffix("\n")
+    return [*lines, last] if last else lines
+
+
+def _texts(line: str) -> Iterator[str]:
+    yield printable(line.removesuffix("\n"))
+    if not line.endswith("\n"):
+        yield "\\ No newline at end of file"
+
+
+def _painted(line: str, color: bool) -> str:
+    style = next((style for sign, style in _STYLES.items() if line.startswith(sign)), None)
+    return typer.style(line, **style) if color and style else line

@@ -1,4 +1,4 @@
-"""`babyrobot format`: level files in one canonical form, comments kept."""
+"""`babyrobot format`: level files in one canonical form, with their comments."""
 
 from __future__ import annotations
 
@@ -26,40 +26,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """What became of a file.
+    """The result for one file.
 
     Attributes:
         before: its text, without a byte order mark.
-        text: its canonical form; the text as it is where the file is faulty.
-        differs: whether the file is to be written anew.
-        faults: why it is not formatted: its errors.
-        kept: why it is left as it is though it has none.
+        text: its canonical form; unchanged if the file has errors.
+        differs: whether the file has to be rewritten.
+        errors: the errors for which it is not formatted.
+        kept: why it is left unchanged although it has no errors.
     """
 
     before: str = ""
     text: str = ""
     differs: bool = False
-    faults: tuple[Diagnostic, ...] = ()
+    errors: tuple[Diagnostic, ...] = ()
     kept: str | None = None
 
 
 def format_levels(
     paths: PathsArgument = None,
     check: Annotated[
-        bool, typer.Option("--check", help="Write nothing, and name the files that would change.")
+        bool, typer.Option("--check", help="Only list the files that would change.")
     ] = False,
-    diff: Annotated[
-        bool, typer.Option("--diff", help="Write nothing, and show what would change.")
-    ] = False,
+    diff: Annotated[bool, typer.Option("--diff", help="Only show what would change.")] = False,
     jobs: JobsOption = None,
 ) -> None:
-    """Write level files in one canonical form; their comments stay.
+    """Format level files: one canonical form, with all comments.
 
-    Neither data nor digest change, and formatting twice changes nothing. Standard input (`-`) is
-    written to standard output. Files with errors are reported and left alone.
+    The level itself does not change, and formatting twice has no further effect. Standard input
+    (`-`) is written to standard output. Files with errors are reported and left unchanged.
 
-    Ends with status 0 if all is well, and with 1 if a file has errors or, with --check or
-    --diff, would change.
+    Exits with status 1 if a file has errors or, with --check or --diff, would change.
 
     Examples:
 
@@ -71,7 +68,7 @@ def format_levels(
 
     files = level_paths(paths)
     if STANDARD_INPUT in files and len(files) > 1:
-        fail("standard input (`-`) is formatted alone", "name the files in a call of their own")
+        fail("standard input (`-`) cannot be formatted together with files", "use two calls")
     outcomes = dict(zip(files, map_all(work_on, files, jobs, "formatting"), strict=True))
     changed = [path for path, outcome in outcomes.items() if outcome.differs]
     unwritten = 0
@@ -79,20 +76,20 @@ def format_levels(
         _show_changes(outcomes)
     elif not check:
         unwritten = sum(not _write(path, outcomes[path]) for path in outcomes)
-    # Where standard output holds texts or differences, it holds nothing else.
+    # Standard output may hold formatted texts or diffs, and then nothing else.
     stream = sys.stderr if diff or STANDARD_INPUT in files else sys.stdout
-    faults = [fault for outcome in outcomes.values() for fault in outcome.faults]
-    notes = _notes(outcomes, tell_changes=check and not diff)
+    errors = [error for outcome in outcomes.values() for error in outcome.errors]
+    notes = _notes(outcomes, name_changes=check and not diff)
     if STANDARD_INPUT not in files:
-        faulty = sum(bool(outcome.faults) for outcome in outcomes.values())
+        faulty = sum(bool(outcome.errors) for outcome in outcomes.values())
         counts = len(changed) - unwritten, len(files) - len(changed) - faulty, faulty
         notes.append(_summary(*counts, would=check or diff))
-    report = text.render(faults, color=wants_color(stream))
+    report = text.render(errors, color=wants_color(stream))
     stream.write(report + ("\n" if report and notes else ""))
     stream.writelines(f"{line}\n" for line in notes)
     if unwritten:
         raise typer.Exit(WRONG_CALL)
-    if faults or (changed and (check or diff)):
+    if errors or (changed and (check or diff)):
         raise typer.Exit(FINDINGS)
 
 
@@ -105,13 +102,13 @@ def work_on(path: Path) -> Outcome:
         source = read_path(path)
         result = format_source(source, None if path == STANDARD_INPUT else path)
     except LevelError as error:
-        return Outcome(faults=error.diagnostics)
+        return Outcome(errors=error.diagnostics)
     differs = result.text != source.text or (result.kept is None and _has_mark(path))
     return Outcome(source.text, result.text, differs, kept=result.kept)
 
 
 def _has_mark(path: Path) -> bool:
-    """Tell whether a file begins with a byte order mark, which its text does not show."""
+    """Return whether a file begins with a byte order mark, which its text does not show."""
     from codecs import BOM_UTF8
 
     try:
@@ -122,11 +119,11 @@ def _has_mark(path: Path) -> bool:
 
 
 def _write(path: Path, outcome: Outcome) -> bool:
-    """Write a file's canonical form where it differs. Return whether that went well."""
+    """Write a file's canonical form if it differs. Return False if that failed."""
     from babyrobot_levels.text.files import write_text
 
     if path == STANDARD_INPUT:
-        # A level is UTF-8 whatever the terminal is.
+        # Level files are UTF-8, whatever the encoding of the terminal is.
         sys.stdout.buffer.write(outcome.text.encode("utf-8"))
         sys.stdout.buffer.flush()
     elif outcome.differs:
@@ -139,7 +136,7 @@ def _write(path: Path, outcome: Outcome) -> bool:
 
 
 def _show_changes(outcomes: dict[Path, Outcome]) -> None:
-    from babyrobot_levels.cli.diffs import unified
+    from babyrobot_levels.cli.console import unified
 
     for path, outcome in outcomes.items():
         color = wants_color(sys.stdout)
@@ -147,14 +144,14 @@ def _show_changes(outcomes: dict[Path, Outcome]) -> None:
         write(unified(outcome.before, outcome.text, name, color=color))
 
 
-def _notes(outcomes: dict[Path, Outcome], *, tell_changes: bool) -> list[str]:
-    """Return what is to be said of single files that have no errors."""
+def _notes(outcomes: dict[Path, Outcome], *, name_changes: bool) -> list[str]:
+    """Return the lines about single files that have no errors."""
     notes = []
     for path, outcome in outcomes.items():
         name = one_line(shown_name(path))
         if outcome.kept:
-            notes.append(f"left as it is: {name}: {outcome.kept}")
-        if outcome.differs and tell_changes:
+            notes.append(f"left unchanged: {name}: {outcome.kept}")
+        if outcome.differs and name_changes:
             notes.append(f"would reformat: {name}")
     return notes
 

@@ -1,38 +1,45 @@
-"""`babyrobot generate`: levels to order."""
+"""`babyrobot generate`: many levels that meet given conditions."""
 
 from __future__ import annotations
 
+import math
 import os
 import re
+import shlex
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import FINDINGS, fail, note, write
 from babyrobot_levels.cli.new_level import Algorithm
-from babyrobot_levels.cli.orders import Words, option, suite_of
-from babyrobot_levels.cli.parallel import MAX_JOBS, WORTH_IT, JobsOption, map_all
-from babyrobot_levels.cli.progress import track
+from babyrobot_levels.cli.parallel import MAX_JOBS, WORTH_IT, JobsOption, map_all, track
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.folder import Target
-    from babyrobot_levels.generate.order import Order
+    from babyrobot_levels.generate.batch import Batch, Target
     from babyrobot_levels.generate.search import StarvedError
     from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.language.looks import Theme
     from babyrobot_levels.language.suite import SuiteFields
 
-INTERRUPTED = 130
-"""Exit status: somebody pressed Ctrl-C."""
-
 MAX_FILES = 1_000_000
 
 
+@dataclass(frozen=True, slots=True)
+class Naming:
+    """The patterns of names and titles, None for the default, and the index of the first level."""
+
+    names: str | None
+    title: str | None
+    first: int
+
+
 class Place(StrEnum):
-    """Where a start or an exit is."""
+    """Positions of start and exit."""
 
     CORNER = "corner"
     RANDOM = "random"
@@ -44,19 +51,19 @@ def generate(
         str | None,
         typer.Argument(
             metavar="[SUITE]",
-            help="A suite's name or file, in the place of what it says.",
+            help="Name or file of a suite, in place of the options up to --split.",
             show_default=False,
         ),
     ] = None,
     count: Annotated[
         int | None,
-        typer.Option(metavar="N", help="How many levels.", show_default=False),
+        typer.Option(metavar="N", help="Number of levels.", show_default=False),
     ] = None,
     size: Annotated[
         str | None,
         typer.Option(
             metavar="SIZE",
-            help="Width and height, or a range: 8x5, 6x6..12x12.  [default: 8x5]",
+            help="Width and height, or a range of them: 8x5, 6x6..12x12.  [default: 8x5]",
             show_default=False,
         ),
     ] = None,
@@ -64,7 +71,7 @@ def generate(
         list[Algorithm] | None,
         typer.Option(
             metavar="A",
-            help="How mazes are grown; given several times, one is drawn for each level.  "
+            help="Maze algorithm; if repeated, one of them is drawn for each level.  "
             "[default: depth-first]",
             show_default=False,
         ),
@@ -72,60 +79,64 @@ def generate(
     loops: Annotated[
         str | None,
         typer.Option(
-            metavar="R", help="The share of dead ends to open up: 0.5, 0..1.", show_default=False
+            metavar="R", help="Share of dead ends to open: 0.5, 0..1.", show_default=False
         ),
     ] = None,
     puddles: Annotated[
         str | None,
-        typer.Option(metavar="A..B", help="How many puddles: 3, 0..4.", show_default=False),
+        typer.Option(metavar="A..B", help="Number of puddles: 3, 0..4.", show_default=False),
     ] = None,
     path_length: Annotated[
         str | None,
         typer.Option(
             metavar="A..B",
-            help="How many steps a shortest walk to the exit takes: 20..30, 20.., 18.",
+            help="Length of the shortest path to the exit: 20..30, 20.., 18.",
             show_default=False,
         ),
     ] = None,
     dead_ends: Annotated[
         str | None,
         typer.Option(
-            metavar="A..B", help="How many cells have exactly one open side.", show_default=False
+            metavar="A..B",
+            help="Number of cells with exactly one open side: 5..8.",
+            show_default=False,
         ),
     ] = None,
     difficulty: Annotated[
         str | None,
         typer.Option(
-            metavar="A..B", help="How hard the levels are (see `show`).", show_default=False
+            metavar="A..B", help="Difficulty, as in `babyrobot show`: 4..6.", show_default=False
         ),
     ] = None,
     start: Annotated[
         Place | None,
-        typer.Option(help="Where the robot starts.  [default: corner]", show_default=False),
+        typer.Option(help="Position of the start.  [default: corner]", show_default=False),
     ] = None,
     exit_: Annotated[
         Place | None,
-        typer.Option("--exit", help="Where the exit is.  [default: corner]", show_default=False),
+        typer.Option("--exit", help="Position of the exit.  [default: corner]", show_default=False),
     ] = None,
     theme: Annotated[
         str | None,
         typer.Option(
-            metavar="THEME", help="The theme: default, black_orange, …", show_default=False
+            metavar="THEME",
+            help="Theme: default, black_orange, blue_green, green, high_contrast or print.",
+            show_default=False,
         ),
     ] = None,
     seed: Annotated[
         int | None,
         typer.Option(
             metavar="S",
-            help="What everything is drawn from; the same seed gives the same files.  [default: 0]",
+            help="Random seed: the same seed generates the same files.  [default: 0]",
             show_default=False,
         ),
     ] = None,
     split: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME=R,…",
-            help="Write folders that share no maze: train=0.8,test=0.2.",
+            metavar="NAME=SHARE,…",
+            help="Split the levels into folders that share no maze: train=0.8,test=0.2.",
             show_default=False,
         ),
     ] = None,
@@ -134,34 +145,52 @@ def generate(
         typer.Option(
             "--name",
             metavar="PATTERN",
-            help="What the levels are called.  [default: level-{index:05}]",
+            help="Names of the levels, with {index} for the number or {index:02} for two digits.  "
+            "[default: level-{index:05}]",
             show_default=False,
         ),
     ] = None,
+    title: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PATTERN",
+            help="Titles of the levels, such as 'Maze {index}'.  [default: none]",
+            show_default=False,
+        ),
+    ] = None,
+    first: Annotated[
+        int,
+        typer.Option(
+            min=0, max=1_000_000, metavar="N", help="Index of the first level in names and titles."
+        ),
+    ] = 0,
     output: Annotated[
         Path,
-        typer.Option("--output", "-o", metavar="DIR", help="The folder to write to."),
+        typer.Option("--output", "-o", metavar="DIR", help="Folder to write to."),
     ] = Path("levels"),
     exclude: Annotated[
         list[Path] | None,
         typer.Option(
             metavar="DIR",
-            help="No game that is in this folder; may be repeated.",
+            help="Skip levels that are the same MDP as one in this folder; may be repeated.",
             show_default=False,
         ),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", help="Go on where a call with the same order stopped.")
+        bool,
+        typer.Option(
+            "--resume", help="Keep existing levels of the same call, and generate the missing ones."
+        ),
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Overwrite files.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
     jobs: JobsOption = None,
 ) -> None:
-    """Write levels to order: solvable, no two the same game, the same for the same seed.
+    """Generate levels that meet conditions: solvable, all different, reproducible by a seed.
 
-    A suite file may state the order in the place of options. Level i is drawn from the seed and i
-    alone, so that more levels can be ordered later (--count with --resume).
+    Conditions are given by options, or by the file of a suite. Level number i depends on the seed
+    and on i alone, so more levels can be added later (a higher --count with --resume).
 
-    Ends with status 1 if the order cannot be met: then it says which condition starves.
+    Exits with status 1 if a condition cannot be met, and reports how close the candidates came.
 
     Examples:
 
@@ -169,15 +198,15 @@ def generate(
 
       babyrobot generate --count 100 --size 6x6..9x9 --path-length 20.. --seed 7 -o long-ways
 
-      babyrobot generate --count 1000 --split train=0.8,test=0.2 -o data
+      babyrobot generate --count 200 --split train=0.8,test=0.2 -o data
 
-      babyrobot generate small-mazes -o data
+      babyrobot generate small-mazes --count 100 -o data
     """
-    from babyrobot_levels.generate.folder import FolderError, Target
+    from babyrobot_levels.generate.batch import FolderError, Target
 
-    words = Words(
+    options = Options(
         count=count,
-        size=size,
+        size=size and re.sub("[X×]", "x", size),
         algorithm=tuple(map(str, algorithm or ())),
         loops=loops,
         puddles=puddles,
@@ -191,55 +220,59 @@ def generate(
         split=split,
     )
     if output.exists() and not output.is_dir():
-        fail(f"{output} is no folder")
+        fail(f"{output} is not a folder")
     if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
-        fail("--exclude names the folder to write to")
-    order = _order(suite, words, names, _games_in(exclude or [], jobs))
-    target = Target(order, output, resume, force)
+        fail("--exclude contains the folder to write to", "write to another folder")
+    excluded = _digests_in(exclude or [], jobs)
+    batch = _batch(suite, options, Naming(names, title, first), excluded)
+    target = Target(batch, output, resume, force)
     try:
         _write(target, jobs)
     except FolderError as error:
         fail(str(error), error.help)
 
 
-def _order(suite: str | None, words: Words, names: str | None, excluded: frozenset[str]) -> Order:
-    from babyrobot_levels.generate.order import DEFAULT_NAMES, Order, is_pattern
+def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozenset[str]) -> Batch:
+    from babyrobot_levels.generate.batch import DEFAULT_NAMES, Batch, is_pattern, is_title
     from babyrobot_levels.text.errors import LevelError
 
     if suite is None:
-        if words.count is None:
-            fail("how many levels?", "say it with --count N, or name a suite")
-        fields, told, pattern = suite_of(words), words.told(), DEFAULT_NAMES
+        if options.count is None:
+            fail("the number of levels is missing", "add --count N, or the name of a suite")
+        fields, description = suite_of(options), options.command_line()
+        pattern = DEFAULT_NAMES
     else:
-        fields, pattern = _suite_named(suite, words)
-        told = f"suite {fields.name or 'without a name'}, seed {fields.seed}"
+        fields, pattern = _suite_named(suite, options)
+        description = f"suite {fields.name or 'without a name'}, seed {fields.seed}"
     if fields.count > MAX_FILES:
-        fail(f"{fields.count:,} levels are too many files", f"ask for at most {MAX_FILES:,}")
-    pattern = names or pattern
+        fail(f"--count must be at most {MAX_FILES:,}, not {fields.count:,}")
+    pattern = naming.names or pattern
     if not is_pattern(pattern):
-        fail(f"--name: {pattern!r} is no pattern of names", "for example 'maze-{index:05}'")
+        fail(f"--name: invalid pattern {pattern!r}", "expected a name such as 'maze-{index:02}'")
+    if naming.title is not None and not is_title(naming.title):
+        fail(f"--title: invalid pattern {naming.title!r}", "expected a text such as 'Maze {index}'")
     if excluded:
-        told += f", without {len(excluded):,} games"
-    order = Order(fields, pattern, told, excluded)
+        description += f", without {len(excluded):,} games"
+    batch = Batch(fields, pattern, description, excluded, naming.first, naming.title)
     try:
-        order.maker().draw(0, 0)
+        batch.maker().draw(0, 0)
     except LevelError as error:
-        # All that can be wrong is the theme: the files must be valid wherever they are.
+        # Only the theme can be wrong: the files must be valid wherever they are.
         fail(error.diagnostics[0].message, error.diagnostics[0].help)
-    return order
+    return batch
 
 
-def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
-    """Return a suite's fields, with the count if one is given, and what its levels are called."""
+def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
+    """Return a suite's fields, with the given count, and the pattern of its levels' names."""
     from babyrobot_levels.generate.suites import load_suite, name_pattern
     from babyrobot_levels.language.documents import suite_from_mapping
     from babyrobot_levels.language.plain_data import plain
 
-    given = [name for name in words.given() if name != "--count"]
+    given = [name for name in options.given() if name != "--count"]
     if given:
-        fail(f"the suite says what {given[0]} says", "leave out one of the two")
+        fail(f"{given[0]} cannot be combined with a suite", "leave out one of the two")
     loaded = load_suite(suite)
-    changes: dict[str, Any] = {} if words.count is None else {"count": words.count}
+    changes: dict[str, Any] = {} if options.count is None else {"count": options.count}
     theme = _theme_beside(loaded)
     if theme is not None:
         changes["theme"] = plain(theme)
@@ -250,7 +283,7 @@ def _suite_named(suite: str, words: Words) -> tuple[SuiteFields, str]:
 
 
 def _theme_beside(suite: Suite) -> Theme | None:
-    """Return the theme that stands beside a suite's file: its levels carry it with them."""
+    """Return the theme of a file beside a suite, which its levels have to include."""
     from babyrobot_levels.language.documents import read_theme, theme_folders
     from babyrobot_levels.language.looks import BUILTIN_THEMES
 
@@ -260,20 +293,20 @@ def _theme_beside(suite: Suite) -> Theme | None:
     return read_theme(name, theme_folders(folder))[0]
 
 
-def _games_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
+def _digests_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
     """Return the digests of all levels in some folders."""
     from babyrobot_levels.library.search_path import yaml_files
 
     for folder in folders:
         if not folder.is_dir():
-            fail(f"--exclude: {folder} is no folder")
+            fail(f"--exclude: {folder} is not a folder")
     files = [path for folder in folders for path in yaml_files(folder, all_of_them=True)]
     found = map_all(digest_of, files, jobs, "reading")
     return frozenset(digest for digest in found if digest is not None)
 
 
 def digest_of(path: Path) -> str | None:
-    """Return the digest of a file's level, None for suites, faulty levels, and random mazes."""
+    """Return the digest of a file's level, None for suites, invalid levels and random mazes."""
     from babyrobot_levels.library.reading import load_file
     from babyrobot_levels.text.errors import LevelError
 
@@ -285,45 +318,177 @@ def digest_of(path: Path) -> str | None:
 
 
 def _write(target: Target, jobs: int | None) -> None:
-    """Write the files, and tell what was written."""
+    """Write the files, and report the number."""
     from babyrobot_levels.generate.search import StarvedError
 
-    count = target.order.suite.count
+    count = target.batch.suite.count
     if jobs is None:
         jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
     jobs = min(jobs, MAX_JOBS)
-    there = written = 0
+    kept = written = 0
     try:
         for is_new in track(target.write(jobs), count, "generating"):
             written += is_new
-            there += not is_new
+            kept += not is_new
     except StarvedError as error:
-        note(_starved(error, from_options=target.order.told.startswith("babyrobot")))
+        note(_unmet(error, from_options=target.batch.description.startswith("babyrobot")))
         note(f"  {target.there():,} of {count:,} levels are in {target.folder}")
+        if error.needs is not None:
+            note(
+                f"  help: use a larger size, for example {_grown(target.batch.suite, error.needs)}"
+            )
         raise typer.Exit(FINDINGS) from None
     except KeyboardInterrupt:
         note(f"stopped: {target.there():,} of {count:,} levels are in {target.folder}")
-        note("  help: the same call with --resume goes on")
+        note("  help: continue with the same call and --resume")
         raise typer.Exit(INTERRUPTED) from None
-    write(_summary(target, written, there))
+    write(_summary(target, written, kept))
 
 
-def _starved(error: StarvedError, *, from_options: bool) -> str:
-    """Return why an order cannot be met, in the words in which it was given."""
+def _unmet(error: StarvedError, *, from_options: bool) -> str:
+    """Return which condition was not met: by its option, or by its field in a suite."""
     from babyrobot_levels.language.suite import SuiteFields
 
-    told = str(error)
+    text = str(error)
     if not from_options:
-        return told
+        return text
     names = "|".join(SuiteFields.model_fields)
-    return re.sub(rf"(^|(?<=met ))({names})\b", lambda found: option(found[2]), told)
+    return re.sub(rf"(^|(?<=met ))({names})\b", lambda found: option(found[2]), text)
 
 
-def _summary(target: Target, written: int, there: int) -> str:
+def _grown(suite: SuiteFields, factor: float) -> str:
+    """Return a size that is larger by a factor, as it is typed."""
+    from babyrobot_levels.language.base import MAX_SIZE
+
+    return "x".join(str(min(MAX_SIZE, math.ceil(factor * cells))) for cells in suite.largest)
+
+
+def _summary(target: Target, written: int, kept: int) -> str:
     text = f"wrote {written:,} level{'s' * (written != 1)} to {one_line(str(target.folder))}"
-    if there:
-        text += f"; {there:,} {'were' if there != 1 else 'was'} there"
+    if kept:
+        text += f"; kept {kept:,}"
     splits = target.sizes()
     if splits:
         text += ": " + ", ".join(f"{size:,} in {name}" for name, size in splits.items())
     return text + "\n"
+
+
+_NUMBER = r"[0-9]{1,9}(?:\.[0-9]{1,9})?"
+_SIZE = re.compile(r"([0-9]{1,5})[xX×,]([0-9]{1,5})")
+_RANGE = re.compile(rf"({_NUMBER})?\.\.({_NUMBER})?")
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """The options that state conditions, as they were typed; None for those not given."""
+
+    count: int | None = None
+    size: str | None = None
+    algorithm: tuple[str, ...] = ()
+    loops: str | None = None
+    puddles: str | None = None
+    path_length: str | None = None
+    dead_ends: str | None = None
+    difficulty: str | None = None
+    start: str | None = None
+    exit: str | None = None
+    theme: str | None = None
+    seed: int | None = None
+    split: str | None = None
+
+    def given(self) -> dict[str, Any]:
+        """Return the values that were given, by option."""
+        pairs = ((name, getattr(self, name)) for name in self.__slots__)
+        return {option(name): value for name, value in pairs if value not in (None, ())}
+
+    def command_line(self) -> str:
+        """Return the call that generates the same levels, as a line for a shell."""
+        given = {"--size": "8x5", **self.given(), "--seed": self.seed or 0}
+        del given["--count"]
+        if "--split" in given:
+            # The splits depend on the number of levels.
+            given = {"--count": self.count, **given}
+        words = []
+        for name, value in given.items():
+            for each in value if isinstance(value, tuple) else (value,):
+                words += [name, shlex.quote(str(each))]
+        return " ".join(["babyrobot", "generate", *words])
+
+
+def option(field: str) -> str:
+    """Return the option for a field of a suite."""
+    return "--" + {"splits": "split", "maze": "loops"}.get(field, field).replace("_", "-")
+
+
+def suite_of(options: Options) -> SuiteFields:
+    """Return the suite that options describe; end the command if they are wrong."""
+    from babyrobot_levels.language.suite import SuiteFields
+    from babyrobot_levels.language.validation import route_of, validate
+
+    data: dict[str, Any] = {"version": 1, "kind": "suite", "count": options.count}
+    maze: dict[str, Any] = {}
+    if options.algorithm:
+        maze["algorithm"] = list(options.algorithm)
+    if options.loops is not None:
+        maze["loops"] = _range("loops", options.loops)
+    if maze:
+        data["maze"] = maze
+    if options.size is not None:
+        data["size"] = _sizes(options.size)
+    if options.split is not None:
+        data["splits"] = _splits(options.split)
+    for name in ("puddles", "path_length", "dead_ends", "difficulty"):
+        text = getattr(options, name)
+        if text is not None:
+            data[name] = _range(name, text)
+    for name in ("start", "exit", "theme", "seed"):
+        if getattr(options, name) is not None:
+            data[name] = getattr(options, name)
+    suite, problems = validate(data, SuiteFields)
+    if suite is None:
+        field, message = str(route_of(problems[0])[0]), problems[0].message
+        message = re.sub(r"^`[^`]*` (?=must )", "", message)
+        fail(f"{option(field)}: {message}", problems[0].help)
+    return suite
+
+
+def _sizes(text: str) -> Any:
+    least, dots, most = text.partition("..")
+    if not dots:
+        return _size(text, text)
+    return {"min": _size(least, text), "max": _size(most, text)}
+
+
+def _size(part: str, text: str) -> list[int]:
+    match = _SIZE.fullmatch(part)
+    if not match:
+        fail(f"--size: invalid size {text!r}", "expected 8x5, or a range such as 6x6..12x12")
+    return [int(match[1]), int(match[2])]
+
+
+def _range(name: str, text: str) -> Any:
+    """Return a number, or a mapping with `min` and `max`."""
+    match = _RANGE.fullmatch(text)
+    if match and (match[1] or match[2]):
+        ends = {"min": match[1], "max": match[2]}
+        return {end: _plain(value) for end, value in ends.items() if value}
+    if not re.fullmatch(_NUMBER, text):
+        fail(f"{option(name)}: invalid range {text!r}", "expected 20..30, 20, 20.. or ..30")
+    return _plain(text)
+
+
+def _plain(text: str) -> int | float:
+    return float(text) if "." in text else int(text)
+
+
+def _splits(text: str) -> dict[str, float]:
+    shares: dict[str, float] = {}
+    for part in text.split(","):
+        name, _, share = part.strip().partition("=")
+        if not re.fullmatch(_NUMBER, share) or not name or name in shares:
+            fail(
+                f"--split: invalid shares {text!r}",
+                "expected NAME=SHARE,..., for example train=0.8,test=0.2",
+            )
+        shares[name] = float(share)
+    return shares

@@ -1,4 +1,4 @@
-"""`babyrobot install` and `babyrobot uninstall`: packs in the user's folder."""
+"""`babyrobot install` and `babyrobot uninstall`."""
 
 from __future__ import annotations
 
@@ -23,27 +23,26 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.packs.store import Installation
 
 MAX_SHOWN = 20
-"""So many levels are named."""
+"""The largest number of levels that are listed."""
 
 
 def install(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="The pack, a .brlpack file.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Pack to install, a .brlpack file.")],
     force: Annotated[
         bool,
         typer.Option(
             "--force",
-            help="Also in the place of a later version, or of another pack of this version.",
+            help="Replace also a later version, or another pack of the same version.",
         ),
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Put a pack into your own folder: its levels are then called PACK/LEVEL.
+    """Install a pack of levels, which are then called PACK/LEVEL.
 
-    The pack is checked first: every byte against its sums, every level against its digest. A
-    damaged one is refused, and changes nothing. An earlier version of the pack is replaced, in one
-    step: if something interrupts it, the old one is there as before.
+    The checksums of all files and the digests of all levels are verified first. An earlier version
+    is replaced atomically: an interrupted call changes nothing.
 
-    Ends with status 1 if the pack is refused.
+    Exits with status 1 if the pack is not valid.
 
     Examples:
 
@@ -52,43 +51,43 @@ def install(
       babyrobot preview zoo/lion
     """
     from babyrobot_levels.library.packs import archive, store
-    from babyrobot_levels.library.packs.errors import PackConflictError, PackError
+    from babyrobot_levels.library.packs.format import PackConflictError, PackError
 
     try:
         read = archive.read_archive(file)
         done = store.install(read, force=force)
     except PackError as error:
-        note(f"error: {one_line(f'{file} is not installed: {error}')}")
+        note(f"error: {one_line(f'{file} was not installed: {error}')}")
         raise typer.Exit(FINDINGS) from None
     except PackConflictError as error:
-        fail(f"{file} is not installed: {error}", error.help)
+        fail(f"{file} was not installed: {error}", error.help)
     except IsADirectoryError:
-        fail(f"{file} is a folder", "`babyrobot pack` makes a pack of one")
+        fail(f"{file} is a folder", "use `babyrobot pack` to make a pack of it")
     except FileNotFoundError as error:
         if error.filename != str(file):
             raise
-        fail(f"there is no file {file}", "a pack is installed from its .brlpack file")
+        fail(f"no such file: {file}", "give the path of a .brlpack file")
     except OSError as error:
         where = f": {error.filename}" if error.filename else ""
-        fail(f"{file} is not installed: {error.strerror or error}{where}")
+        fail(f"{file} was not installed: {error.strerror or error}{where}")
     if report_format is ReportFormat.JSON:
         write_json(_to_dict(read, done))
     else:
-        _tell(read, done)
+        _write_summary(read, done)
 
 
 def uninstall(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="The pack's name.")],
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the pack.")],
 ) -> None:
-    """Take a pack out of your own folder again.
+    """Remove an installed pack.
 
     Examples:
 
       babyrobot uninstall zoo
     """
     from babyrobot_levels.library.packs import store
-    from babyrobot_levels.library.packs.carried import carried_packs
-    from babyrobot_levels.library.packs.errors import PackConflictError, PackNotFoundError
+    from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError
+    from babyrobot_levels.library.packs.known import carried_packs
 
     try:
         gone = store.uninstall(name)
@@ -100,7 +99,7 @@ def uninstall(
                     f"{name} is part of the Python package {package or 'without a name'}",
                     f"pip uninstall {package}" if package else None,
                 )
-        fail(str(error), "`babyrobot list --packs` shows all packs")
+        fail(str(error), "see `babyrobot list --packs`")
     except PackConflictError as error:
         fail(str(error), error.help)
     write(f"uninstalled {gone.name}{f' {gone.version}' if gone.version else ''}\n")
@@ -121,17 +120,17 @@ def _to_dict(archive: Archive, done: Installation) -> dict[str, Any]:
     }
 
 
-def _tell(archive: Archive, done: Installation) -> None:
+def _write_summary(archive: Archive, done: Installation) -> None:
     name, version = done.pack.name, done.pack.version
     if done.contents is None:
-        write(f"{name} {version} is there already\n")
+        write(f"{name} {version} is already installed\n")
         return
     if done.before is None:
         what = f"installed {name} {version}"
     elif done.before == version:
-        what = f"installed {name} {version} anew"
+        what = f"reinstalled {name} {version}"
     else:
-        what = f"replaced {name} {done.before} by {version}"
+        what = f"replaced {name} {done.before} with {version}"
     write(f"{what}: {done.contents.summary()}\n")
     names = sorted([*archive.manifest.levels, *done.contents.suites])
     for level in names[:MAX_SHOWN]:

@@ -1,4 +1,4 @@
-"""Keys, one at a time as they are pressed: the only module that knows the systems' keyboards."""
+"""Reads single keys, on POSIX and on Windows."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from contextlib import contextmanager, suppress
 UP, DOWN, RIGHT, LEFT = "up", "down", "right", "left"
 
 NextKey = Callable[[float], str | None]
-"""Waits for a key, at most so many seconds. Returns an arrow's name, a character, an escape
-sequence that means neither, or None if no key was pressed."""
+"""Waits at most so many seconds for a key. Returns the name of an arrow key, a character, another
+escape sequence, or None if no key was pressed."""
 
 _INTERRUPT = "\x03"
 
@@ -25,7 +25,7 @@ if sys.platform == "win32":
 
     @contextmanager
     def keyboard() -> Iterator[NextKey]:
-        """Give what waits for keys. The function raises KeyboardInterrupt for Ctrl-C."""
+        """Yield a function that waits for keys. It raises KeyboardInterrupt for Ctrl-C."""
         yield _next_key
 
     def _next_key(seconds: float) -> str | None:
@@ -54,22 +54,22 @@ else:
 
     @contextmanager
     def keyboard() -> Iterator[NextKey]:
-        """Give what waits for keys, while the terminal sends each at once and shows none.
+        """Yield a function that waits for keys, which the terminal does not echo meanwhile.
 
-        The function raises KeyboardInterrupt for Ctrl-C and EOFError when the terminal is gone.
+        It raises KeyboardInterrupt for Ctrl-C, and EOFError if the terminal is closed.
         """
         descriptor = sys.stdin.fileno()
         before = termios.tcgetattr(descriptor)
         mode = termios.tcgetattr(descriptor)
-        # Ctrl-Z, too, is a key: it would leave the screen as the game has it.
+        # Ctrl-Z, too, is a key: suspended, the game would not restore the screen.
         mode[3] &= ~(termios.ICANON | termios.ECHO | termios.ISIG)
         mode[6][termios.VMIN], mode[6][termios.VTIME] = 1, 0
         try:
             termios.tcsetattr(descriptor, termios.TCSADRAIN, mode)
             yield _Keys(descriptor)
         finally:
-            # A terminal that is gone needs no more. On one that is not, what was pressed too
-            # late for the game shall not be typed into the shell.
+            # Fails if the terminal is closed. Keys that were pressed too late for the game are
+            # discarded, so that they are not typed into the shell.
             with suppress(termios.error):
                 termios.tcsetattr(descriptor, termios.TCSAFLUSH, before)
 
@@ -84,7 +84,7 @@ else:
         def __call__(self, seconds: float) -> str | None:
             end = time.monotonic() + seconds
             while not self._text:
-                # Not even a whole character may have come.
+                # There may be less than a whole character.
                 if not self._read(max(0.0, end - time.monotonic())):
                     return None
             while _UNFINISHED.fullmatch(self._text) and self._read(_REST_OF_A_SEQUENCE):
@@ -97,14 +97,14 @@ else:
             return _ARROWS.get(key[-1], key) if len(key) > 2 else key
 
         def _read(self, seconds: float) -> bool:
-            """Take what is there, or what comes in time. Return whether anything was."""
+            """Read what is there or comes in time. Return False if nothing was."""
             if not select.select([self._descriptor], [], [], seconds)[0]:
                 return False
             data = b""
-            # A terminal that is gone either gives nothing or cannot be read.
+            # A closed terminal either gives nothing or cannot be read.
             with suppress(OSError):
                 data = os.read(self._descriptor, 1024)
             if not data:
-                raise EOFError("the terminal is gone")
+                raise EOFError("the terminal is closed")
             self._text += self._decode(data)
             return True

@@ -239,7 +239,7 @@ def _write_fixed(path: Path, outcome: Outcome) -> None:
 
 def _show_changes(outcomes: dict[Path, Outcome]) -> bool:
     """Write what fixes would change as unified diffs. Return whether they change anything."""
-    from babyrobot_levels.cli.diffs import unified
+    from babyrobot_levels.cli.console import unified
 
     changed = False
     for path, outcome in outcomes.items():

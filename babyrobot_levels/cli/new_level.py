@@ -1,26 +1,28 @@
-"""`babyrobot new-level`: a file to begin with."""
+"""`babyrobot new-level`: a first version of a level file."""
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
+from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 
+if TYPE_CHECKING:
+    from babyrobot_levels.generate.starter import StarterOptions
+
 MAX_PUDDLES = 10_000
-SCHEMA_PATH = Path("schemas", "level.schema.json")
 
 
 class Template(StrEnum):
-    """What a new level begins as."""
+    """Templates for new levels."""
 
     GRID = "grid"
     MAZE = "maze"
@@ -28,7 +30,7 @@ class Template(StrEnum):
 
 
 class Algorithm(StrEnum):
-    """How a maze is grown."""
+    """Maze algorithms."""
 
     DEPTH_FIRST = "depth-first"
     WILSON = "wilson"
@@ -45,27 +47,34 @@ class Algorithm(StrEnum):
 
 def new_level(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="The level's name: small letters, digits and `-`.")
+        str,
+        typer.Argument(
+            metavar="NAME", help="Name of the level: lower-case letters, digits and `-`."
+        ),
     ],
     size: Annotated[str, typer.Option(metavar="WxH", help="Width and height in cells.")] = "8x5",
     maze_seed: Annotated[
         int | None,
-        typer.Option(metavar="N", help="Grow a maze from this seed.", show_default=False),
+        typer.Option(metavar="N", help="Add the maze of this seed.", show_default=False),
     ] = None,
     algorithm: Annotated[
         Algorithm,
-        typer.Option(metavar="A", help="How the maze is grown: " + ", ".join(Algorithm) + "."),
+        typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(Algorithm) + "."),
     ] = Algorithm.DEPTH_FIRST,
     loops: Annotated[
         float,
-        typer.Option(metavar="R", help="The share of the maze's dead ends that are opened up."),
+        typer.Option(metavar="R", help="Share of the maze's dead ends to open, from 0 to 1."),
     ] = 0.0,
-    puddles: Annotated[int, typer.Option(metavar="N", help="How many puddles.")] = 0,
+    puddles: Annotated[int, typer.Option(metavar="N", help="Number of puddles.")] = 0,
     theme: Annotated[
-        str, typer.Option(metavar="THEME", help="The theme: default, black_orange, …")
+        str,
+        typer.Option(
+            metavar="THEME",
+            help="Theme: default, black_orange, blue_green, green, high_contrast or print.",
+        ),
     ] = "default",
     template: Annotated[
-        Template, typer.Option(help="Begin with fields, with a maze, or with a drawing.")
+        Template, typer.Option(help="Start from fields, from a maze, or from a drawing.")
     ] = Template.GRID,
     output: Annotated[
         Path | None,
@@ -73,13 +82,16 @@ def new_level(
             "--output",
             "-o",
             metavar="FILE",
-            help="Where to write it.  [default: levels/NAME.yaml]",
+            help="Write to this file.  [default: levels/NAME.yaml]",
             show_default=False,
         ),
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Write a new level file, with comments, and say what to type next.
+    """Write a new level file, with comments that explain it.
+
+    With a maze, the exit is placed in the dead end that is nearest to the lower right corner: in
+    a corridor it would cut off the cells behind it.
 
     Examples:
 
@@ -89,56 +101,67 @@ def new_level(
 
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
-    from babyrobot_levels.generate.starter import Order, starter
+    from babyrobot_levels.generate.starter import StarterOptions, starter
     from babyrobot_levels.language.documents import slug
     from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
     if slug(name) != name:
         good = slug(name)
         fail(
-            f"{name!r} cannot be a level's name: it takes small letters and digits, joined by `-`",
+            f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
             f"for example {good!r}" if good else None,
         )
-    if template is Template.DRAWING and maze_seed is not None:
-        fail("a drawing has no maze", "leave out --maze-seed or --template drawing")
     if template is not Template.MAZE and maze_seed is None:
         for option, given in (
             ("--loops", loops),
             ("--algorithm", algorithm is not Algorithm.DEPTH_FIRST),
         ):
             if given:
-                fail(f"{option} is for mazes", "add --maze-seed N or --template maze")
+                fail(f"{option} needs a maze", "add --maze-seed N or --template maze")
     if not 0 <= loops <= 1:
-        fail(f"--loops is a share from 0 to 1, not {loops:g}")
+        fail(f"--loops must be from 0 to 1, not {loops:g}")
     if not 0 <= puddles <= MAX_PUDDLES:
-        fail(f"there can be 0 to {MAX_PUDDLES:,} puddles, not {puddles:,}")
+        fail(f"--puddles must be from 0 to {MAX_PUDDLES:,}, not {puddles:,}")
     path = output or Path("levels", f"{name}.yaml")
-    order = Order(
+    options = StarterOptions(
         name, str(template), _size(size), maze_seed, str(algorithm), loops, puddles, theme
     )
     try:
-        text = starter(order, schema_for(path))
+        text = starter(options, schema_for(path))
     except ValueError as error:
-        fail(str(error), "ask for fewer puddles, or for a larger --size")
+        fail(str(error), "use fewer --puddles or a larger --size")
     _check(text, path)
     save(path, text, force=force)
     if any(path.stem == name for path in yaml_files(gallery_folder())):
-        note(f"{name!r} is the name of a level of the gallery too: load yours by its path")
-    typed = one_line(_quoted(str(path)))
-    write(
-        f"wrote {one_line(str(path))}\n\n"
-        "next:\n"
-        f"  edit it, then check it      babyrobot validate {typed}\n"
-        f"  see it                      babyrobot preview {typed}\n"
-        "  play it in Python           "
-        "import babyrobot_levels as brl\n"
-        "                              "
-        f'env = brl.load("{one_line(path.as_posix())}").make()\n'
-    )
+        if path == Path("levels", f"{name}.yaml"):
+            note(f"in this folder, {name!r} is now your level; the gallery's is gallery/{name}")
+        else:
+            note(f"the gallery has a level {name!r} too: load yours by its path")
+    _report(options, path)
+
+
+def _report(options: StarterOptions, path: Path) -> None:
+    """Write what was written, and what to do next."""
+    from babyrobot_levels.generate.starter import exit_of
+
+    typed, exit_ = one_line(_quoted(str(path))), exit_of(options)
+    text = f"wrote {one_line(str(path))}\n"
+    if exit_ != (options.size[0] - 1, options.size[1] - 1):
+        text += (
+            f"the exit is in a dead end, at [{exit_[0]}, {exit_[1]}]: "
+            "in the corner it would cut off other cells\n"
+        )
+    steps = {
+        "edit it, then check it": f"babyrobot validate {typed}",
+        "look at it": f"babyrobot preview {typed}",
+        "use it in Python": "import babyrobot_levels as brl",
+        "": f'env = brl.load("{one_line(path.as_posix())}").make()',
+    }
+    write(f"{text}\nnext:\n" + "".join(f"  {what:<28}{how}\n" for what, how in steps.items()))
 
 
 def _quoted(word: str) -> str:
-    """Return a word as it is typed into the system's shell."""
+    """Return a word quoted for the system's shell."""
     if sys.platform == "win32":
         from subprocess import list2cmdline
 
@@ -151,32 +174,19 @@ def _quoted(word: str) -> str:
 def _size(text: str) -> tuple[int, int]:
     from babyrobot_levels.language.base import MAX_SIZE
 
-    match = re.fullmatch(r"([0-9]{1,5})[x,]([0-9]{1,5})", text)
+    match = re.fullmatch(r"([0-9]{1,5})[xX×,]([0-9]{1,5})", text)
     if not match:
-        fail(f"{text!r} is no size", "write it as width and height: 8x5")
+        fail(f"invalid size {text!r}", "expected WIDTHxHEIGHT, for example 8x5")
     width, height = int(match[1]), int(match[2])
     if not (1 <= width <= MAX_SIZE and 1 <= height <= MAX_SIZE):
-        fail(f"a level is 1 to {MAX_SIZE} cells wide and high, not {text}")
+        fail(f"width and height must be from 1 to {MAX_SIZE}, not {text}")
     if width * height == 1:
-        fail("a level of one cell has no room for a start and an exit")
+        fail("a level of one cell has no room for both a start and an exit")
     return width, height
 
 
-def schema_for(path: Path) -> str:
-    """Return where editors find the schema: in the project around the file, or as installed."""
-    from babyrobot_levels.text.files import is_file
-
-    folder = Path(os.path.abspath(path)).parent  # noqa: PTH100  (a circle of links has no end)
-    for parent in (folder, *folder.parents):
-        if is_file(parent / SCHEMA_PATH):
-            return Path(os.path.relpath(parent / SCHEMA_PATH, folder)).as_posix()
-    package = Path(__file__).parents[1]
-    inside = package / "data" / SCHEMA_PATH
-    return (inside if inside.is_file() else package.parent / SCHEMA_PATH).as_uri()
-
-
 def _check(text: str, path: Path) -> None:
-    """Make sure that the file is valid before it is written: a theme may not be known."""
+    """Check that the file is valid before it is written: a theme may be unknown."""
     from babyrobot_levels.language.documents import errors_of
     from babyrobot_levels.text.files import source_of
 
@@ -184,7 +194,7 @@ def _check(text: str, path: Path) -> None:
         source = source_of(text.encode("utf-8"), str(path))
     except LevelError as error:
         reason = error.diagnostics[0].message
-        fail(f"the level would be too large for one file: {reason}", "ask for a smaller --size")
+        fail(f"the level is too large for one file: {reason}", "use a smaller --size")
     diagnostics = errors_of(source, path)
     if diagnostics:
         fail(diagnostics[0].message, diagnostics[0].help)

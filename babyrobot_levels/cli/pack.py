@@ -1,4 +1,4 @@
-"""`babyrobot pack`: a folder of levels as one file that can be passed on."""
+"""`babyrobot pack`: a folder of levels as one file."""
 
 from __future__ import annotations
 
@@ -28,27 +28,27 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.packs.build import Packed
 
 MAX_SHOWN = 10
-"""So many of some files are named."""
+"""The largest number of files that a message names."""
 
 
 def pack(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="The pack's folder.")] = Path(),
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the pack.")] = Path(),
     output: Annotated[
         Path | None,
         typer.Option(
             "--output",
             "-o",
             metavar="FILE",
-            help="The file to write.  [default: NAME-VERSION.brlpack, in the current folder]",
+            help="Write to this file.  [default: NAME-VERSION.brlpack]",
             show_default=False,
         ),
     ] = None,
     force: ForceOption = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Check a folder of levels, and write it as a pack, which `babyrobot install` takes.
+    """Check a folder of levels, and pack it into one file for `babyrobot install`.
 
-    The folder has a file pack.yaml, which says what the pack is:
+    The folder needs a file pack.yaml that describes the pack:
 
       name: zoo
 
@@ -56,12 +56,12 @@ def pack(
 
       description: Mazes with animals in them.
 
-    All YAML files below it belong to the pack: levels, suites, and themes in folders called
-    themes. They are checked as by `babyrobot lint`: errors are refused, other findings are shown
-    on standard error. Files called README.md and LICENSE are included, other files are left out.
-    The same files give the same pack, byte for byte.
+    All YAML files in it and its subfolders belong to the pack: levels, suites, and themes in
+    folders named themes. They are checked as by `babyrobot lint`: errors are refused, other
+    findings are shown on standard error. Files named README.md and LICENSE are included, other
+    files are left out. The same files make the same pack, byte for byte.
 
-    Exit status: 0 if the pack is written, even with warnings; 1 if there are errors.
+    Exits with status 1 if there are errors.
 
     Examples:
 
@@ -71,28 +71,26 @@ def pack(
     """
     from babyrobot_levels.library.packs import build as packing
     from babyrobot_levels.library.packs.archive import SUFFIX
-    from babyrobot_levels.library.packs.errors import PackError
+    from babyrobot_levels.library.packs.format import PackError
     from babyrobot_levels.lint.runner import lint_files
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
-        fail(f"{folder} is not a folder" if folder.exists() else f"there is no folder {folder}")
+        fail(f"{folder} is not a folder" if folder.exists() else f"no such folder: {folder}")
     if (folder / PACK_FILE).is_dir():
-        fail(
-            f"{folder / PACK_FILE} is a folder", "it has to be a file, which says what the pack is"
-        )
+        fail(f"{folder / PACK_FILE} is a folder, not a file")
     if not (folder / PACK_FILE).exists():
         other = (folder / PACK_FILE).with_suffix(".yml")
         fail(
-            f"there is no {PACK_FILE} in {folder.resolve()}",
+            f"no {PACK_FILE} in {folder.resolve()}",
             f"rename {other.name}"
             if other.exists()
-            else "it says what the pack is; `babyrobot pack --help` shows one",
+            else "it describes the pack; see `babyrobot pack --help` for an example",
         )
     try:
         packed = packing.pack(folder, lint_files)
     except PackError as error:
-        note(f"error: {one_line(f'{folder} cannot be a pack: {error}')}")
+        note(f"error: {one_line(f'{folder} cannot be packed: {error}')}")
         raise typer.Exit(FINDINGS) from None
     fields, data = packed.contents.fields, packed.data
     if fields is None or data is None:
@@ -102,7 +100,7 @@ def pack(
     _warn(packed)
     path = output or Path(f"{fields.name}-{fields.version}{SUFFIX}")
     save(path, data, force=force)
-    told = {
+    facts = {
         "name": fields.name,
         "version": fields.version,
         "file": str(path),
@@ -111,12 +109,12 @@ def pack(
         **_inside(packed),
     }
     if report_format is ReportFormat.JSON:
-        write_json(told)
+        write_json(facts)
     else:
-        _tell(told, packed.contents.summary())
+        _write_summary(facts, packed.contents.summary())
     if packed.local:
         names = _few(packed.local)
-        note(f"the schema line says where a file lies on your machine, for all to read: {names}")
+        note(f"the $schema line contains a path of your machine: {names}")
 
 
 def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
@@ -149,21 +147,21 @@ def _inside(packed: Packed) -> dict[str, Any]:
     }
 
 
-def _tell(told: dict[str, Any], summary: str) -> None:
-    write(f"{told['name']} {told['version']}: {summary}\n")
-    width = max((len(each["name"]) for each in (*told["levels"], *told["suites"])), default=0)
-    for level in told["levels"]:
-        what = level["digest"] or "another maze at each reset"
+def _write_summary(facts: dict[str, Any], summary: str) -> None:
+    write(f"{facts['name']} {facts['version']}: {summary}\n")
+    width = max((len(each["name"]) for each in (*facts["levels"], *facts["suites"])), default=0)
+    for level in facts["levels"]:
+        what = level["digest"] or "random maze"
         write(f"  {level['name'].ljust(width)}  {what}\n")
-    for suite in told["suites"]:
-        write(f"  {suite['name'].ljust(width)}  a suite\n")
-    if told["left_out"]:
-        write(f"left out: {_few(told['left_out'])}\n")
-    write(f"wrote {one_line(told['file'])}: {told['size']:,} bytes, sha256:{told['sha256']}\n")
+    for suite in facts["suites"]:
+        write(f"  {suite['name'].ljust(width)}  suite\n")
+    if facts["left_out"]:
+        write(f"left out: {_few(facts['left_out'])}\n")
+    write(f"wrote {one_line(facts['file'])}: {facts['size']:,} bytes, sha256:{facts['sha256']}\n")
 
 
 def _few(names: Sequence[str]) -> str:
-    """Return the first of some names, and how many more there are."""
+    """Return the first few names, and the number of the others."""
     more = len(names) - MAX_SHOWN
-    told = ", ".join(map(one_line, names[:MAX_SHOWN]))
-    return f"{told} and {more:,} more" if more > 0 else told
+    text = ", ".join(map(one_line, names[:MAX_SHOWN]))
+    return f"{text} and {more:,} more" if more > 0 else text

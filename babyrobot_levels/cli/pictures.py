@@ -1,41 +1,46 @@
-"""What `babyrobot preview` makes for files: pictures, films and pages."""
+"""Pictures, GIFs and pages of levels, and what they show of a solution."""
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.cli.answers import guide_of, overlay_of, policy_of, solution_of
-from babyrobot_levels.cli.console import fail, note
+import typer
+
+from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode, wants_color
+from babyrobot_levels.render.text import number_lines
 
 if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.render.gif import Step
+    from babyrobot_levels.render.page_data import Guide
     from babyrobot_levels.render.scene.overlay import Overlay
 
 MAX_STEPS = 500
-"""Films of episodes that do not end are cut after so many steps."""
+"""The largest number of steps in a GIF."""
 
 MAX_SCALE = 100.0
 
 
 class Walker(StrEnum):
-    """Who walks in films and on pages."""
+    """Policies of GIFs and pages."""
 
     BEST = "best"
     RANDOM = "random"
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
-    """What a picture is to show, and how.
+class PictureOptions:
+    """What a picture shows, and how.
 
     Attributes:
-        values: whether it shows what cells are worth.
-        policy: the policy that a still picture shows, and that walks in a film.
-        seed: what the chance of films and pages is drawn from.
-        scale: how large it is, where 1 is 64 pixels a cell. None takes what suits the level.
+        values: whether to show the optimal value of each cell.
+        policy: the policy that a still picture shows, or that a GIF or page follows.
+        seed: the random seed of GIFs and pages.
+        scale: the size, where 1 is 64 pixels per cell; None chooses one for the level.
     """
 
     values: bool = False
@@ -44,73 +49,86 @@ class Wishes:
     scale: float | None = None
 
 
-def picture(level: Level, wishes: Wishes, *, svg: bool) -> str | bytes:
+def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
     """Return a still picture: an SVG document, or a PNG file."""
     from babyrobot_levels.render.scene.build import build_scene
 
-    if wishes.policy is Walker.RANDOM:
+    if options.policy is Walker.RANDOM:
         fail(
-            "a random walk cannot be seen in a still picture",
-            "`--policy random` is for gif and html; `--policy` shows the best moves",
+            "a still picture cannot show a random policy",
+            "use --policy best, or a GIF or HTML output",
         )
-    if wishes.values or wishes.policy:
-        # The robot would only hide what his cell says.
-        scene = build_scene(level, robot=False, overlay=_overlay(level, wishes))
+    if options.values or options.policy:
+        # The robot would hide what its cell shows.
+        scene = build_scene(level, robot=False, overlay=_overlay(level, options))
     else:
         scene = build_scene(level)
     if svg:
         from babyrobot_levels.render.svg import to_svg
 
-        return to_svg(scene, wishes.scale or 1.0)
+        return to_svg(scene, options.scale or 1.0)
     from babyrobot_levels.render.raster import to_png
 
-    scale = wishes.scale
+    scale = options.scale
     size = scale and (round(scale * scene.width), round(scale * scene.height))
     try:
         return to_png(scene, size or None)
     except ValueError as error:
-        fail(str(error), "make it smaller with --scale or --cell")
+        fail(str(error), "use a smaller --scale or --cell")
 
 
-def film(level: Level, wishes: Wishes) -> bytes:
-    """Return an episode as a GIF file."""
+def gif(level: Level, options: PictureOptions) -> bytes:
+    """Return an episode as an animated GIF."""
     from babyrobot_levels.render.gif import to_gif
 
-    steps = _episode(level, wishes.policy or Walker.BEST, wishes.seed)
+    steps = _episode(level, options.policy or Walker.BEST, options.seed)
     overlay = None
-    if wishes.values:
+    if options.values:
         overlay = overlay_of(solution_of(level), values=True, policy=False)
     try:
-        return to_gif(level, steps, overlay=overlay, scale=wishes.scale)
+        return to_gif(level, steps, overlay=overlay, scale=options.scale)
     except ValueError as error:
-        fail(str(error), "make it smaller with --scale or --cell")
+        fail(str(error), "use a smaller --scale or --cell")
 
 
-def page(level: Level, wishes: Wishes) -> str:
-    """Return a page on which the level is played."""
+def page(level: Level, options: PictureOptions) -> str:
+    """Return an HTML page on which the level can be played."""
     from babyrobot_levels.render.page import to_html
 
-    is_asked_for = wishes.values or wishes.policy is Walker.BEST
+    check_page_size(level, "save a picture instead: -o FILE.svg or -o FILE.png")
+    is_asked_for = options.values or options.policy is Walker.BEST
     guide = guide_of(level, needed=is_asked_for)
     try:
         return to_html(
             level,
             guide=guide,
-            policy="random" if wishes.policy is Walker.RANDOM else "best",
-            seed=wishes.seed,
-            values=wishes.values,
-            arrows=wishes.policy is Walker.BEST,
+            policy="random" if options.policy is Walker.RANDOM else "best",
+            seed=options.seed,
+            values=options.values,
+            arrows=options.policy is Walker.BEST,
         )
     except ValueError as error:
         fail(str(error))
 
 
-def _overlay(level: Level, wishes: Wishes) -> Overlay:
-    return overlay_of(solution_of(level), values=wishes.values, policy=wishes.policy is Walker.BEST)
+def check_page_size(level: Level, help_text: str) -> None:
+    """End the command if a level is too large for a page, before it is solved for one."""
+    from babyrobot_levels.render.page_data import TooLargeError, without_panels
+
+    try:
+        without_panels(level)
+    except TooLargeError as error:
+        fail(str(error), help_text)
+
+
+def _overlay(level: Level, options: PictureOptions) -> Overlay:
+    return overlay_of(
+        solution_of(level), values=options.values, policy=options.policy is Walker.BEST
+    )
 
 
 def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
-    """Play the environment's episode of a seed."""
+    """Return the steps of one episode."""
     from babyrobot_levels.render.gif import Step
 
     policy = policy_of(solution_of(level)) if walker is Walker.BEST else None
@@ -126,5 +144,91 @@ def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
         state, is_over = next_state, terminated or truncated
     env.close()
     if not is_over:
-        note(f"the episode does not end within {MAX_STEPS} steps; the film is cut there")
+        note(f"the episode does not end within {MAX_STEPS} steps; the GIF shows those")
     return steps
+
+
+def solution_of(level: Level, discount: float | None = None) -> Solution:
+    """Return the solution of a level; end the command if it has none."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+
+    try:
+        return solve(level, discount)
+    except UndefinedReturnError as error:
+        note(f"error: the level has no optimal policy: {error}")
+        raise typer.Exit(FINDINGS) from None
+
+
+def policy_text(level: Level, solution: Solution, *, plain: bool) -> str:
+    """Return a drawing of an optimal policy, in ASCII if `plain`."""
+    from babyrobot_levels.render.text import policy_drawing
+
+    width = level.size[0]
+    policy = policy_of(solution)
+    actions = [policy[start : start + width] for start in range(0, len(policy), width)]
+    return policy_drawing(level, level.grid(), actions, plain=plain)
+
+
+def policy_of(solution: Solution) -> list[int]:
+    """Return the optimal action of each state, as an `Action`; -1 for terminal states."""
+    actions: list[int] = (
+        (solution.policy + solution.first_action * (solution.policy >= 0)).ravel().tolist()
+    )
+    return actions
+
+
+def values_text(solution: Solution) -> str:
+    """Return the values in rows and columns, with two decimals."""
+    return "".join(f"{line}\n" for line in number_lines(solution.values.tolist(), 2))
+
+
+def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
+    """Return what a picture shows of a solution: nothing in terminal states."""
+    from babyrobot_levels.render.scene.overlay import Overlay
+
+    terminal = (solution.policy < 0).tolist()
+    shown = [
+        [None if end else value for end, value in zip(ends, row, strict=True)]
+        for ends, row in zip(terminal, solution.values.tolist(), strict=True)
+    ]
+    actions = [
+        [
+            tuple(number for number, best in enumerate(cell, solution.first_action) if best)
+            for cell in row
+        ]
+        for row in solution.greedy.tolist()
+    ]
+    return Overlay(shown if values else None, actions if policy else None)
+
+
+def guide_of(level: Level, *, needed: bool) -> Guide | None:
+    """Return what a page shows of the solution; None without one, unless it is `needed`."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+    from babyrobot_levels.render.page_data import Guide
+
+    if needed:
+        solution = solution_of(level)
+    else:
+        try:
+            solution = solve(level)
+        except UndefinedReturnError as error:
+            note(f"the page shows no optimal moves: {error}")
+            return None
+    overlay = overlay_of(solution, values=True, policy=True)
+    return Guide(policy_of(solution), overlay, solution.expected_return)
+
+
+def text_picture(level: Level, *, plain: bool = False) -> str:
+    """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
+    if plain or not takes_pictures():
+        return level.draw()
+    from babyrobot_levels.render.text import unicode_drawing
+
+    return unicode_drawing(level, level.grid(), color=True)
+
+
+def takes_pictures() -> bool:
+    """Return whether standard output shows Unicode and colour."""
+    return wants_color(sys.stdout) and speaks_unicode(sys.stdout)

@@ -1,4 +1,4 @@
-"""`babyrobot play`: a level in the terminal, walked with the arrow keys."""
+"""`babyrobot play`: a level in the terminal, played with the arrow keys."""
 
 from __future__ import annotations
 
@@ -7,12 +7,12 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.text.source import printable
@@ -32,9 +32,13 @@ _ACTIONS = {
 }
 _RESTART, _QUIT = "r", ("q", "\x04")
 _ALL_SCREEN, _SCREEN_AS_IT_WAS = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
-_BOLD, _DIM, _WARNING, _GOOD = "1", "2", "33", "1;32"
+_Style = dict[str, Any]
+_BOLD: _Style = {"bold": True}
+_DIM: _Style = {"dim": True}
+_WARNING: _Style = {"fg": "yellow"}
+_GOOD: _Style = {"fg": "green", "bold": True}
 _LOOK_AGAIN = 0.25
-"""After so many seconds without a key it is seen whether the window has another size."""
+"""Seconds without a key after which the size of the window is checked."""
 
 
 def play(
@@ -44,7 +48,7 @@ def play(
         typer.Option(
             metavar="N",
             min=0,
-            help="Seed chance: the same moves have the same luck.",
+            help="Random seed: the same moves have the same results.",
             show_default=False,
         ),
     ] = None,
@@ -52,15 +56,14 @@ def play(
         int | None,
         typer.Option(
             metavar="N",
-            help="Of a level with random mazes, play the one of this seed.",
+            help="Seed for the maze of a level with a random maze.",
             show_default=False,
         ),
     ] = None,
 ) -> None:
-    """Walk a level with the arrow keys, in the terminal.
+    """Play a level in the terminal with the arrow keys.
 
-    W, A, S and D move the robot as well. Space or a full stop lets him stay, r begins anew, q ends
-    the game.
+    W, A, S and D move the robot, too. Space or a full stop lets it stay, r restarts, q quits.
 
     Examples:
 
@@ -75,29 +78,29 @@ def play(
     if level == str(STANDARD_INPUT) and moves_cursor(sys.stdout):
         _take_keys_from_the_terminal()
     if maze_seed is not None and not loaded.has_random_maze:
-        fail("the level's maze is not random", "--maze-seed is for `maze: {seed: random}`")
+        fail("the level's maze is not random", "leave out --maze-seed")
     if sys.stdin is None or not (sys.stdin.isatty() and moves_cursor(sys.stdout)):
         fail(
-            "a game needs a terminal, for its keys and its picture",
-            "`babyrobot preview` shows a level everywhere",
+            "`babyrobot play` needs a terminal",
+            "use `babyrobot preview` to look at a level",
         )
     game = _Game(loaded, seed, maze_seed)
-    # A terminal that is gone ends the game as q does.
+    # A closed terminal ends the game as q does.
     with _ended_by_signals(), suppress(EOFError), _whole_screen(), keyboard() as next_key:
         _play(game, next_key)
-    write(game.told() + "\n")
+    write(game.summary() + "\n")
 
 
 def _take_keys_from_the_terminal() -> None:
-    """Let standard input, through which the level has come, be the terminal again."""
-    # Without a terminal it stays what it is; the game then says that it needs one.
+    """Read keys from the terminal although standard input was the level."""
+    # Without a terminal, the command then reports that it needs one.
     with suppress(OSError):
         terminal = Path("CONIN$" if sys.platform == "win32" else "/dev/tty")
         sys.stdin = terminal.open(encoding="utf-8")
 
 
 def _play(game: _Game, next_key: NextKey) -> None:
-    """Show the game and do what the keys say, until one ends it."""
+    """Show the game and act on keys, until one quits."""
     from babyrobot_levels.render.terminal import room_of
 
     shown: tuple[int, os.terminal_size] | None = None
@@ -118,10 +121,10 @@ def _play(game: _Game, next_key: NextKey) -> None:
 
 
 class _Game:
-    """One level as it is played: what has happened, and the screen that tells of it.
+    """The game: its state, and the screen that shows it.
 
     Attributes:
-        moment: how often something has happened.
+        moment: counts the changes of the screen.
     """
 
     def __init__(self, level: Level, seed: int | None, maze_seed: int | None) -> None:
@@ -130,7 +133,7 @@ class _Game:
         self._color, self._unicode = wants_color(sys.stdout), speaks_unicode(sys.stdout)
         self._name = printable(level.name or "level")
         self._title = printable(level.title or self._name)
-        self._aim = "Find the way to the exit." if level.exits else "There is no exit: look around."
+        self._aim = "Find the exit." if level.exits else "This level has no exit."
         self._limit = f" of {level.max_steps}" if level.max_steps else ""
         self._level: Level | None = None
         self.moment = 0
@@ -164,70 +167,70 @@ class _Game:
         self._return += self._reward
         if over:
             at_exit = self._state in self._exits
-            self._end = "reached the exit" if at_exit else "came to an end"
+            self._end = "reached the exit" if at_exit else "ended"
             if at_exit:
                 self._say("The exit! Well done.", _GOOD)
             else:
-                self._say("This is the end.", _WARNING)
+                self._say("The episode is over.", _WARNING)
         elif late:
-            self._end = "ran out of time"
-            self._say("Time is up.", _WARNING)
+            self._end = "ran out of steps"
+            self._say("No steps left.", _WARNING)
         elif info["skidded"]:
-            self._say("Whoops, he skids!", _WARNING)
+            self._say("Whoops, the robot skids!", _WARNING)
         elif not possible:
-            self._say(f"Bump! There is no way {action.name.lower()}.", _WARNING)
+            self._say(f"Bump! A wall in the {action.name.lower()}.", _WARNING)
         elif not info["target_reached"]:
-            self._say("The glass throws him back.", _WARNING)
+            self._say("The glass throws the robot back.", _WARNING)
         else:
             self._say("")
 
-    def told(self) -> str:
-        """Return how it went, in a line."""
+    def summary(self) -> str:
+        """Return the result in one line."""
         steps = "1 step" if self._steps == 1 else f"{self._steps} steps"
-        return f"{self._name}: {self._end or 'left'} after {steps}, return {self._return:g}"
+        return f"{self._name}: {self._end or 'stopped'} after {steps}, return {self._return:g}"
 
     def screen(self, room: os.terminal_size) -> list[str]:
         """Return the lines of the whole screen."""
         dot, arrows = (" · ", "←↑↓→") if self._unicode else (", ", "arrows")
-        keys = ["r begins anew", "q quits"]
+        keys = ["r restarts", "q quits"]
         if not self._end:
             keys = [f"{arrows} or WASD move", "space stays", *keys]
         facts = [f"step {self._steps}{self._limit}", f"reward {self._reward:g}",
                  f"return {self._return:g}"]  # fmt: skip
         if len(dot.join(keys)) > room.columns - 2:
-            keys = [*([] if self._end else [f"{arrows} move"]), "r anew", "q quits"]
+            keys = [*([] if self._end else [f"{arrows} move"]), "r restart", "q quits"]
         above = [self._styled(self._heading, _BOLD, room)]
         below = [
-            self._styled("   ".join(facts), "", room),
+            self._styled("   ".join(facts), {}, room),
             self._styled(*self._message, room),
             self._styled(dot.join(keys), _DIM, room),
         ]
         size = type(room)((room.columns - 2, max(1, room.lines - len(above) - len(below))))
         picture = self._painter.lines(self._state, color=self._color, room=size)
         if len(picture) + len(above) + len(below) + 3 <= room.lines:
-            # There is room for air.
+            # There is room for empty lines.
             above, below = [*above, ""], ["", *below[:2], "", *below[2:]]
         return [*above, *(" " + line for line in picture), *below][: room.lines]
 
-    def _say(self, text: str, style: str = "") -> None:
-        """Tell what has just happened."""
-        self._message = text, style
+    def _say(self, text: str, style: _Style | None = None) -> None:
+        """Set the message about what has just happened."""
+        self._message = text, style or {}
         self.moment += 1
 
-    def _styled(self, text: str, style: str, room: os.terminal_size) -> str:
-        """Return a line that fits, in a style if there is colour."""
+    def _styled(self, text: str, style: _Style, room: os.terminal_size) -> str:
+        """Return a line that fits, in a style if the terminal takes colour."""
         text = " " + text[: room.columns - 2]
-        return f"\x1b[{style}m{text}\x1b[0m" if style and self._color and text.strip() else text
+        return typer.style(text, **style) if style and self._color and text.strip() else text
 
 
 @contextmanager
 def _whole_screen() -> Iterator[None]:
-    """Take the whole screen, and leave it as it was."""
+    """Use the whole screen, and restore it at the end."""
     sys.stdout.write(_ALL_SCREEN)
     try:
         yield
     finally:
-        # The terminal may be gone.
+        # The terminal may be closed.
         with suppress(OSError):
             sys.stdout.write(_SCREEN_AS_IT_WAS)
             sys.stdout.flush()
@@ -235,7 +238,7 @@ def _whole_screen() -> Iterator[None]:
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Have signals that end the process end it in order, so that the terminal is put right."""
+    """Let signals that end the process raise SystemExit, so that the terminal is restored."""
 
     def end(number: int, _: object) -> None:
         sys.exit(128 + number)

@@ -1,4 +1,4 @@
-"""`babyrobot preview`: a level in the terminal, as a picture, as a film, or as a page to play."""
+"""`babyrobot preview`: a level in the terminal, as a picture, as a GIF, or as a page to play."""
 
 from __future__ import annotations
 
@@ -10,19 +10,29 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 from typer.core import TyperCommand
 
-from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import (
     ForceOption,
     OutputOption,
     fail,
     note,
     save,
-    speaks_unicode,
-    wants_color,
     write,
 )
-from babyrobot_levels.cli.pictures import MAX_SCALE, Walker, Wishes, film, page, picture
-from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.pictures import (
+    MAX_SCALE,
+    PictureOptions,
+    Walker,
+    gif,
+    page,
+    picture,
+    policy_text,
+    solution_of,
+    takes_pictures,
+    text_picture,
+    values_text,
+)
 from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
@@ -30,7 +40,7 @@ if TYPE_CHECKING:
 
 
 class PictureFormat(StrEnum):
-    """What a picture is made of."""
+    """Output formats of pictures."""
 
     TEXT = "text"
     ASCII = "ascii"
@@ -39,14 +49,6 @@ class PictureFormat(StrEnum):
     GIF = "gif"
     HTML = "html"
 
-
-LevelArgument = Annotated[
-    str,
-    typer.Argument(
-        metavar="LEVEL",
-        help="A name, pack/name, the path of a file, or a share code; `-` is standard input.",
-    ),
-]
 
 _SUFFIXES = {
     ".txt": "ascii",
@@ -62,17 +64,26 @@ _PLAYED = (PictureFormat.GIF, PictureFormat.HTML)
 
 
 class PreviewCommand(TyperCommand):
-    """A command whose `--policy` may stand alone: it then means the best one."""
+    """A command whose option `--policy` may be given without a value, which means `best`."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Say in full what was said in short."""
+        """Add the value that `--policy` may be given without."""
         whole: list[str] = []
         for index, word in enumerate(args):
             whole.append(word)
             following = args[index + 1] if index + 1 < len(args) else ""
             if word == "--policy" and following not in list(Walker):
                 whole.append(Walker.BEST)
-        return super().parse_args(ctx, whole)
+        # A word after `--policy` that is no policy is LEVEL, or one word too many.
+        ctx.allow_extra_args = True
+        extra = super().parse_args(ctx, whole)
+        if extra:
+            after = {args[index + 1] for index in range(len(args) - 1) if args[index] == "--policy"}
+            wrong = sorted((after & {*extra, ctx.params.get("level")}) - {*Walker})
+            if wrong:
+                fail(f"invalid --policy {wrong[0]!r}", f"expected one of {', '.join(Walker)}")
+            ctx.fail(f"Got unexpected extra argument(s) ({' '.join(extra)})")
+        return extra
 
 
 def preview(
@@ -81,28 +92,28 @@ def preview(
         PictureFormat | None,
         typer.Option(
             "--format",
-            help="What to make: `text` in colour on a terminal, elsewhere the same as `ascii`, "
-            "the drawing that a `map` may hold.  [default: by the file's suffix, else text]",
+            help="Output format; `text` is drawn with lines and colours on a terminal, and is "
+            "`ascii` elsewhere.  [default: by the suffix of the file, else text]",
             show_default=False,
         ),
     ] = None,
     output: OutputOption = None,
     theme: Annotated[
         str | None,
-        typer.Option(metavar="THEME", help="Show it in another theme.", show_default=False),
+        typer.Option(metavar="THEME", help="Use this theme.", show_default=False),
     ] = None,
     coordinates: Annotated[
-        bool, typer.Option("--coordinates", help="Write each cell's coordinates into it.")
+        bool, typer.Option("--coordinates", help="Show the coordinates of each cell.")
     ] = False,
     values: Annotated[
-        bool, typer.Option("--values", help="Write into each cell what it is worth at best.")
+        bool, typer.Option("--values", help="Show the optimal value of each cell.")
     ] = False,
     policy: Annotated[
         Walker | None,
         typer.Option(
             metavar="[best|random]",
-            help="Show where the best actions lead from each cell; in a gif and in html, whom to "
-            "watch.  [default of gif and html: best]",
+            help="Show an optimal policy; in a GIF and HTML page, the policy to follow.  "
+            "[default for GIF and HTML: best]",
             show_default=False,
         ),
     ] = None,
@@ -111,8 +122,7 @@ def preview(
         typer.Option(
             min=0,
             metavar="N",
-            help="Of a gif and html: what chance is drawn from, as in `env.reset(seed=N)`.  "
-            "[default: 0]",
+            help="Random seed for GIF and HTML output, as in `env.reset(seed=N)`.  [default: 0]",
             show_default=False,
         ),
     ] = None,
@@ -120,27 +130,29 @@ def preview(
         float | None,
         typer.Option(
             metavar="X",
-            help="Make a picture or a gif X times its usual size of 64 pixels a cell.",
+            help="Size of pictures and GIFs; 1 is 64 pixels per cell.",
             show_default=False,
         ),
     ] = None,
     cell: Annotated[
         int | None,
         typer.Option(
-            metavar="N", help="Make a picture or a gif with N pixels a cell.", show_default=False
+            metavar="N", help="Size of pictures and GIFs in pixels per cell.", show_default=False
         ),
     ] = None,
     maze_seed: Annotated[
         int | None,
         typer.Option(
             metavar="N",
-            help="Of a level with random mazes, show the one of this seed.  [default: 0]",
+            help="Seed for the maze of a level with a random maze.  [default: 0]",
             show_default=False,
         ),
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Show a level.
+    """Draw a level in the terminal, or save it as a picture, an animated GIF or a web page.
+
+    The suffix of FILE chooses the format. An HTML page can be played in any browser.
 
     Examples:
 
@@ -156,55 +168,29 @@ def preview(
     """
     chosen = _chosen_format(picture_format, output)
     if seed is not None and chosen not in _PLAYED:
-        fail("--seed is for what moves (gif, html)")
-    wishes = Wishes(values, policy, seed or 0, _scale(scale, cell, chosen))
+        fail("--seed is for GIF and HTML output", "leave out --seed")
+    options = PictureOptions(values, policy, seed or 0, _scale(scale, cell, chosen))
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
+    if chosen in _TEXTS and coordinates:
+        note("--coordinates has no effect on text output")
     made: str | bytes
-    if chosen in _TEXTS:
-        if coordinates:
-            note("--coordinates is for pictures (svg, png, gif, html); a text has no room for them")
-        made = _text(shown, wishes, plain=chosen is PictureFormat.ASCII or output is not None)
-    elif chosen is PictureFormat.GIF:
-        made = film(shown, wishes)
-    elif chosen is PictureFormat.HTML:
-        made = page(shown, wishes)
-    else:
-        made = picture(shown, wishes, svg=chosen is PictureFormat.SVG)
+    with working("drawing"):
+        if chosen in _TEXTS:
+            made = _text(shown, options, plain=chosen is PictureFormat.ASCII or output is not None)
+        elif chosen is PictureFormat.GIF:
+            made = gif(shown, options)
+        elif chosen is PictureFormat.HTML:
+            made = page(shown, options)
+        else:
+            made = picture(shown, options, svg=chosen is PictureFormat.SVG)
     if output is not None:
         save(output, made, force=force)
     elif isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():
-        fail(f"a {chosen.upper()} cannot be shown in a terminal", "name a file with -o FILE")
+        fail(f"a {chosen.upper()} cannot be shown in a terminal", "save it with -o FILE")
     else:
         sys.stdout.buffer.write(made)
-
-
-def load_level(text: str) -> Level:
-    """Return the level that an argument names."""
-    from babyrobot_levels.language.share_code import is_code
-    from babyrobot_levels.library.catalogue import load
-    from babyrobot_levels.text.errors import LevelNotFoundError
-
-    if text == str(STANDARD_INPUT):
-        return _read_level()
-    if "\n" in text and not is_code(text):
-        raise LevelNotFoundError(text)
-    return load(text)
-
-
-def load_two(one: str, other: str) -> tuple[Level, Level]:
-    """Return the two levels that arguments name, of which one may be standard input."""
-    if one == other == str(STANDARD_INPUT):
-        fail("standard input can be one of the two levels only")
-    return load_level(one), load_level(other)
-
-
-def _read_level() -> Level:
-    """Return the level that standard input holds."""
-    from babyrobot_levels.library.reading import load_source
-
-    return load_source(read_path(STANDARD_INPUT))
 
 
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:
@@ -215,22 +201,22 @@ def _chosen_format(picture_format: PictureFormat | None, output: Path | None) ->
     suffix = output.suffix.lower()
     if suffix not in _SUFFIXES:
         fail(
-            f"the file's suffix {suffix or '(none)'} does not tell what to make",
-            f"use one of {', '.join(_SUFFIXES)}, or say it with --format",
+            f"unknown suffix {suffix or '(none)'}",
+            f"use one of {', '.join(_SUFFIXES)}, or add --format",
         )
     return PictureFormat(_SUFFIXES[suffix])
 
 
 def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> float | None:
-    """Return how many times larger than usual a picture is to be."""
+    """Return the scale of a picture, None for the default."""
     from babyrobot_levels.render.scene.layout import CELL
 
     if scale is None and cell is None:
         return None
     if scale is not None and cell is not None:
-        fail("--scale and --cell say the same thing", "give one of them")
+        fail("--scale and --cell cannot be combined", "leave out one of the two")
     if chosen not in _SCALED:
-        fail("--scale and --cell are for pictures (svg, png, gif)")
+        fail("--scale and --cell are for SVG, PNG and GIF output", "leave them out")
     times = scale if scale is not None else (cell or 0) / CELL
     if not 0 < times <= MAX_SCALE:
         fail(
@@ -242,7 +228,7 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
 
 
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
-    """Return the level as it is to be shown."""
+    """Return the level with the theme, coordinates and maze that are asked for."""
     from babyrobot_levels.text.errors import LevelError
 
     if theme is not None:
@@ -256,39 +242,29 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
         level = level.replace(display={**display, "coordinates": True})
     if level.has_random_maze:
         if maze_seed is None:
-            note("each reset grows another maze; this is the one of seed 0 (see --maze-seed)")
+            note("the maze is random: this is the one of seed 0 (see --maze-seed)")
         level = level.with_maze_seed(maze_seed or 0)
     elif maze_seed is not None:
-        fail("the level's maze is not random", "--maze-seed is for `maze: {seed: random}`")
+        fail("the level's maze is not random", "leave out --maze-seed")
     return level
 
 
-def _text(level: Level, wishes: Wishes, *, plain: bool) -> str:
-    if wishes.policy is Walker.RANDOM:
-        fail("a random walk cannot be shown as a text", "`--policy random` is for gif and html")
-    if not (wishes.values or wishes.policy):
+def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
+    if options.policy is Walker.RANDOM:
+        fail("a text cannot show a random policy", "use --policy best, or a GIF or HTML output")
+    if not (options.values or options.policy):
         return text_picture(level, plain=plain)
     solution = solution_of(level)
-    plain = plain or not _takes_pictures()
-    if wishes.policy:
+    plain = plain or not takes_pictures()
+    if options.policy:
         text = policy_text(level, solution, plain=plain)
     else:
         text = text_picture(level, plain=plain)
-    if wishes.values and level.size[0] > WIDEST:
-        note(f"the values of more than {WIDEST} columns are left to pictures (svg, png)")
-    elif wishes.values:
+    if options.values and level.size[0] > WIDEST:
+        note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
+    elif options.values:
         text += "\n" + values_text(solution)
     return text
 
 
-def text_picture(level: Level, *, plain: bool = False) -> str:
-    """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
-    if plain or not _takes_pictures():
-        return level.draw()
-    from babyrobot_levels.render.text import unicode_drawing
-
-    return unicode_drawing(level, level.grid(), color=True)
-
-
-def _takes_pictures() -> bool:
-    return wants_color(sys.stdout) and speaks_unicode(sys.stdout)
+preview.command_class = PreviewCommand  # type: ignore[attr-defined]

@@ -14,17 +14,20 @@ from typing import Any, get_args, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
-from babyrobot_levels.cli.app import app
+from babyrobot_levels.cli.commands import COMMANDS
 
 _HEAD = """\
 # The command line
 
 <!-- Generated from the commands: python -m babyrobot_levels.cli.reference > cli.md -->
 
-`babyrobot COMMAND --help` says the same in the terminal. Every command ends with status 0 if all is
-well, 1 if a level has findings, and 2 if the call itself is wrong. Output to a pipe has no colour,
-and `NO_COLOR` is honoured. A LEVEL is a name (`babyrobot list` shows them), `pack/name`, the
-path of a file, a share code, or `-` for standard input.
+`babyrobot COMMAND --help` shows the same in the terminal.
+
+Exit status: 0 for success, 1 for findings in a level, 2 for a wrong call, 130 after Ctrl-C. Output
+to a pipe or a file has no colour, and `NO_COLOR` is respected.
+
+A LEVEL is a name (see `babyrobot list`), `PACK/NAME`, the path of a file, a share code, or `-` for
+standard input.
 """
 
 
@@ -74,10 +77,17 @@ class _Parameter:
 
 def reference() -> str:
     """Return the reference of all commands, as Markdown."""
-    commands = {str(info.name): info.callback for info in app.registered_commands if info.callback}
-    rows = ["| command | what it does |", "|---|---|"]
-    rows += [f"| [`{name}`](#{name}) | {_summary(call)} |" for name, call in commands.items()]
-    parts = [_HEAD, "\n".join(rows) + "\n"]
+    commands = {name: line.function() for name, line in COMMANDS.items()}
+    tables = []
+    for group in dict.fromkeys(line.group for line in COMMANDS.values()):
+        rows = [f"| {group} | |", "|---|---|"]
+        rows += [
+            f"| [`{name}`](#{name}) | {_summary(commands[name])} |"
+            for name, line in COMMANDS.items()
+            if line.group == group
+        ]
+        tables.append("\n".join(rows) + "\n")
+    parts = [_HEAD, *tables]
     return "\n".join(parts + [_command(name, call) for name, call in commands.items()])
 
 

@@ -1,19 +1,44 @@
-"""`babyrobot share`: a level as a code for chats, links and papers; and a code as a file."""
+"""`babyrobot share` and `babyrobot resolve`: levels as codes, links and maze-free files."""
 
 from __future__ import annotations
 
+import itertools
 import re
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
-from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
+from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
+from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.schema import schema_for
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
+
+
+WORTH_A_LOOK = 10_000
+"""Mazes of fewer cells fit into a file, or are quickly found not to."""
+SHORTEST_ENTRY = "  - {at: [0, 0], side: E}\n"
+EXAMPLE = "for example --link https://example.org/play.html"
+
+
+class ShareCommand(TyperCommand):
+    """A command that explains the value of `--link` where it is missing."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Report a `--link` without a value."""
+        for word, following in itertools.pairwise([*args, "-"]):
+            if word == "--link" and following.startswith("-"):
+                fail(
+                    "--link needs BASE, the address of a page that plays levels",
+                    "make the page with `babyrobot preview LEVEL -o play.html`, and give its "
+                    f"address: {EXAMPLE}",
+                )
+        return super().parse_args(ctx, args)
 
 
 def share(
@@ -22,8 +47,8 @@ def share(
         str | None,
         typer.Option(
             metavar="BASE",
-            help="Print a link instead: BASE is the address of a page that `preview` has made, "
-            "and plays what the link holds.",
+            help="Print a link instead. BASE is the address of any page made by `babyrobot "
+            "preview LEVEL -o page.html`: it plays the level of the link.",
             show_default=False,
         ),
     ] = None,
@@ -33,19 +58,19 @@ def share(
             "--output",
             "-o",
             metavar="FILE",
-            help="Write the level to a file instead: the way back from a code.",
+            help="Write a level file instead, for example from a share code.",
             show_default=False,
         ),
     ] = None,
     force: ForceOption = False,
 ) -> None:
-    """Print a level as a share code: one line that every command takes for a LEVEL.
+    """Print a level as a share code: one line that every command accepts as LEVEL.
 
-    A code holds all that the level says, its texts and looks included, but no comments. It has a
-    checksum: a code that was cut off or mistyped says so.
+    A code contains the whole level except for comments. It has a checksum, so that a code that is
+    cut off or mistyped is reported.
 
-    A link is a code with all that a page needs to play the level. Any page that `babyrobot preview
-    LEVEL -o page.html` has made, of whatever level, plays it: on a web server, or as a file
+    A link opens a page that plays the level. BASE is the address of any page that `babyrobot
+    preview LEVEL -o page.html` has made, on a web server or as a local file
     (`file:///…/page.html`).
 
     Examples:
@@ -57,9 +82,9 @@ def share(
       babyrobot share brl1.24.R4BZv8Oakkoy8yqVkLIv0EYA -o tiny.yaml
     """
     if link is not None and output is not None:
-        fail("--link and --output do not go together")
+        fail("--link and --output cannot be combined", "leave out one of the two")
     if link is not None and not re.fullmatch(r"[^\s#]+", link):
-        fail(f"{link!r} cannot be the beginning of a link", "it has no blanks, and no `#` yet")
+        fail(f"invalid --link {link!r}", f"expected an address without blanks and `#`: {EXAMPLE}")
     loaded = load_level(level)
     if output is not None:
         from babyrobot_levels.text.emitter import emit
@@ -72,15 +97,16 @@ def share(
 
 
 def _fragment(level: Level) -> str:
-    """Return what a link to a level has behind its `#`."""
-    from babyrobot_levels.cli.answers import guide_of
+    """Return the part of a link after its `#`."""
+    from babyrobot_levels.cli.pictures import check_page_size, guide_of
     from babyrobot_levels.render.page import link_fragment
-    from babyrobot_levels.render.page_data import MAX_CELLS, TooLargeError
+    from babyrobot_levels.render.page_data import TooLargeError
 
     game = level
     if level.has_random_maze:
-        note("each reset grows another maze; the page plays the one of seed 0 (see `resolve`)")
+        note("the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)")
         game = level.with_maze_seed(0)
+    check_page_size(game, "send the level file")
     guide = guide_of(game, needed=False)
     if guide is not None:
         with suppress(TooLargeError):
@@ -88,11 +114,105 @@ def _fragment(level: Level) -> str:
     try:
         fragment = link_fragment(level, game)
         if guide is not None:
-            note("the page shows no best moves: with them, the link would be too long")
+            note("the page shows no optimal moves: the link would be too long with them")
         return fragment
     except TooLargeError as error:
         fail(
             str(error),
-            f"send the file; up to {MAX_CELLS:,} cells, "
-            "there is `babyrobot preview LEVEL -o p.html`",
+            "send the level file, or a page made by `babyrobot preview LEVEL -o page.html`",
         )
+
+
+share.command_class = ShareCommand  # type: ignore[attr-defined]
+
+
+_RELATIVE_SCHEMA = re.compile(
+    r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*(?:\n|\Z)", re.M
+)
+
+
+def resolve(
+    level: LevelArgument,
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Seed for the maze of a level with a random maze.",
+            show_default=False,
+        ),
+    ] = None,
+    output: OutputOption = None,
+    force: ForceOption = False,
+) -> None:
+    """Replace a level's maze by walls, so that they can be edited one by one.
+
+    The fields `maze` and `openings` become `walls`; the level does not change otherwise, and keeps
+    its comments.
+
+    Examples:
+
+      babyrobot resolve final-maze
+
+      babyrobot resolve random-maze --maze-seed 7 -o seven.yaml
+    """
+    from babyrobot_levels.text.source import MAX_BYTES
+
+    loaded = with_seed(load_level(level), maze_seed)
+    if loaded.maze is None:
+        note(f"{loaded.name or 'the level'} has no maze: nothing to resolve")
+    _check_walls(loaded)
+    with working("resolving"):
+        resolved = loaded.resolve()
+        text = resolved.to_yaml(comments=True)
+    if output is not None:
+        text = _text_for(resolved, text, output)
+    if len(text.encode("utf-8")) > MAX_BYTES:
+        fail(
+            "the walls of this maze do not fit into a level file", "a level file has at most 1 MiB"
+        )
+    if output is not None:
+        save(output, text, force=force)
+    else:
+        write(text)
+
+
+def _check_walls(level: Level) -> None:
+    """End the command if a maze has too many walls for a file, before they are all written."""
+    from babyrobot_levels.text.source import MAX_BYTES
+
+    if level.maze is None or level.map is not None or level.size[0] * level.size[1] < WORTH_A_LOOK:
+        return
+    import numpy as np
+
+    from babyrobot_levels.mdp.grid import BIT
+
+    width, height = level.size
+    bits = np.frombuffer(bytes(level.grid().wall_bits), np.uint8).reshape(height, width)
+    south, east = (bits[:-1] & BIT["S"]) > 0, (bits[:, :-1] & BIT["E"]) > 0
+    # Walls in a line are one entry of the file.
+    count = int(south[:, 0].sum() + (south[:, 1:] & ~south[:, :-1]).sum())
+    count += int(east[0].sum() + (east[1:] & ~east[:-1]).sum())
+    if count * len(SHORTEST_ENTRY) > MAX_BYTES:
+        fail(
+            f"this maze has {count:,} straight walls, too many for a level file",
+            f"a level file has at most 1 MiB, room for some {MAX_BYTES // 35:,} walls",
+        )
+
+
+def _text_for(level: Level, text: str, path: Path) -> str:
+    """Return the text for a file; it includes a theme that is not found from there."""
+    from babyrobot_levels.language.looks import BUILTIN_THEMES
+    from babyrobot_levels.library.reading import load_source
+    from babyrobot_levels.text.errors import LevelError
+    from babyrobot_levels.text.source import SourceFile
+
+    if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
+        try:
+            theme = load_source(SourceFile(str(path), text), path).resolved_theme
+        except LevelError:
+            theme = None
+        if theme != level.resolved_theme:
+            text = level.replace(theme=level.resolved_theme).to_yaml(comments=True)
+    # The path of the schema is relative to the level's own folder.
+    schema = schema_for(path)
+    return _RELATIVE_SCHEMA.sub(f"\\g<1>{schema}\n" if schema else "", text, count=1)

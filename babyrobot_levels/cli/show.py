@@ -1,23 +1,27 @@
-"""`babyrobot show`: all about one level."""
+"""`babyrobot show`: everything about one level, or one line that cites it."""
 
 from __future__ import annotations
 
 import math
-import sys
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.cite import cite
+from babyrobot_levels import __version__
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
+    fact_lines,
+    fail,
     note,
-    wants_color,
     write,
     write_json,
 )
-from babyrobot_levels.cli.preview import LevelArgument, load_level, text_picture
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.pictures import text_picture
+from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -28,14 +32,14 @@ def show(
     level: LevelArgument,
     citation: Annotated[
         bool,
-        typer.Option("--cite", help="Print one line for a paper: name, versions and digest."),
+        typer.Option("--cite", help="Print one line to cite: name, versions and digest."),
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Tell all about one level: its texts, numbers, digest, metrics and drawing.
+    """Show the facts about a level: texts, numbers, digest, metrics and drawing.
 
-    The metrics are what `brl.metrics` tells in Python. Levels of more than 5,000 cells are not
-    solved for them.
+    The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
+    left out above 5,000 cells.
 
     Examples:
 
@@ -54,22 +58,15 @@ def show(
         write_json({**facts, "drawing": None if loaded.has_random_maze else loaded.draw()})
         return
     facts |= facts.pop("metrics") or {}
-    width = max(map(len, facts))
-    bold = wants_color(sys.stdout)
-    for name, value in facts.items():
-        label = f"{name}:".ljust(width + 1)
-        text = printable(_told(value))
-        if text:
-            shown = f"\x1b[1m{label}\x1b[0m" if bold else label
-            write(f"{shown} " + text.replace("\n", "\n" + " " * (width + 2)) + "\n")
+    write(fact_lines({name: printable(_text(value)) for name, value in facts.items()}))
     if loaded.has_random_maze:
-        note("each reset grows another maze; `babyrobot preview` shows one of them")
+        note("the maze is random: see one with `babyrobot preview LEVEL --maze-seed N`")
     else:
         write("\n" + text_picture(loaded))
 
 
 def _facts(level: Level) -> dict[str, Any]:
-    """Return what there is to tell, in the order in which it is told."""
+    """Return the facts, in the order in which they are shown."""
     facts: dict[str, Any] = {
         "name": level.name,
         "title": level.title,
@@ -103,7 +100,7 @@ def _facts(level: Level) -> dict[str, Any]:
 
 
 def _metrics(level: Level) -> dict[str, Any]:
-    """Return the metrics as JSON can hold them: texts for inf, null for what cannot be told."""
+    """Return the metrics for JSON: strings for infinities, null for what is unknown."""
     from babyrobot_levels.analysis.metrics import metrics
     from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
 
@@ -115,11 +112,11 @@ def _metrics(level: Level) -> dict[str, Any]:
 def _number(value: float | None) -> float | str | None:
     if not isinstance(value, float):
         return value
-    # Nine digits are the same on every platform, all of them are not.
+    # Nine digits are the same on every platform; the last ones are not.
     return float(f"{value:.9g}") if math.isfinite(value) else str(value)
 
 
-def _told(value: Any) -> str:
+def _text(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, list) and value and isinstance(value[0], list):
@@ -131,3 +128,55 @@ def _told(value: Any) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     return "" if value is None else str(value)
+
+
+_NAME = re.compile(r"[a-z0-9-]+/[a-z0-9-]+")
+
+
+def cite(level: Level, argument: str, *, as_json: bool) -> None:
+    """Print what a paper needs to identify a level.
+
+    Args:
+        level: the level.
+        argument: the argument that names it, which is `pack/name` for a level of a pack.
+        as_json: whether to print it as JSON.
+    """
+    if level.has_random_maze:
+        fail(
+            "the maze of this level is random, so it has no digest to cite",
+            "cite a level with a fixed maze; `babyrobot resolve --maze-seed N` writes one",
+        )
+    pack = _pack_in(argument)
+    name = level.name if pack is None or level.name is None else f"{pack[0]}/{level.name}"
+    if as_json:
+        write_json(
+            {
+                "name": name,
+                "pack": None if pack is None else {"name": pack[0], "version": pack[1]},
+                "babyrobot_levels": __version__,
+                "language": level.version,
+                "digest": level.digest,
+            }
+        )
+        return
+    name = name or one_line(level.title or "a level without a name")
+    made_with = f"babyrobot-levels {__version__}, level language {level.version}"
+    if pack is not None:
+        made_with = " ".join(["pack", *filter(None, pack)]) + f", {made_with}"
+    write(f"{name} ({made_with}), {level.digest}\n")
+
+
+def _pack_in(argument: str) -> tuple[str, str | None] | None:
+    """Return name and version of the pack in an argument; a pack may have no version."""
+    from babyrobot_levels.library.packs.known import fields
+    from babyrobot_levels.library.search_path import pack_places
+
+    # A file of that name takes precedence.
+    if not _NAME.fullmatch(argument) or Path(argument).is_file():
+        return None
+    pack = argument.partition("/")[0]
+    folder = next((place.folder for place in pack_places() if place.pack == pack), None)
+    if folder is None:
+        return None
+    found = fields(folder)
+    return pack, None if found is None else found.version

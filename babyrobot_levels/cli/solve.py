@@ -1,4 +1,4 @@
-"""`babyrobot solve`: the answer key of a level."""
+"""`babyrobot solve`: an optimal policy of a level, and its values."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.answers import policy_text, solution_of, values_text
 from babyrobot_levels.cli.console import (
     FormatOption,
     ReportFormat,
+    fact_lines,
     fail,
     note,
     speaks_unicode,
@@ -19,7 +19,9 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.preview import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.pictures import policy_text, solution_of, values_text
 from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
@@ -33,15 +35,16 @@ def solve(
         float | None,
         typer.Option(
             metavar="G",
-            help="How much each further reward counts.  [default: the level's]",
+            help="Discount factor, above 0 and at most 1.  [default: the level's]",
             show_default=False,
         ),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Solve a level exactly: the best expected return, a policy that earns it, the values.
+    """Solve a level exactly: the optimal expected return, an optimal policy, the state values.
 
-    The drawing shows one optimal policy: where the best action leads from each cell.
+    The drawing shows the policy: an arrow in each cell. `max_steps` is ignored: the values are
+    those of episodes without a time limit.
 
     Examples:
 
@@ -51,24 +54,30 @@ def solve(
     """
     loaded = load_level(level)
     if discount is not None and not 0 < discount <= 1:
-        fail(f"a discount is above 0 and at most 1, not {discount:g}")
+        fail(f"--discount must be above 0 and at most 1, not {discount:g}")
     if loaded.has_random_maze:
-        fail("each reset grows another maze of this level", "solve one that says its seed")
-    solution = solution_of(loaded, discount)
+        fail(
+            "the maze of this level is random",
+            "choose one first: babyrobot resolve LEVEL --maze-seed 0 | babyrobot solve -",
+        )
+    with working("solving"):
+        solution = solution_of(loaded, discount)
     if report_format is ReportFormat.JSON:
         write_json(_data(loaded, solution))
         return
     if solution.explanation:
         note(solution.explanation)
     plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
+    if loaded.max_steps is not None:
+        note(f"max_steps ({loaded.max_steps}) is ignored: these are episodes without a time limit")
     write(_summary(loaded, solution) + "\n" + policy_text(loaded, solution, plain=plain))
-    # Wider ones are left to `--format json`.
+    # Wider tables are for `--format json`.
     if loaded.size[0] <= WIDEST:
         write("\n" + values_text(solution))
 
 
 def _data(level: Level, solution: Solution) -> dict[str, Any]:
-    """Return the solution as JSON can hold it: null for cells without a value, texts for inf."""
+    """Return the solution for JSON: null for cells without a value, strings for infinities."""
     return {
         "name": level.name,
         "digest": level.digest,
@@ -98,7 +107,7 @@ def _number(value: float) -> float | str | None:
 
 
 def _summary(level: Level, solution: Solution) -> str:
-    told = {
+    facts = {
         "expected return": f"{solution.expected_return:.6g}",
         "expected steps": f"{solution.expected_steps:.6g}",
         "reaches an exit": f"{100 * solution.exit_probability:.4g} %",
@@ -106,11 +115,5 @@ def _summary(level: Level, solution: Solution) -> str:
         "method": f"{solution.method}, residual {solution.residual:.1g}",
     }
     if not level.exits:
-        del told["reaches an exit"]
-    width = max(map(len, told))
-    bold = wants_color(sys.stdout)
-    lines = []
-    for name, value in told.items():
-        label = f"{name}:".ljust(width + 1)
-        lines.append((f"\x1b[1m{label}\x1b[0m" if bold else label) + f" {value}\n")
-    return "".join(lines)
+        del facts["reaches an exit"]
+    return fact_lines(facts)

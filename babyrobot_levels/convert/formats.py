@@ -91,12 +91,12 @@ def export(level: Level, name: str) -> Conversion:
     )
 
 
-def file_text(world: World, *, schema: str, name: str | None, title: str) -> str:
+def file_text(world: World, *, schema: str | None, name: str | None, title: str) -> str:
     """Return the text of a level file.
 
     Args:
         world: its content.
-        schema: where editors find the JSON schema, for the file's first line.
+        schema: where editors find the JSON schema, for the file's first line; None for no line.
         name: the level's name, None to use that of the file.
         title: the level's title, if the world has none.
 
@@ -107,7 +107,8 @@ def file_text(world: World, *, schema: str, name: str | None, title: str) -> str
     fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
     if name:
         fields["name"] = name
-    lines = [f"# yaml-language-server: $schema={schema}\n", f"# {world.origin}\n"]
+    lines = [f"# yaml-language-server: $schema={schema}\n"] if schema else []
+    lines.append(f"# {world.origin}\n")
     for field, value in fields.items():
         if field in world.comments:
             lines.append(f"# {world.comments[field]}\n")

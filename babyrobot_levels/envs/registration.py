@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from babyrobot_levels.library.catalogue import files_in, is_suite_file
-from babyrobot_levels.library.search_path import Place, gallery_folder, pack_places
+from babyrobot_levels.library.search_path import GALLERY, gallery_place, pack_places
 
 NAMESPACE = "babyrobot"
 LEVEL_ID = f"{NAMESPACE}/Level-v0"
@@ -49,12 +49,13 @@ def register_levels() -> None:
         env_id = f"{NAMESPACE}/{name.replace('/', '.')}-v0"
         if env_id not in registry and is_id(env_id):
             # `register` looks through all ids each time, which takes long for thousands.
-            registry[env_id] = level_spec(env_id, name)
+            level = name if "/" in name else f"{GALLERY}/{name}"
+            registry[env_id] = level_spec(env_id, level)
 
 
 def _level_names() -> Iterator[str]:
-    """Yield the names of levels, from the names of their files, which are not read."""
-    for place in (Place(gallery_folder()), *pack_places()):
+    """Yield the names of levels, as their files are called; the files are not read."""
+    for place in (gallery_place(), *pack_places()):
         for file in files_in(place):
             # A suite outside a folder `suites` is recognised when its environment is made.
             in_suites = "suites" in file.path.relative_to(place.folder).parts[:-1]

@@ -1,1 +1,1 @@
-"""Levels to order: drawn from a seed, held against conditions, written as files."""
+"""Generating levels: suites, batches of files, and the templates of `babyrobot new-level`."""

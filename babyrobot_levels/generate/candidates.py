@@ -1,4 +1,4 @@
-"""Tries: levels drawn from the suite's seed, the level's number and the try's, and nothing else."""
+"""Candidates: levels drawn from the suite's seed, the level's number and the attempt alone."""
 
 from __future__ import annotations
 
@@ -21,25 +21,25 @@ from babyrobot_levels.mdp.graph import Successors, distances
 from babyrobot_levels.mdp.mazes.lattice import below
 
 SEED_BITS = 48
-"""Mazes have seeds of so many bits: too many for two levels to draw the same one."""
+"""Bits of a maze's seed: enough that no two levels draw the same one."""
 
 SHARED = [
     name
     for name in fields_with(Role.REWARD, Role.LIMIT, Role.LOOK)
     if name in SuiteFields.model_fields
 ]
-"""What a suite says of all its levels in the words of a level."""
+"""The fields of a suite that are fields of its levels."""
 
 SIZES_KEPT = 256
 
 
 class Candidate:
-    """A try at a level. What is asked of it is worked out when it is asked for.
+    """A candidate for a level. Its properties are computed when they are asked for.
 
     Attributes:
         size: width and height in cells.
-        start: the start's number, row by row.
-        exit: the exit's number.
+        start: the index of the start, row by row.
+        exit: the index of the exit.
     """
 
     def __init__(
@@ -50,14 +50,14 @@ class Candidate:
 
     @cached_property
     def layout(self) -> float:
-        """A number in [0, 1) that size and open sides alone decide."""
+        """A number in [0, 1) that depends on size and walls alone."""
         grid = self._grown.grid()
         hashed = sha256(f"{grid.width}x{grid.height} ".encode("ascii") + grid.open_bits)
         return int.from_bytes(hashed.digest()[:6], "big") / 2**48
 
     @cached_property
     def is_playable(self) -> bool:
-        """Whether the robot can come to the exit and everywhere else, and not win in one step."""
+        """Whether exit and all other cells are reachable, and the exit is not next to the start."""
         grid, maze = self._grown.grid(), self._grown.maze
         is_tree = maze is not None and not maze.loops
         if is_tree and grid.open_bits[self.exit].bit_count() > 1:
@@ -67,7 +67,7 @@ class Candidate:
 
     @property
     def path_length(self) -> int:
-        """The number of steps of a shortest walk from start to exit, -1 if there is none."""
+        """The length of a shortest path from start to exit, -1 if there is none."""
         return self._steps[self.exit]
 
     @property
@@ -77,7 +77,7 @@ class Candidate:
 
     @property
     def difficulty(self) -> float | None:
-        """How hard the level is, None where it cannot be told."""
+        """The difficulty of the level, None if it is undefined."""
         return Metrics(self.level).difficulty
 
     @cached_property
@@ -100,7 +100,7 @@ class Candidate:
 
     @cached_property
     def _steps(self) -> Sequence[int]:
-        """How many steps it takes from the start to each cell; the exit leads nowhere."""
+        """The distance of each cell from the start, with the exit as a terminal cell."""
         ahead = neighbours(self._grown.grid())
         ahead[self.exit] = []
         return distances([self.start], ahead)
@@ -110,26 +110,29 @@ class Maker:
     """Draws the levels of a suite.
 
     Args:
-        suite: what it states.
-        names: what levels are called: a text with `{index}`, or `{index:05}`, in it.
-        folder: where `themes/` may stand.
+        suite: its fields.
+        names: the names of the levels: a text with `{index}` or `{index:05}` in it.
+        folder: the folder that may have `themes/` in it.
+        first: the index of the first level in its name.
     """
 
-    def __init__(self, suite: SuiteFields, names: str, folder: Path | None = None) -> None:
-        self.suite, self.names, self.folder = suite, names, folder
+    def __init__(
+        self, suite: SuiteFields, names: str, folder: Path | None = None, first: int = 0
+    ) -> None:
+        self.suite, self.names, self.folder, self.first = suite, names, folder, first
         self.splits = split_ranges(suite)
         self._blank = lru_cache(SIZES_KEPT)(self._make_blank)
 
     def name(self, number: int) -> str:
-        """Return what a level is called."""
-        return self.names.format(index=number)
+        """Return the name of a level."""
+        return self.names.format(index=self.first + number)
 
     def split(self, number: int) -> str | None:
-        """Return the split that a level is in, None where there are none."""
+        """Return the split of a level, None without splits."""
         return next((name for name, part in self.splits.items() if number in part), None)
 
     def layouts(self, number: int) -> tuple[float, float]:
-        """Return between which bounds the layout of a level lies: splits share no layout."""
+        """Return the bounds of a level's `layout`, which differ between splits."""
         first = 0.0
         for name, share in self.suite.splits.items():
             if number in self.splits[name]:
@@ -139,7 +142,7 @@ class Maker:
         return 0.0, 1.0
 
     def draw(self, number: int, attempt: int) -> Candidate:
-        """Return a try at a level."""
+        """Return a candidate for a level."""
         suite = self.suite
         key = sha256(f"{suite.seed}/{number}/{attempt}".encode("ascii")).digest()
         rng = random.Random(int.from_bytes(key, "big"))
@@ -175,7 +178,7 @@ class Maker:
         return maze
 
     def _make_blank(self, width: int, height: int) -> Level:
-        """Return the level of a size in which nothing is drawn yet."""
+        """Return the empty level of a size."""
         given = plain(self.suite)
         shared = {field: given[field] for field in SHARED if field in given}
         return Level.from_fields(
@@ -185,7 +188,8 @@ class Maker:
     def drawn(self, level: Level) -> Level:
         """Return a level as a drawing.
 
-        A maze grows from the start: where that is chosen by the maze, the file cannot say both.
+        A maze is generated from its start cell, so a file cannot have both a maze and a start that
+        depends on it.
         """
         given = level.to_dict()
         kept = {field: given[field] for field in ("name", *SHARED) if field in given}
@@ -193,7 +197,7 @@ class Maker:
 
 
 def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
-    """Return a level with a maze; its loops are left out where no dead end is opened up."""
+    """Return a level with a maze; without `loops` where they open no dead end."""
     width = blank.size[0]
     cell = (start % width, start // width)
     level = blank.model_copy(update={"maze": Maze.model_validate(maze), "start": cell})
@@ -208,7 +212,7 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
 def _draw_puddles(
     rng: random.Random, count: int, cells: int, taken: Sequence[int]
 ) -> list[tuple[int, str]]:
-    """Return cells, in their order, and the sizes of their puddles."""
+    """Return the cells of puddles, sorted, and their sizes."""
     if not count:
         return []
     free = [cell for cell in range(cells) if cell not in taken]
@@ -234,9 +238,9 @@ def _another(rng: random.Random, cells: int, taken: int | None) -> int:
 
 
 def _far_apart(suite: SuiteFields, ahead: Successors, start: int, exit_: int) -> tuple[int, int]:
-    """Return start and exit, one of them, or both, as many steps from the other as can be."""
+    """Return start and exit, with the ones that are `farthest` as far apart as possible."""
     if suite.start == "farthest":
-        # Of both, in a maze without loops: the ends of a longest path.
+        # If both are, in a maze without loops: the ends of a longest path.
         start = _farthest(distances([0 if suite.exit == "farthest" else exit_], ahead))
     if suite.exit == "farthest":
         exit_ = _farthest(distances([start], ahead))
@@ -244,5 +248,5 @@ def _far_apart(suite: SuiteFields, ahead: Successors, start: int, exit_: int) ->
 
 
 def _farthest(steps: Sequence[int]) -> int:
-    """Return the cell that is the most steps away, the first of several."""
+    """Return the cell at the largest distance, the first of several."""
     return max(range(len(steps)), key=steps.__getitem__)

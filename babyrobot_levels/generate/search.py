@@ -1,7 +1,8 @@
-"""The search for a level: tries, one after the other, until one meets all conditions."""
+"""The search for a level: candidates are drawn until one meets all conditions."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,31 +14,29 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.errors import BabyRobotError
 
 MOST_TRIES, MOST_CELLS = 10_000, 10_000_000
-"""The search for one level ends after so many tries, or when so many cells were drawn."""
+"""Limits of the search for one level: candidates, and cells of all candidates together."""
 
 FEWEST_TRIES = 100
 MOST_SOLVED = 1_000
-"""How hard a level is takes long to tell: of so many levels at most."""
+"""The largest number of candidates that are solved for their difficulty."""
 
-_EXTREMES = {
-    "path_length": ("shortest", "longest"),
-    "dead_ends": ("fewest", "most"),
-    "difficulty": ("easiest", "hardest"),
-}
+_CONDITIONS = ("path_length", "dead_ends", "difficulty")
 
 
 class StarvedError(BabyRobotError):
     """No level was found that meets all conditions.
 
     Attributes:
-        condition: the field of the suite that starves.
+        condition: the field of the suite that was not met.
         asked: what it asks for, such as `90..99`.
-        reason: how near the tries came.
+        reason: how close the candidates came.
+        needs: by what factor width and height would have to grow for the condition to be met,
+            None where another size does not help.
     """
 
-    def __init__(self, condition: str, asked: str, reason: str):
-        self.condition, self.asked, self.reason = condition, asked, reason
-        super().__init__(condition, asked, reason)
+    def __init__(self, condition: str, asked: str, reason: str, needs: float | None = None):
+        self.condition, self.asked, self.reason, self.needs = condition, asked, reason, needs
+        super().__init__(condition, asked, reason, needs)
 
     def __str__(self) -> str:
         return f"{self.condition} {self.asked}: {self.reason}"
@@ -45,7 +44,7 @@ class StarvedError(BabyRobotError):
 
 @dataclass(frozen=True, slots=True)
 class Found:
-    """A level that meets all conditions, and which try it was."""
+    """A level that meets all conditions, and the attempt that it was."""
 
     number: int
     attempt: int
@@ -54,7 +53,7 @@ class Found:
 
 @dataclass(slots=True)
 class Condition:
-    """What one field of a suite asks of levels, and what came of it."""
+    """A condition of a suite, and how the candidates met it."""
 
     name: str
     asked: str
@@ -68,7 +67,7 @@ class Condition:
     """The smallest value that was too large."""
 
     def accepts(self, value: Any) -> bool:
-        """Tell whether a value is as asked for, and remember how near it is if not."""
+        """Return whether a value meets the condition; remember the nearest one that does not."""
         self.asked_of += 1
         if value is None:
             return False
@@ -82,21 +81,20 @@ class Condition:
         return True
 
     def nearest(self, count: int) -> str:
-        """Return how near so many tries came, none of which met the condition."""
-        low, high = _EXTREMES[self.name]
-        tries = f"{count:,} tries"
+        """Return how close a number of candidates came, none of which met the condition."""
+        candidates = f"{count:,} candidates"
         if self.below is None and self.above is None:
-            return f"none of {tries} has one"
+            return f"none of {candidates} has one"
         if self.above is None:
-            return f"the {high} of {tries} had {_told(self.below)}"
+            return f"the largest of {candidates} was {_text(self.below)}"
         if self.below is None:
-            return f"the {low} of {tries} had {_told(self.above)}"
-        return f"the nearest of {tries} had {_told(self.below)} and {_told(self.above)}"
+            return f"the smallest of {candidates} was {_text(self.above)}"
+        return f"the nearest of {candidates} were {_text(self.below)} and {_text(self.above)}"
 
 
 @dataclass(slots=True)
 class Tally:
-    """The conditions of a suite, and how often each was met."""
+    """The conditions of a suite, with counts of how often each was met."""
 
     suite: SuiteFields
     layouts: tuple[float, float]
@@ -108,7 +106,7 @@ class Tally:
     conditions: dict[str, Condition] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in _EXTREMES:
+        for name in _CONDITIONS:
             asked = getattr(self.suite, name)
             least, most = (0, None) if asked is None else bounds(asked)
             if name == "path_length" and self.suite.max_steps is not None:
@@ -118,7 +116,7 @@ class Tally:
                 self.conditions[name] = Condition(name, words, least, most)
 
     def accepts(self, candidate: Candidate) -> bool:
-        """Tell whether a try meets all conditions."""
+        """Return whether a candidate meets all conditions."""
         self.tries += 1
         least, most = self.layouts
         if not least <= candidate.layout < most:
@@ -127,7 +125,7 @@ class Tally:
         if not candidate.is_playable:
             return False
         self.playable += 1
-        # Both are looked at, so that each says for itself how often it is met.
+        # Both are evaluated, so that each is counted for itself.
         quick = [
             self.conditions[name].accepts(getattr(candidate, name))
             for name in ("path_length", "dead_ends")
@@ -140,33 +138,44 @@ class Tally:
 
     @property
     def is_enough(self) -> bool:
-        """Whether so many levels were solved that no more are."""
+        """Whether the limit of solved candidates is reached."""
         hard = self.conditions.get("difficulty")
         return hard is not None and hard.asked_of >= MOST_SOLVED
 
     def error(self) -> StarvedError:
-        """Return what is to be said if none was found."""
+        """Return the error that no candidate met all conditions."""
         asked_for = [each for each in self.conditions.values() if each.asked_of]
         rarest = min(asked_for, key=lambda each: each.met, default=None)
         if rarest is not None and not rarest.met:
             tries = rarest.asked_of if rarest.name == "difficulty" else self.tries
-            return StarvedError(rarest.name, rarest.asked, rarest.nearest(tries))
+            return StarvedError(
+                rarest.name, rarest.asked, rarest.nearest(tries), self._growth(rarest)
+            )
         if self.again:
             reason = (
-                f"{self.again:,} of {self.tries:,} tries met all conditions, and each of them was "
-                "a game that is there already"
+                f"{self.again:,} of {self.tries:,} candidates met all conditions, but all of them "
+                "are duplicates of earlier levels"
             )
-            return StarvedError("count", str(self.suite.count), reason)
+            return StarvedError("count", str(self.suite.count), reason, 1.5)
         if not self.in_split:
-            reason = f"none of {self.tries:,} tries had a maze of this split"
+            reason = f"none of {self.tries:,} candidates has a maze of this split"
             return StarvedError("splits", str(self.split), reason)
         if rarest is None or not self.playable:
-            reason = f"in each of {self.tries:,} tries it is beside the start, or cuts off cells"
+            reason = (
+                f"in all of {self.tries:,} candidates it is next to the start or cuts off cells"
+            )
             return StarvedError("exit", self.suite.exit, reason)
         others = [each for each in asked_for if each is not rarest]
-        met = [f"{rarest.met:,} of {self.tries:,} tries met it"]
+        met = [f"{rarest.met:,} of {self.tries:,} candidates met it"]
         met += [f"{each.met:,} met {each.name} {each.asked}" for each in others]
         return StarvedError(rarest.name, rarest.asked, ", ".join([*met, "none met all"]))
+
+    def _growth(self, missed: Condition) -> float | None:
+        """Return the factor by which levels would have to grow to meet a missed condition."""
+        if missed.name == "difficulty" or missed.above is not None or not missed.below:
+            return None
+        # Lengths and counts grow with the area, and the longest path is a rare one.
+        return 1.15 * math.sqrt(missed.least / missed.below)
 
 
 def find_level(
@@ -176,16 +185,16 @@ def find_level(
     first: int = 0,
     is_new: Callable[[Level], bool] | None = None,
 ) -> Found:
-    """Return the first try at a level that meets all conditions.
+    """Return the first candidate for a level that meets all conditions.
 
     Args:
-        maker: draws the tries.
+        maker: draws the candidates.
         number: the level's number.
-        first: the try to begin with.
-        is_new: whether a level is wanted that meets all conditions.
+        first: the first attempt.
+        is_new: returns whether a level that meets all conditions is no duplicate.
 
     Raises:
-        StarvedError: there is none among the tries that are made at most.
+        StarvedError: no candidate meets them, within the limits of the search.
     """
     layouts = maker.layouts(number)
     tally = Tally(maker.suite, layouts, maker.split(number))
@@ -201,11 +210,11 @@ def find_level(
 
 
 def most_tries(suite: SuiteFields, layouts: tuple[float, float] = (0.0, 1.0)) -> int:
-    """Return how many tries there are at most: more for a small split, fewer for large levels."""
+    """Return the limit of candidates: higher for a small split, lower for large levels."""
     width, height = suite.largest
     tries = min(MOST_TRIES, max(FEWEST_TRIES, MOST_CELLS // (width * height)))
     return int(tries / max(layouts[1] - layouts[0], 1e-3))
 
 
-def _told(value: float) -> str:
+def _text(value: float) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,21 +1,27 @@
-"""A first level file: commented, valid at once, and easy to change."""
+"""Templates of `babyrobot new-level`: level files that are commented, valid and easy to change."""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass
+from textwrap import indent
 
+from babyrobot_levels.library.reading import loads
 from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.mdp.mazes.lattice import below
 from babyrobot_levels.text.emitter import scalar
 
 TEMPLATES = ("grid", "maze", "drawing")
 
+_LEGEND = """\
+# S start, E exit, o small puddle, O large puddle, ### blocked; --- and | are walls.
+"""
+
 
 @dataclass(frozen=True, slots=True)
-class Order:
-    """What a new level shall be. `maze_seed` None means that it has no maze."""
+class StarterOptions:
+    """What a new level is like. With `maze_seed` None it has no maze, unless by its template."""
 
     name: str
     template: str = "grid"
@@ -27,45 +33,44 @@ class Order:
     theme: str = "default"
 
 
-def starter(order: Order, schema: str) -> str:
+def starter(options: StarterOptions, schema: str | None) -> str:
     """Return the text of a new level file.
 
     Args:
-        order: what it shall be.
-        schema: where editors find the JSON schema, as the file's first line names it.
+        options: what the level is like.
+        schema: where editors find the JSON schema, as the file's first line names it; None for
+            no such line.
 
     Raises:
-        ValueError: there is no room for that many puddles.
+        ValueError: there are fewer free cells than puddles.
     """
-    title = order.name.replace("-", " ").capitalize()
-    head = f"""\
-# yaml-language-server: $schema={schema}
+    title = options.name.replace("-", " ").capitalize()
+    head = f"# yaml-language-server: $schema={schema}\n" if schema else ""
+    head += f"""\
 # A grid world. Coordinates are [x, y] from the top-left cell, [0, 0]; sides are N, E, S and W.
 version: 1
-name: {scalar(order.name)}
+name: {scalar(options.name)}
 title: {scalar(title)}
 description: A new level.  # say what it is about
 
 """
-    body = _drawing(order) if order.template == "drawing" else _fields(order)
-    return head + body + _rest(order)
+    body = _drawing(options) if options.template == "drawing" else _fields(options)
+    return head + body + _rest(options)
 
 
-def _fields(order: Order) -> str:
-    width, height = order.size
+def _fields(options: StarterOptions) -> str:
+    width, height = options.size
     roomy = width > 2 and height > 2
-    maze, exit_ = "", (width - 1, height - 1)
-    if order.maze_seed is not None or order.template == "maze":
-        seed = order.maze_seed if order.maze_seed is not None else 42
-        exit_ = _exit_of_maze(order, seed)
+    maze, exit_, seed = "", exit_of(options), _seed_of_maze(options)
+    if seed is not None:
         parts = [f"seed: {seed}"]
-        if order.algorithm != "depth-first":
-            parts.append(f"algorithm: {order.algorithm}")
-        if order.loops:
-            parts.append(f"loops: {scalar(order.loops)}")
+        if options.algorithm != "depth-first":
+            parts.append(f"algorithm: {options.algorithm}")
+        if options.loops:
+            parts.append(f"loops: {scalar(options.loops)}")
         maze = f"maze: {{{', '.join(parts)}}}  # the same seed grows the same maze\n"
     cells = _free_cells(width, height, [(0, 0), exit_])
-    puddles = _puddle_lines(_puddle_cells(order, cells))
+    puddles = _puddle_lines(_puddle_cells(options, cells))
     walls = (
         "# walls:  # on N and S, `length` goes on to the east, on E and W to the south\n"
         "#   - {at: [1, 0], side: E, length: 2}\n"
@@ -76,17 +81,24 @@ start: [0, 0]
 exit: [{exit_[0]}, {exit_[1]}]  # entering it ends the episode
 {maze}\
 {walls if roomy else ""}\
-{puddles if roomy or order.puddles else ""}\
+{puddles if roomy or options.puddles else ""}\
 """
 
 
-def _exit_of_maze(order: Order, seed: int) -> tuple[int, int]:
-    """Return the dead end that is nearest to the lower right corner; without one, that corner.
+def _seed_of_maze(options: StarterOptions) -> int | None:
+    return 42 if options.maze_seed is None and options.template == "maze" else options.maze_seed
 
-    An exit in a corridor would keep the robot from what lies behind it.
+
+def exit_of(options: StarterOptions) -> tuple[int, int]:
+    """Return where the exit of a new level is: in the lower right corner.
+
+    In a maze, it is in the dead end that is nearest to that corner, if there is one: in a corridor
+    it would cut off the cells behind it.
     """
-    width, height = order.size
-    is_open = carve(width, height, bytes(width * height), 0, seed, order.algorithm, order.loops)
+    (width, height), seed = options.size, _seed_of_maze(options)
+    if seed is None:
+        return width - 1, height - 1
+    is_open = carve(width, height, bytes(width * height), 0, seed, options.algorithm, options.loops)
     x, y = width - 1, height - 1
     dead_ends = (
         divmod(cell, width)[::-1]
@@ -97,18 +109,21 @@ def _exit_of_maze(order: Order, seed: int) -> tuple[int, int]:
     return nearest[1:]
 
 
-def _drawing(order: Order) -> str:
-    width, height = order.size
+def _drawing(options: StarterOptions) -> str:
+    if options.maze_seed is not None:
+        text = loads(f"version: 1\n{_fields(options)}").draw()
+        return _LEGEND + "map: |\n" + indent(text, "  ")
+    width, height = options.size
     cells = [[" "] * width for _ in range(height)]
     cells[0][0], cells[-1][-1] = "S", "E"
     free = _free_cells(width, height, [(0, 0), (width - 1, height - 1)])
-    for number, (x, y) in enumerate(_puddle_cells(order, free)):
+    for number, (x, y) in enumerate(_puddle_cells(options, free)):
         cells[y][x] = "O" if number % 2 else "o"
     border = "  +" + "---+" * width + "\n"
     between = "  +" + "   +" * width + "\n"
     rows = ["  |" + " ".join(f" {cell} " for cell in row) + "|\n" for row in cells]
     return f"""\
-# S start, E exit, o small puddle, O large puddle, ### blocked; --- and | are walls.
+{_LEGEND}\
 map: |
 {border}{between.join(rows)}{border}\
 """
@@ -126,12 +141,14 @@ def _puddle_lines(cells: Sequence[tuple[int, int]]) -> str:
     return "puddles:  # slippery and costly; small or large\n" + "".join(lines)
 
 
-def _rest(order: Order) -> str:
-    theme = "# theme: black_orange" if order.theme == "default" else f"theme: {scalar(order.theme)}"
+def _rest(options: StarterOptions) -> str:
+    theme = (
+        "# theme: black_orange" if options.theme == "default" else f"theme: {scalar(options.theme)}"
+    )
     return f"""\
 
-# rewards: {{step: -1, exit: 0}}  # as they are if nothing is said
-# max_steps: 100  # the episode is cut off after so many steps
+# rewards: {{step: -1, exit: 0}}  # the defaults
+# max_steps: 100  # episodes are truncated after so many steps
 {theme}  # default, black_orange, blue_green, green, high_contrast, print
 """
 
@@ -140,12 +157,12 @@ def _free_cells(width: int, height: int, taken: Sequence[tuple[int, int]]) -> li
     return [(x, y) for y in range(height) for x in range(width) if (x, y) not in taken]
 
 
-def _puddle_cells(order: Order, free: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """Return as many cells as there shall be puddles, drawn from the maze's seed."""
-    if order.puddles > len(free):
+def _puddle_cells(options: StarterOptions, free: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the cells of the puddles, drawn from the maze's seed."""
+    if options.puddles > len(free):
         raise ValueError(
-            f"there is no room for {order.puddles} puddle{'s' * (order.puddles > 1)}: "
-            f"{len(free)} cells are free beside start and exit"
+            f"no room for {options.puddles} puddle{'s' * (options.puddles > 1)}: "
+            f"only {len(free)} cells are neither start nor exit"
         )
-    rng = random.Random(order.maze_seed or 0)
-    return [free.pop(below(rng, len(free))) for _ in range(order.puddles)]
+    rng = random.Random(options.maze_seed or 0)
+    return [free.pop(below(rng, len(free))) for _ in range(options.puddles)]

@@ -1,4 +1,4 @@
-"""Suites: families of levels, each of which is made when it is asked for."""
+"""Suites: sequences of generated levels."""
 
 from __future__ import annotations
 
@@ -22,14 +22,14 @@ from babyrobot_levels.text.words import did_you_mean
 class Suite(Sequence[Level]):
     """The levels of a suite, or some of them.
 
-    `suite[i]` is made from the suite's seed and the level's number alone, whatever was asked for
-    before, and is the same for ever. A slice is a suite too.
+    `suite[i]` is generated from the suite's seed and the level's number alone, and is the same
+    in every version. A slice is a suite, too.
 
     Args:
-        fields: what the suite states.
-        folder: where `themes/` may stand.
-        numbers: the numbers of the levels, all of them if left out.
-        split: the split that they are, if they are one.
+        fields: the fields of the suite.
+        folder: the folder that may have `themes/` in it.
+        numbers: the numbers of the levels; all of them by default.
+        split: the split that they are, if any.
     """
 
     def __init__(
@@ -51,12 +51,12 @@ class Suite(Sequence[Level]):
 
     @property
     def splits(self) -> tuple[str, ...]:
-        """The names of the splits, empty if there are none."""
+        """The names of the splits."""
         return tuple(self.fields.splits)
 
     @property
     def largest(self) -> tuple[int, int]:
-        """The largest width and height that a level can have, in cells."""
+        """The largest width and height of the levels, in cells."""
         return self.fields.largest
 
     def __len__(self) -> int:
@@ -69,7 +69,7 @@ class Suite(Sequence[Level]):
     def __getitem__(self, index: slice) -> Suite: ...
 
     def __getitem__(self, index: int | slice) -> Level | Suite:
-        """Return a level, or for a slice a suite of these levels.
+        """Return a level, or a suite for a slice.
 
         Raises:
             IndexError: there is no such level.
@@ -87,7 +87,7 @@ class Suite(Sequence[Level]):
         return (self[index] for index in range(len(self)))
 
     def split(self, name: str) -> Suite:
-        """Return the levels of a split. No maze is in two splits, not even with other puddles.
+        """Return the levels of a split. No maze occurs in two splits.
 
         Raises:
             ValueError: the suite has no such split.
@@ -99,7 +99,7 @@ class Suite(Sequence[Level]):
                 f"there is no split {name!r} (there are: {known}){did_you_mean(str(name), parts)}"
             )
         if not self._is_whole:
-            raise ValueError("a split is a part of the whole suite, not of a slice")
+            raise ValueError("a slice of a suite has no splits")
         return Suite(self.fields, self.folder, parts[name], name)
 
     @property
@@ -107,9 +107,9 @@ class Suite(Sequence[Level]):
         return self.numbers == range(self.fields.count)
 
     def to_arguments(self) -> dict[str, Any] | None:
-        """Return `suite` and, if it is one, `split` as plain data: what environments take.
+        """Return the arguments of environments, `suite` and maybe `split`, as plain data.
 
-        None for a slice, which has no such form.
+        None for a slice, which cannot be given by them.
         """
         if self._is_whole:
             return {"suite": self.to_dict(whole=True)}
@@ -118,11 +118,10 @@ class Suite(Sequence[Level]):
         return None
 
     def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
-        """Return what the suite states as plain data, as a file would.
+        """Return the fields of the suite as plain data.
 
         Args:
-            whole: whether to add a theme of its own that stands beside the file, so that the data
-                alone makes the same suite.
+            whole: whether to include a theme from a file, so that the data does not depend on it.
         """
         data: dict[str, Any] = plain(self.fields)
         if whole and "theme" in data:
@@ -133,7 +132,7 @@ class Suite(Sequence[Level]):
         return {name: data[name] for name in SuiteFields.model_fields if name in data}
 
     def to_yaml(self) -> str:
-        """Return what the suite states as canonical YAML."""
+        """Return the suite as canonical YAML."""
         return emit(self.to_dict())
 
     def __repr__(self) -> str:
@@ -151,11 +150,11 @@ class Suite(Sequence[Level]):
 
 
 def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Suite:
-    """Return a suite, however it is told.
+    """Return a suite.
 
     Args:
-        suite: a name from the catalogue (`"small-mazes"`), the path of a file, a mapping of the
-            fields of a suite, or a suite, which is returned as it is.
+        suite: a name (`"small-mazes"`), the path of a file, a mapping of the fields of a suite,
+            or a suite, which is returned unchanged.
 
     Raises:
         SuiteNotFoundError: nothing has that name; the error names the nearest ones.
@@ -174,5 +173,5 @@ def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Sui
 
 
 def name_pattern(fields: SuiteFields) -> str:
-    """Return what the levels of a suite are called: its name and their number."""
+    """Return the pattern of the levels' names: the suite's name and their number."""
     return f"{fields.name or 'level'}-{{index:05}}"

@@ -1,4 +1,4 @@
-"""Finds levels by name: in the gallery, the user's folders, and packages that carry packs."""
+"""Finds levels and suites by name."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,7 @@ from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code, load_file
-from babyrobot_levels.library.search_path import Place, places, yaml_files
+from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.text.files import SUFFIXES, is_file, read_source
 from babyrobot_levels.text.reader import read
@@ -25,12 +25,12 @@ _LINES = {
     key: re.compile(rf"^{key}:[ \t]*([\"']?)([a-z0-9-]+)\1(?:[ \t]+#.*)?[ \t]*$", re.MULTILINE)
     for key in ("name", "kind")
 }
-"""How a file usually states its name, or that it is a suite."""
+"""The usual form of the lines with a file's name and kind."""
 
 
 @dataclass(frozen=True, slots=True)
 class LevelFile:
-    """A level file that the catalogue knows. `name` is the file's, with its pack's before it."""
+    """A level file in one of the search folders; `name` is its stem, `PACK/STEM` in a pack."""
 
     name: str
     path: Path
@@ -39,7 +39,17 @@ class LevelFile:
 
 @dataclass(frozen=True, slots=True)
 class LevelInfo:
-    """The catalogue entry of a level. `size` is width and height in cells."""
+    """A level in the catalogue.
+
+    Attributes:
+        name: the name under which `load` finds it.
+        title: its title.
+        size: width and height in cells.
+        tags: its tags.
+        source: where it comes from.
+        path: its file.
+        origin: the folder in which it was found, such as `"gallery"` or `"levels/"`.
+    """
 
     name: str
     title: str | None
@@ -47,6 +57,12 @@ class LevelInfo:
     tags: tuple[str, ...]
     source: str | None
     path: Path
+    origin: str = ""
+
+    def __setstate__(self, state: Sequence[Any]) -> None:
+        # Pickles of version 0.1 have no origin.
+        for field, value in zip(fields(self), [*state, ""], strict=False):
+            object.__setattr__(self, field.name, value)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -57,6 +73,7 @@ class LevelInfo:
             "tags": list(self.tags),
             "source": self.source,
             "path": str(self.path),
+            "from": self.origin,
         }
 
 
@@ -64,9 +81,9 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     """Return a level.
 
     Args:
-        level: a name from the catalogue (`"final-maze"`), `"pack/name"`, the path of a file, a
+        level: a name (`"final-maze"`), `"pack/name"`, `"gallery/name"`, the path of a file, a
             share code (`"brl1.…"`), a mapping of the language's fields, or a level, which is
-            returned as it is.
+            returned unchanged.
 
     Raises:
         LevelNotFoundError: nothing has that name; the error names the nearest ones.
@@ -92,10 +109,10 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
 
 
 def find(name: str) -> Path:
-    """Return the file of the level that has a name, or `pack/name`.
+    """Return the file of the level with a name, which may be `pack/name` or `gallery/name`.
 
-    The places are searched in the order of `places`: a name of the gallery always means the
-    gallery's level.
+    The folders are searched in the order of `places`: a level in `levels/` of the current folder
+    comes before one of the gallery with the same name.
 
     Raises:
         LevelNotFoundError: nothing has that name.
@@ -108,13 +125,14 @@ def find(name: str) -> Path:
 
 
 def levels() -> list[LevelInfo]:
-    """Return what the catalogue knows of each level that is valid, by name."""
+    """Return all valid levels that have names, sorted by name."""
     return catalogue()[0]
 
 
 def catalogue() -> tuple[list[LevelInfo], list[Path]]:
-    """Return what is known of each level, by name, and the files that are no valid levels."""
+    """Return all levels that have names, sorted by name, and the files that are not valid."""
     found: dict[str, LevelInfo] = {}
+    others: dict[str, LevelInfo] = {}
     broken = []
     for file in level_files():
         try:
@@ -123,23 +141,23 @@ def catalogue() -> tuple[list[LevelInfo], list[Path]]:
             if not is_suite_file(file.path):
                 broken.append(file.path)
             continue
-        # The first place in which a name stands wins, as in `find`.
         name = file.place.named(str(level.name))
-        found.setdefault(
-            name,
-            LevelInfo(name, level.title, level.size, level.tags, level.source, file.path),
+        info = LevelInfo(
+            name, level.title, level.size, level.tags, level.source, file.path, file.place.origin
         )
-    return sorted(found.values(), key=lambda info: info.name), broken
+        # As in `find`: the first place wins, and files called so win over those that say so.
+        (found if file.name == name else others).setdefault(name, info)
+    return sorted({**others, **found}.values(), key=lambda info: info.name), broken
 
 
 def level_files() -> Iterator[LevelFile]:
-    """Yield all level files, place by place, and by path within each."""
+    """Yield all level files, in the order in which they are searched."""
     for place in places():
         yield from files_in(place)
 
 
 def files_in(place: Place) -> Iterator[LevelFile]:
-    """Yield the level files of one place, by path; suites are among them."""
+    """Yield the level and suite files of one folder, sorted by path."""
     for path in yaml_files(place.folder):
         stem = slug(path.stem)
         if stem is not None:
@@ -147,7 +165,7 @@ def files_in(place: Place) -> Iterator[LevelFile]:
 
 
 def suite_files() -> dict[str, Path]:
-    """Return the files of all suites by their names, the first place that has a name winning."""
+    """Return the files of all suites by name; the first folder that has a name wins."""
     found: dict[str, Path] = {}
     for file in level_files():
         if is_suite_file(file.path):
@@ -158,7 +176,7 @@ def suite_files() -> dict[str, Path]:
 
 
 def find_suite(suite: str | os.PathLike[str]) -> Path:
-    """Return the file of a suite, which is given by its name or its path.
+    """Return the file of a suite.
 
     Raises:
         SuiteNotFoundError: nothing has that name.
@@ -175,30 +193,30 @@ def find_suite(suite: str | os.PathLike[str]) -> Path:
 
 
 def is_suite_file(path: Path) -> bool:
-    """Tell, from a look at its text, whether a file is a suite."""
+    """Return whether a file is a suite, judging by its text."""
     return _stated(path, "kind") == "suite"
 
 
 def _named(name: str) -> Iterator[Path]:
-    """Yield the files that a name means: those that are called so, then those that say so."""
+    """Yield the files that a name means: those with that stem, then those with that `name`."""
     files = []
-    for file in _files_of_pack(_pack_in(name)):
+    pack, _, own = name.rpartition("/")
+    if pack == GALLERY:
+        name, candidates = own, files_in(gallery_place())
+    else:
+        candidates = _files_of_pack(pack or None)
+    for file in candidates:
         if file.name == name:
             yield file.path
         files.append(file)
     for file in files:
-        own = _stated(file.path, "name")
-        if own is not None and file.place.named(own) == name:
+        stated = _stated(file.path, "name")
+        if stated is not None and file.place.named(stated) == name:
             yield file.path
 
 
-def _pack_in(name: str) -> str | None:
-    """Return the pack that a name names, None where it names none."""
-    return name.rpartition("/")[0] or None
-
-
 def _files_of_pack(pack: str | None) -> Iterator[LevelFile]:
-    """Yield the level files of a pack; for None, of all places that are no packs."""
+    """Yield the level files of a pack; for None, of all folders that are no packs."""
     for place in places():
         if place.pack == pack:
             yield from files_in(place)
@@ -213,7 +231,7 @@ def _looks_like_path(text: str) -> bool:
 
 
 def _load_path(path: Path) -> Level:
-    # Without a home directory, `~` is an ordinary name.
+    # Without a home directory, `~` is a name like any other.
     with suppress(RuntimeError):
         path = path.expanduser()
     if not _is_there(path):
@@ -222,7 +240,7 @@ def _load_path(path: Path) -> Level:
 
 
 def _is_there(path: Path) -> bool:
-    """Tell whether there is something; where that may not be asked, reading it says so."""
+    """Return whether a path exists; True if that may not be asked, as reading it reports why."""
     try:
         path.stat()
     except PermissionError:
@@ -233,14 +251,14 @@ def _is_there(path: Path) -> bool:
 
 
 def _nearest_names(name: str, known: Sequence[str]) -> list[str]:
-    """Return the likeliest of the known names: the same one in a pack, or like it."""
+    """Return the most similar known names: the same one in a pack, or one like it."""
     own = name.rpartition("/")[2]
     same = [other for other in known if other.rpartition("/")[2] == own]
     return list(dict.fromkeys([*same, *nearest(name, known)]))[:MAX_NEAREST]
 
 
 def _nearest_files(path: Path) -> list[str]:
-    """Return the level files beside a missing one whose names are like its name."""
+    """Return the level files in the folder of a missing one with similar names."""
     try:
         stems = {other.stem: other for other in path.parent.iterdir() if other.suffix in SUFFIXES}
     except OSError:
@@ -250,7 +268,7 @@ def _nearest_files(path: Path) -> list[str]:
 
 
 def _stated(path: Path, key: str) -> str | None:
-    """Return what a file states under a key, without checking it."""
+    """Return the text that a file has under a key, without validating the file."""
     try:
         source = read_source(path)
         match = _LINES[key].search(source.text)

@@ -1,23 +1,32 @@
-"""Where levels are looked for: the gallery, the user's folders, and packs."""
+"""The folders in which levels are searched: the project's, the gallery, the user's, packs."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, user_folder
 
 PATH_VARIABLE = "BABYROBOT_LEVELS"
+GALLERY = "gallery"
+"""`gallery/NAME` is the gallery's level, whatever levels of that name a project has."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A folder of levels, and the name of the pack that it is, if it is one."""
+    """A folder of levels.
+
+    Attributes:
+        folder: the folder.
+        pack: the name of the pack that it is, None if it is none.
+        origin: what `babyrobot list` calls it.
+    """
 
     folder: Path
     pack: str | None = None
+    origin: str = field(default="", compare=False)
 
     def named(self, name: str) -> str:
         """Return what a level of this name in this place is called: in a pack, `pack/name`."""
@@ -25,12 +34,12 @@ class Place:
 
 
 def places() -> Iterator[Place]:
-    """Yield where levels are looked for, the first that has a name winning.
+    """Yield the folders in which levels are searched; the first that has a name wins.
 
-    In this order: the gallery, the user's own folder, `levels/` of the current folder, the
-    folders of `BABYROBOT_LEVELS`, the user's packs, the packs of installed packages. What comes
-    later is looked up only when it is needed. Of packs with the same name, only the first
-    is a place.
+    In this order: `levels/` of the current folder, the folders of `BABYROBOT_LEVELS`, the
+    gallery, the user's own folder, the user's packs, the packs of installed packages. Later ones
+    are determined only when they are asked for. Of packs with the same name, only the first is
+    yielded.
     """
     seen: set[tuple[Path, str | None]] = set()
     for place in _candidates():
@@ -50,25 +59,34 @@ def pack_places() -> Iterator[Place]:
     for pack in known_packs():
         if pack.name not in names:
             names.add(pack.name)
-            yield Place(pack.folder, pack.name)
+            yield Place(pack.folder, pack.name, f"pack {pack.name}")
 
 
 def _candidates() -> Iterator[Place]:
-    yield Place(gallery_folder())
-    yield Place(user_folder() / "levels")
-    yield Place(Path("levels"))
-    yield from map(Place, path_folders())
+    gallery = gallery_place()
+    project = Path("levels")
+    # In a checkout of this project, they are the same folder.
+    if _real(project) != _real(gallery.folder):
+        yield Place(project, origin="levels/")
+    yield from (Place(folder, origin=str(folder)) for folder in path_folders())
+    yield gallery
+    yield Place(user_folder() / "levels", origin="your folder")
     yield from pack_places()
 
 
+def gallery_place() -> Place:
+    """Return the place of the levels that come with this package."""
+    return Place(gallery_folder(), origin=GALLERY)
+
+
 def path_folders() -> list[Path]:
-    """Return what the variable `BABYROBOT_LEVELS` names."""
+    """Return the folders in the variable `BABYROBOT_LEVELS`."""
     names = os.environ.get(PATH_VARIABLE, "").split(os.pathsep)
     return [Path(name) for name in names if name]
 
 
 def _real(folder: Path) -> Path | None:
-    """Return a folder without the links that lead to it, or None if it is none that we may see."""
+    """Return the resolved path of a folder, None if it is no readable folder."""
     try:
         return folder.resolve() if folder.is_dir() else None
     except (OSError, RuntimeError):

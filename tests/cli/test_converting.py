@@ -70,7 +70,7 @@ def test_a_level_file_is_no_world_of_another_program() -> None:
     result = babyrobot("import", "lake.yaml")
     assert (result.status, result.err.splitlines()[0]) == (
         2,
-        "error: lake.yaml is a level file already",
+        "error: lake.yaml is already a level file",
     )
 
 
@@ -130,7 +130,7 @@ def test_the_picture_of_tiles_is_not_written_to_standard_output() -> None:
     result = babyrobot("export", "default", "--to", "tiled")
     assert result.out.startswith("{\n")
     assert result.err == (
-        "note: default-tiles.png, the picture of the tiles, is written with -o FILE only\n"
+        "note: default-tiles.png, the picture of the tiles, is only written with -o FILE\n"
     )
     assert list(Path.cwd().iterdir()) == []
 

@@ -89,7 +89,7 @@ def test_what_is_left_as_it_is_is_said() -> None:
     before = path.read_bytes()
     result = babyrobot("format", "a.yaml")
     assert result.status == 0
-    assert result.out.startswith("left as it is: a.yaml: ")
+    assert result.out.startswith("left unchanged: a.yaml: ")
     assert result.out.endswith("\n1 file left unchanged\n")
     assert path.read_bytes() == before
     assert babyrobot("format", "--check", "a.yaml").status == 0

@@ -63,18 +63,18 @@ def repository(tmp_path: Path) -> Repository:
 def test_a_changed_game(repository: Repository) -> None:
     repository.write("levels/maze.yaml", LEVEL + "rewards: {exit: 5}\n")
     assert repository.git("diff") == (
-        "levels/maze.yaml: another game\n"
+        "levels/maze.yaml: another MDP\n"
         "\n"
         "rewards.exit: 0 -> 5\n"
         "transitions: 2 of 20 changed\n"
         "  [1, 0] south\n"
-        "    before: [1, 1], reward 0, the end\n"
-        "    after:  [1, 1], reward 5, the end\n"
+        "    before: [1, 1], reward 0, terminal\n"
+        "    after:  [1, 1], reward 5, terminal\n"
         "  [0, 1] east\n"
-        "    before: [1, 1], reward 0, the end\n"
-        "    after:  [1, 1], reward 5, the end\n"
+        "    before: [1, 1], reward 0, terminal\n"
+        "    after:  [1, 1], reward 5, terminal\n"
         "\n"
-        "best return: -1 -> 4\n"
+        "optimal return: -1 -> 4\n"
         "random return: -5 -> 0\n"
         "\n"
     )
@@ -84,7 +84,7 @@ def test_from_a_folder_of_the_repository(repository: Repository) -> None:
     repository.write("levels/maze.yaml", LEVEL + "title: Two by two\n")
     told = repository.git("-C", "levels", "diff", "maze.yaml")
     assert told == (
-        "levels/maze.yaml: the same game\n\nbeside the game:\n  title: none -> Two by two\n\n"
+        "levels/maze.yaml: the same MDP\n\nnot part of the MDP:\n  title: none -> Two by two\n\n"
     )
 
 
@@ -93,8 +93,8 @@ def test_files_that_come_and_go(repository: Repository) -> None:
     repository.write("levels/new.yaml", "version: 1\nsize: [2, 1]\n")
     repository.git("add", "--all")
     assert repository.git("diff", "--cached", "--no-renames") == (
-        "levels/maze.yaml: the level is gone\n\n"
-        "levels/new.yaml: the level is new\n\n+---+---+\n| S   E |\n+---+---+\n\n"
+        "levels/maze.yaml: deleted level\n\n"
+        "levels/new.yaml: new level\n\n+---+---+\n| S   E |\n+---+---+\n\n"
     )
 
 
@@ -104,15 +104,15 @@ def test_a_file_that_was_renamed(repository: Repository) -> None:
     repository.git("add", "--all")
     told = repository.git("diff", "--cached", "--find-renames=10%")
     assert told.startswith(
-        "levels/maze.yaml -> levels/other.yaml: another game\n\nstart: [0, 0] -> [1, 0]\n"
+        "levels/maze.yaml -> levels/other.yaml: another MDP\n\nstart: [0, 0] -> [1, 0]\n"
     )
-    assert told.endswith("beside the game:\n  name: maze -> other\n\n")
+    assert told.endswith("not part of the MDP:\n  name: maze -> other\n\n")
 
 
 def test_a_level_that_is_not_valid_is_compared_as_text(repository: Repository) -> None:
     repository.write("levels/maze.yaml", LEVEL.replace("2, 2", "0, 2"))
     assert repository.git("diff") == (
-        "levels/maze.yaml: no valid level after the change\n"
+        "levels/maze.yaml: not a valid level after the change\n"
         "  after, line 2: `size[0]` must be at least 1, not `0`\n"
         "\n"
         "--- levels/maze.yaml\n"
@@ -130,22 +130,18 @@ def test_a_file_that_comes_without_being_a_level_is_shown_as_text(repository: Re
     repository.write("levels/new.yaml", "sice: 3\n")
     repository.git("add", "--all")
     told = repository.git("diff", "--cached")
-    assert told.startswith(
-        "levels/new.yaml: the file is new, and no valid level\n  after, line 1: "
-    )
+    assert told.startswith("levels/new.yaml: new file, not a valid level\n  after, line 1: ")
     assert told.endswith("@@ -0,0 +1 @@\n+sice: 3\n\n")
     repository.commit()
     repository.git("rm", "--quiet", "levels/new.yaml")
     told = repository.git("diff", "--cached")
-    assert told.startswith(
-        "levels/new.yaml: the file is gone, and no valid level\n  before, line 1: "
-    )
+    assert told.startswith("levels/new.yaml: deleted file, not a valid level\n  before, line 1: ")
     assert told.endswith("@@ -1 +0,0 @@\n-sice: 3\n\n")
 
 
 def test_a_file_that_cannot_be_read(repository: Repository) -> None:
     (repository.folder / "levels/maze.yaml").write_bytes(b"\xff\xfe")
-    assert repository.git("diff") == "levels/maze.yaml: the file is UTF-16, not UTF-8\n\n"
+    assert repository.git("diff") == "levels/maze.yaml: the file is encoded as UTF-16\n\n"
 
 
 def test_a_conflict(repository: Repository) -> None:
@@ -159,4 +155,4 @@ def test_a_conflict(repository: Repository) -> None:
     subprocess.run(
         call, cwd=repository.folder, env=repository.env, capture_output=True, check=False
     )
-    assert "levels/maze.yaml: not merged yet\n\n" in repository.git("diff", "--base")
+    assert "levels/maze.yaml: unmerged\n\n" in repository.git("diff", "--base")

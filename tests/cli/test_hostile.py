@@ -178,6 +178,7 @@ def test_a_file_name_that_is_not_utf8(folder: Path) -> None:
         assert babyrobot(*arguments).status == 1
 
 
+@pytest.mark.slow
 def test_sizes_at_the_limit(folder: Path) -> None:
     for template in ("grid", "drawing"):
         result = babyrobot("new-level", template, "--size", "1024x1024", "--template", template)
@@ -189,6 +190,7 @@ def test_sizes_at_the_limit(folder: Path) -> None:
     assert babyrobot("preview", "levels/grid.yaml", "-o", "grid.txt").status == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", ["20000", "200000", "9" * 30])
 def test_more_puddles_than_a_file_can_hold(count: str, folder: Path) -> None:
     result = babyrobot("new-level", "wet", "--size", "1024x1024", "--puddles", count)

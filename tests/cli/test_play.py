@@ -137,7 +137,7 @@ class Game:
 def yard(tmp_path: Path) -> Iterator[Game]:
     (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
     with Game(tmp_path, "yard.yaml", "--seed", "1") as game:
-        game.until("Find the way")
+        game.until("Find the exit")
         yield game
 
 
@@ -153,7 +153,7 @@ def test_the_first_screen(yard: Game) -> None:
     lines = [line.strip() for line in yard.screen.splitlines()]
     assert lines[0] == "The yard"
     assert "step 0   reward 0   return 0" in lines
-    assert lines[-1] == "←↑↓→ or WASD move · space stays · r begins anew · q quits"
+    assert lines[-1] == "←↑↓→ or WASD move · space stays · r restarts · q quits"
     assert place(yard.screen) == (0, 0)
 
 
@@ -194,11 +194,11 @@ def test_other_keys_do_nothing(yard: Game) -> None:
 
 def test_a_wall_is_a_bump_and_glass_throws_back(yard: Game) -> None:
     yard.press(DOWN)
-    assert place(yard.until("Bump! There is no way south.")) == (0, 0)
+    assert place(yard.until("Bump! A wall in the south.")) == (0, 0)
     yard.press(RIGHT)
     assert "Bump" not in yard.until("step 2 ")
     yard.press(DOWN)
-    assert place(yard.until("The glass throws him back.")) == (1, 0)
+    assert place(yard.until("The glass throws the robot back.")) == (1, 0)
 
 
 def test_the_exit_ends_the_game_and_it_can_begin_anew(yard: Game) -> None:
@@ -209,7 +209,7 @@ def test_the_exit_ends_the_game_and_it_can_begin_anew(yard: Game) -> None:
     yard.press(LEFT + b"r" + RIGHT)
     assert place(yard.until("step 1 ")) == (1, 0)
     yard.press(b"q")
-    assert yard.ended() == (0, "yard: left after 1 step, return -1\n")
+    assert yard.ended() == (0, "yard: stopped after 1 step, return -1\n")
 
 
 def test_the_last_line_says_how_it_went(yard: Game) -> None:
@@ -300,7 +300,7 @@ def test_a_large_level_is_seen_through_a_window(tmp_path: Path) -> None:
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
     with Game(tmp_path, "large.yaml", size=(40, 15)) as game:
         lines = game.until("Find").splitlines()
-        assert lines[-1].strip() == "←↑↓→ move · r anew · q quits"
+        assert lines[-1].strip() == "←↑↓→ move · r restart · q quits"
         assert len(lines) <= 15
         assert max(map(len, lines)) <= 40
         row = next(n for n, line in enumerate(lines) if "☻" in line)
@@ -337,9 +337,9 @@ def test_time_is_up(tmp_path: Path) -> None:
     with Game(tmp_path, "short.yaml") as game:
         game.until("step 0 of 2")
         game.press(b"..")
-        game.until("Time is up.")
+        game.until("No steps left.")
         game.press(b"q")
-        assert game.ended() == (0, "short: ran out of time after 2 steps, return -2\n")
+        assert game.ended() == (0, "short: ran out of steps after 2 steps, return -2\n")
 
 
 def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
@@ -353,7 +353,7 @@ def test_without_colour_and_without_box_characters(tmp_path: Path) -> None:
 
 def test_a_level_from_standard_input_is_played_with_the_terminals_keys(tmp_path: Path) -> None:
     with Game(tmp_path, "-", "--seed", "1", given=LEVEL.encode()) as game:
-        assert place(game.until("Find the way")) == (0, 0)
+        assert place(game.until("Find the exit")) == (0, 0)
         game.press(RIGHT)
         assert place(game.until("step 1 ")) == (1, 0)
         game.press(b"q")
@@ -382,8 +382,8 @@ def test_without_a_terminal_it_says_so(
     )
     assert done.returncode == 2
     assert done.stderr.decode() == (
-        "error: a game needs a terminal, for its keys and its picture\n"
-        "  help: `babyrobot preview` shows a level everywhere\n"
+        "error: `babyrobot play` needs a terminal\n"
+        "  help: use `babyrobot preview` to look at a level\n"
     )
     assert not select.select([outer], [], [], 0.1)[0]
     os.close(outer)
@@ -394,4 +394,4 @@ def test_a_maze_seed_is_for_random_mazes(tmp_path: Path) -> None:
     with Game(tmp_path, "final-maze", "--maze-seed", "5") as game:
         status, told = game.ended()
         assert status == 2
-        assert "--maze-seed is for `maze: {seed: random}`" in told
+        assert "leave out --maze-seed" in told

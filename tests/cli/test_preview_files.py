@@ -134,9 +134,7 @@ def test_a_film_shows_values_and_coordinates() -> None:
 def test_an_episode_without_an_end_is_cut() -> None:
     result = preview(written(ENDLESS), "--policy", "random", "--cell", "16", "-o", "walk.gif")
     assert result.status == 0
-    assert (
-        result.err == f"the episode does not end within {MAX_STEPS} steps; the film is cut there\n"
-    )
+    assert result.err == f"the episode does not end within {MAX_STEPS} steps; the GIF shows those\n"
     assert len(film(Path("walk.gif").read_bytes())) > 100
 
 
@@ -194,7 +192,7 @@ def test_a_level_without_an_answer_can_be_played_but_not_watched() -> None:
     name = written(WITHOUT_ANSWER)
     result = preview(name, "-o", "play.html")
     assert result.status == 0
-    assert "no best moves" in result.err
+    assert "no optimal moves" in result.err
     data = data_of(Path("play.html").read_bytes())
     assert (data["walker"], data["policy"]) == (None, None)
     for options in (["--policy"], ["--values"]):

@@ -14,12 +14,12 @@ from support.packs import write_files, zoo
 from support.places import ROOT
 from support.sessions import environment, run_here
 
-from babyrobot_levels.cli.app import app
+from babyrobot_levels.cli.commands import app
 from babyrobot_levels.cli.reference import reference
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
 GROUP: Any = typer.main.get_command(app)
-COMMANDS: dict[str, Any] = GROUP.commands
+COMMANDS: dict[str, Any] = dict(GROUP.commands)
 
 
 def section(name: str) -> str:
@@ -116,7 +116,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.
-        assert result.err.startswith("error: a game needs a terminal")
+        assert result.err.startswith("error: `babyrobot play` needs a terminal")
         return
     assert result.status == 0, result
     told = result.err.splitlines()

@@ -17,6 +17,7 @@ def test_what_the_commands_print(name: str) -> None:
     assert played(session(name)) == session(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["colors", "schema"])
 def test_a_process_of_its_own_prints_the_same(name: str) -> None:
     assert played(session(name), run_there) == session(name)

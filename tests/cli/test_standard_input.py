@@ -60,7 +60,7 @@ def test_what_is_wrong_with_it_is_told_like_that_of_a_file(
 
 @pytest.mark.parametrize("command", ["diff", "compare"])
 def test_it_is_one_level_only(command: str) -> None:
-    expected = "error: standard input can be one of the two levels only\n"
+    expected = "error: only one of the two levels can be standard input\n"
     assert babyrobot(command, "-", "-", given=LEVEL) == Result("", expected, 2)
 
 
@@ -102,5 +102,5 @@ def test_what_is_for_a_file_needs_its_name(command: tuple[str, ...], folder: Pat
     (folder / "zoo" / "a.yaml").write_text("version: 1\n", encoding="utf-8")
     result = babyrobot(*command, "-o", "-")
     assert (result.status, result.out) == (2, "")
-    assert "not written to standard output" in result.err
+    assert "cannot be written to standard output" in result.err
     assert not (folder / "-").exists()

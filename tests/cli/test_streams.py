@@ -105,7 +105,7 @@ def test_closed_input_is_no_terminal_to_play_on(tmp_path: Path) -> None:
         check=False,
     )
     assert done.returncode == 2
-    assert "a game needs a terminal" in done.stderr
+    assert "`babyrobot play` needs a terminal" in done.stderr
 
 
 # -- consoles of Windows ---------------------------------------------------------------------

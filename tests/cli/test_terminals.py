@@ -164,6 +164,79 @@ def test_an_interrupt_ends_quietly(tmp_path: Path) -> None:
     assert b"Traceback" not in err
 
 
+_INTERRUPTED_IMPORT = """
+import os, signal, sys
+from babyrobot_levels.cli import app
+
+module = sys.argv[1]
+
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == module:
+            os.kill(os.getpid(), signal.SIGINT)
+
+sys.meta_path.insert(0, Finder())
+sys.argv[:2] = ["babyrobot"]
+app.main()
+"""
+
+
+@pytest.mark.parametrize(
+    "module",
+    [
+        "typer",
+        "pydantic",
+        "babyrobot_levels.cli.commands",
+        "babyrobot_levels.cli.lint",
+        "babyrobot_levels.lint.runner",
+        "numpy",
+    ],
+)
+def test_an_interrupt_during_imports_ends_quietly(tmp_path: Path, module: str) -> None:
+    (tmp_path / "a.yaml").write_text("version: 1\n")
+    done = subprocess.run(
+        [sys.executable, "-c", _INTERRUPTED_IMPORT, module, "lint", "a.yaml"],
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (130, b"", b"")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("milliseconds", [0, 100, 300, 600, 1000])
+def test_an_interrupt_of_several_processes_ends_quietly(tmp_path: Path, milliseconds: int) -> None:
+    for number in range(300):
+        (tmp_path / f"{number}.yaml").write_text(f"version: 1\nmaze: {{seed: {number}}}\n")
+    code = "from babyrobot_levels.cli import app; print('ready', flush=True); app.main()"
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, "lint", "-j2", "."],
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    assert process.stdout is not None
+    assert process.stdout.readline() == b"ready\n"
+    time.sleep(0.02 + milliseconds / 1000)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert (process.returncode, err) == (130, b"")
+
+
+def test_the_list_wraps_between_words(tmp_path: Path) -> None:
+    sent, _ = in_terminal(tmp_path, "list", "--tag", "warps")
+    lines = plain(sent).splitlines()
+    assert all(len(line) <= 80 for line in lines[:-1])
+    # Names are whole, and so are the words of titles and tags.
+    words = set(plain(sent).replace(",", " ").split())
+    assert {"cliff-walking-slippery", "sutton-barto", "continuing", "gallery"} <= words
+    assert "\x1b[1" in sent
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
 @pytest.mark.parametrize("arguments", [["list"], ["--help"], ["preview", "maze"]], ids=str)
 def test_a_full_disk(tmp_path: Path, arguments: list[str]) -> None:

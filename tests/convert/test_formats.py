@@ -16,8 +16,7 @@ from support.conversions import SAMPLES, level_of_world, sample, world_of
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.cli.conversions import WorldFormat
-from babyrobot_levels.cli.export_level import ExportFormat
+from babyrobot_levels.cli.convert import ExportFormat, WorldFormat
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, fields_lost
 from babyrobot_levels.convert.formats import FORMATS, export, file_text, guess
 from babyrobot_levels.language.formatting.formatter import format_text

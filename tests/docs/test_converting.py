@@ -11,7 +11,7 @@ from gymnasium.envs.registration import registry
 from support.places import DOCS
 from support.sessions import environment, run_here
 
-from babyrobot_levels.cli.export_level import ExportFormat
+from babyrobot_levels.cli.convert import ExportFormat
 from babyrobot_levels.convert.babyrobot.reading import _PLAYING, KEYWORDS
 
 TEXT = (DOCS / "converting.md").read_text(encoding="utf-8")

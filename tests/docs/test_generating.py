@@ -1,4 +1,4 @@
-"""The page on levels to order: what it tells people to type does what it says."""
+"""The page on generating levels: what it tells people to type does what it says."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from support.places import DOCS
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
-from babyrobot_levels.generate.order import origin_of
+from babyrobot_levels.generate.batch import origin_of
 from babyrobot_levels.language.suite import SuiteFields
 
 PAGE = (DOCS / "generating.md").read_text("utf-8")

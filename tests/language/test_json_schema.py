@@ -19,7 +19,7 @@ from support.places import ROOT
 from support.sessions import environment, run_here
 from support.worlds import decorated_worlds
 
-from babyrobot_levels.cli.print_schema import schema_text
+from babyrobot_levels.cli.schema import schema_text
 from babyrobot_levels.language.fields import LevelFields, Role
 from babyrobot_levels.language.json_schema import level_schema, theme_schema
 from babyrobot_levels.language.level import LevelSpec

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import gymnasium
 import pytest
 from support.each import for_each
 from support.playing import GALLERY
@@ -131,7 +132,7 @@ def test_what_cannot_be_a_level_is_a_type_error(nothing: Any) -> None:
         ("Final-Maze", "final-maze"),
         ("final_maze", "final-maze"),
         ("frozenlake", "frozen-lake"),
-        ("gallery/final-maze", "final-maze"),
+        ("elsewhere/final-maze", "final-maze"),
     ],
 )
 def test_an_unknown_name_tells_the_nearest_ones(asked: str, nearest: str) -> None:
@@ -233,10 +234,10 @@ def test_all_places_are_searched_in_their_order(
     monkeypatch.setenv("BABYROBOT_LEVELS", os.pathsep.join([str(one), str(two), "", "nowhere"]))
     make_pack(site, "brl_test_pack", "carried = brl_test_pack")
     files = [
-        write(user_folder() / "levels" / "shared.yaml", titled("user")),
         write("levels/shared.yaml", titled("current")),
         write(one / "shared.yaml", titled("one")),
         write(two / "shared.yaml", titled("two")),
+        write(user_folder() / "levels" / "shared.yaml", titled("user")),
     ]
     write(user_folder() / "packs" / "zoo" / "shared.yaml", titled("zoo"))
     write(user_folder() / "packs" / "ark" / "shared.yaml", titled("ark"))
@@ -255,10 +256,24 @@ def test_all_places_are_searched_in_their_order(
     assert "brl_test_pack" not in sys.modules
 
 
-def test_nobody_takes_a_name_of_the_gallery() -> None:
-    write("levels/final-maze.yaml")
+def test_a_level_of_the_project_comes_before_one_of_the_gallery() -> None:
     write(user_folder() / "levels" / "final-maze.yaml")
     assert brl.load("final-maze").size == (8, 5)
+    write("levels/final-maze.yaml")
+    assert brl.load("final-maze").size == (4, 3)
+    infos = {info.name: info for info in brl.levels()}
+    assert (infos["final-maze"].size, infos["final-maze"].origin) == ((4, 3), "levels/")
+    assert brl.load("gallery/final-maze").size == (8, 5)
+    with gymnasium.make("babyrobot/final-maze-v0") as env:
+        assert env.get_wrapper_attr("level").size == (8, 5)
+    with pytest.raises(brl.LevelNotFoundError):
+        brl.load("gallery/mine")
+
+
+def test_a_file_of_that_name_is_listed_rather_than_one_that_says_so() -> None:
+    write("levels/other.yaml", "version: 1\nname: final-maze\nsize: [2, 2]\n")
+    (info,) = (info for info in brl.levels() if info.name == "final-maze")
+    assert info.size == brl.load("final-maze").size == (8, 5)
 
 
 def test_a_place_that_is_told_twice_counts_once(
@@ -353,7 +368,7 @@ def test_places_that_are_no_folders_are_told(here: Path, monkeypatch: pytest.Mon
     monkeypatch.setenv("BABYROBOT_LEVELS", os.pathsep.join(["file.yaml", "nowhere", str(here)]))
     told = run_here(["list", "--tag", "no-such"], dict(os.environ)).err.splitlines()
     assert told[1:] == [
-        f"BABYROBOT_LEVELS names {name}, which is no folder that can be read"
+        f"BABYROBOT_LEVELS contains {name}, which is not a readable folder"
         for name in ("file.yaml", "nowhere")
     ]
 
@@ -419,6 +434,7 @@ def test_the_catalogue_tells_of_each_level() -> None:
         "tags": ["easy", "small"],
         "source": "a book",
         "path": str(path),
+        "from": "levels/",
     }
     assert found["final-maze"].size == (8, 5)
     for info in found.values():

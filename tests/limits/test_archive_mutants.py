@@ -14,8 +14,7 @@ from hypothesis.strategies import DrawFn
 from support.packs import good_files, manifest_of, sealed, snapshot
 
 from babyrobot_levels.library.packs.archive import parse_archive, write_archive
-from babyrobot_levels.library.packs.errors import PackError
-from babyrobot_levels.library.packs.manifest import Manifest
+from babyrobot_levels.library.packs.format import Manifest, PackError
 from babyrobot_levels.library.packs.store import install
 from babyrobot_levels.library.reading import load_file
 

@@ -30,7 +30,7 @@ from support.packs import (
 from support.work import counted_calls
 
 from babyrobot_levels.library.packs import archive
-from babyrobot_levels.library.packs.manifest import MANIFEST
+from babyrobot_levels.library.packs.format import MANIFEST
 
 pytestmark = pytest.mark.usefixtures("here")
 
@@ -113,14 +113,14 @@ def zip64() -> bytes:
     return body + record + locator + end
 
 
-WINDOWS = "has a name that Windows keeps for a device"
-UNPORTABLE = "has a name that is not the same everywhere"
+WINDOWS = "has a name that Windows reserves for a device"
+UNPORTABLE = "has a name that is not portable"
 
 HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     # Paths.
-    "one folder up": ("'../x.yaml' lies outside", lambda: with_entry("../x.yaml")),
-    "two folders up": ("'a/../../x.yaml' lies outside", lambda: with_entry("a/../../x.yaml")),
-    "up at the end": ("'a/..' lies outside", lambda: with_entry("a/..")),
+    "one folder up": ("'../x.yaml' is outside", lambda: with_entry("../x.yaml")),
+    "two folders up": ("'a/../../x.yaml' is outside", lambda: with_entry("a/../../x.yaml")),
+    "up at the end": ("'a/..' is outside", lambda: with_entry("a/..")),
     "an absolute path": ("has an absolute path", lambda: with_entry("/etc/x.yaml")),
     "a network path": ("has an absolute path", lambda: with_entry("//host/x.yaml")),
     "a drive": ("has a drive in its path", lambda: with_entry("C:/x.yaml")),
@@ -152,29 +152,32 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "accents apart": ("is not ASCII", lambda: with_entry("e\u0301.yaml", flags=1 << 11)),
     "other bytes": ("is not ASCII", lambda: with_entry("x", raw_name=b"\xff\xfe.yaml")),
     # Names that are taken.
-    "the same twice": ("is there twice", lambda: with_entry(LION)),
-    "capitals": ("by nothing but capital", lambda: with_entry("levels/LION.yaml")),
-    "capitals of a folder": ("by nothing but capital", lambda: with_entry("Levels/x.yaml")),
+    "the same twice": ("is duplicated", lambda: with_entry(LION)),
+    "capitals": ("only in upper and lower", lambda: with_entry("levels/LION.yaml")),
+    "capitals of a folder": ("only in upper and lower", lambda: with_entry("Levels/x.yaml")),
     "a file as a folder": ("a file and a folder", lambda: with_entry(f"{LION}/x.yaml")),
-    "a second manifest": ("is there twice", lambda: with_entry(MANIFEST)),
-    "a level's name": ("`lion` is levels/lion.yaml already", lambda: with_entry("lion.yaml")),
+    "a second manifest": ("is duplicated", lambda: with_entry(MANIFEST)),
+    "a level's name": (
+        "`lion` is already the name of levels/lion.yaml",
+        lambda: with_entry("lion.yaml"),
+    ),
     # Kinds of files.
     "code": ("is neither YAML nor", lambda: with_entry("levels/__init__.py")),
     "a pack in a pack": ("is neither YAML nor", lambda: with_entry("inner.brlpack")),
     "a zip file": ("is neither YAML nor", lambda: with_entry("inner.zip")),
-    "a pack below": ("a pack holds no other packs", lambda: with_entry("inner/pack.yaml")),
+    "a pack below": ("a pack cannot contain other packs", lambda: with_entry("inner/pack.yaml")),
     "current": ("is neither YAML nor", lambda: with_entry("current")),
     # What an entry is.
     "a link": ("is a link", lambda: with_lion(mode=stat.S_IFLNK | 0o777)),
-    "a pipe": ("not written as in a pack", lambda: with_lion(mode=stat.S_IFIFO | 0o644)),
-    "a program": ("not written as in a pack", lambda: with_lion(mode=stat.S_IFREG | 0o4755)),
+    "a pipe": ("not in canonical form", lambda: with_lion(mode=stat.S_IFIFO | 0o644)),
+    "a program": ("not in canonical form", lambda: with_lion(mode=stat.S_IFREG | 0o4755)),
     "an encrypted entry": ("is encrypted", lambda: with_lion(flags=1)),
     "a strongly encrypted entry": ("is encrypted", lambda: with_lion(flags=1 | 1 << 6)),
     "sizes that follow": ("contradict each other|as in a pack", lambda: with_lion(flags=8)),
     "a later date": ("contradict each other|as in a pack", lambda: with_lion(date=34)),
-    "another system": ("not written as in a pack", lambda: with_lion(made_by=20)),
-    "extra data": ("not written as in a pack", lambda: with_lion(extra=b"\x01\0\0\0")),
-    "a comment": ("not written as in a pack", lambda: with_lion(comment=b"hello")),
+    "another system": ("not in canonical form", lambda: with_lion(made_by=20)),
+    "extra data": ("not in canonical form", lambda: with_lion(extra=b"\x01\0\0\0")),
+    "a comment": ("not in canonical form", lambda: with_lion(comment=b"hello")),
     "another name inside": (
         "contradict each other",
         lambda: with_lion(local_name="levels/bear.yaml"),
@@ -186,13 +189,13 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         "is compressed",
         lambda: with_lion(method=8),
     ),
-    "a huge size": ("not written as in a pack", lambda: with_lion(size=0xFFFFFFFE)),
+    "a huge size": ("not in canonical form", lambda: with_lion(size=0xFFFFFFFE)),
     "a large file": (
         "is too large: 1,048,577 bytes",
         lambda: sealed(more=[Entry("x.yaml", b"#" * ((1 << 20) + 1))]),
     ),
     "large files": (
-        "larger than 16 MiB all together",
+        "larger than 16 MiB together",
         lambda: sealed(more=[Entry(f"{n:02}.yaml", b"#" * (1 << 20)) for n in range(17)]),
     ),
     "a huge manifest": (
@@ -200,7 +203,7 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: sealed(manifest=b" " * ((8 << 20) + 1)),
     ),
     "10,001 files": (
-        "holds more than 10,000 files",
+        "contains more than 10,000 files",
         lambda: sealed(more=[Entry(f"{n:05}.yaml") for n in range(9_999)]),
     ),
     "many cells": (
@@ -219,11 +222,11 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "an entry in an entry": ("overlap", nested_quotes),
     "an entry beyond the end": ("overlap", lambda: with_lion(offset=1 << 30)),
     # The whole.
-    "nothing": ("does not begin as a zip file", lambda: b""),
-    "a text": ("does not begin as a zip file", lambda: b"version: 1\n"),
-    "a picture": ("does not begin as a zip file", lambda: b"\x89PNG\r\n\x1a\n" + bytes(100)),
-    "an empty zip": ("does not begin as a zip file", lambda: forged([])),
-    "a foreign zip": ("as in a pack|contradict|manifest", plain_zip),
+    "nothing": ("does not begin like a ZIP file", lambda: b""),
+    "a text": ("does not begin like a ZIP file", lambda: b"version: 1\n"),
+    "a picture": ("does not begin like a ZIP file", lambda: b"\x89PNG\r\n\x1a\n" + bytes(100)),
+    "an empty zip": ("does not begin like a ZIP file", lambda: forged([])),
+    "a foreign zip": ("canonical|contradict|manifest", plain_zip),
     "a zip without manifest": ("its first entry is not", lambda: forged([Entry(LION, GOOD[LION])])),
     "the manifest last": (
         "its first entry is not",
@@ -240,15 +243,15 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
     "a truncated file": ("it is cut off", lambda: sealed()[:-1]),
     "half a file": ("it is cut off", lambda: sealed()[: len(sealed()) // 2]),
-    "something before": ("does not begin as", lambda: b"#!/bin/sh\n" + sealed()),
-    "something behind": ("behind its end", lambda: sealed() + b"x"),
+    "something before": ("does not begin like", lambda: b"#!/bin/sh\n" + sealed()),
+    "something behind": ("after its end", lambda: sealed() + b"x"),
     "another zip behind": ("contradicts the rest|overlap", lambda: sealed() + sealed()),
-    "a comment at the end": ("behind its end", lambda: sealed()[:-2] + b"\5\0hello"),
+    "a comment at the end": ("after its end", lambda: sealed()[:-2] + b"\5\0hello"),
     "a comment that is not there": ("contradicts the rest", lambda: sealed()[:-2] + b"\5\0"),
     "fewer entries than there are": ("between its last entry and", lambda: _recounted(-1)),
     "an entry in the directory only": ("its directory is longer", ghost),
     "more entries than there are": ("its directory is damaged", lambda: _recounted(1)),
-    "numbers of large files": ("holds more than 10,000 files", zip64),
+    "numbers of large files": ("contains more than 10,000 files", zip64),
     # The manifest.
     "no JSON": ("its manifest is not JSON", lambda: sealed(manifest=b"{")),
     "deep JSON": ("its manifest is not JSON", lambda: sealed(manifest=b"[" * 200_000)),
@@ -256,20 +259,20 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     "a long number": ("its manifest is not JSON", lambda: sealed(manifest=b"9" * 5000)),
     "another format": ("not that of a pack", lambda: with_manifest(lambda m: m.update(format="x"))),
     "a later format": (
-        "it is in version 2 of the format, and this babyrobot-levels reads version 1",
+        "it has version 2 of the format, and this babyrobot-levels reads version 1",
         lambda: with_manifest(lambda m: m.update(format_version=2)),
     ),
     "a pack's name that leads up": (
-        "faulty, at 'name'",
+        "invalid, at 'name'",
         lambda: with_manifest(lambda m: m.update(name="../zoo")),
     ),
     "a pack's version that leads up": (
-        "faulty, at 'version'",
+        "invalid, at 'version'",
         lambda: with_manifest(lambda m: m.update(version="1.0.0/..")),
     ),
-    "a field more": ("faulty, at 'x'", lambda: with_manifest(lambda m: m.update(x=1))),
+    "a field more": ("invalid, at 'x'", lambda: with_manifest(lambda m: m.update(x=1))),
     "blanks": (
-        "not written as manifests",
+        "manifest is not in canonical",
         lambda: sealed(manifest=manifest_of(GOOD).to_bytes() + b" "),
     ),
     "a file that is not listed": (
@@ -289,41 +292,41 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: sealed({**GOOD, LION: GOOD[LION].upper()}, manifest_of(GOOD).to_bytes()),
     ),
     "a wrong digest": (
-        "`lion` is not the game that the manifest says",
+        "`lion` differs from the manifest",
         lambda: sealed({**GOOD, LION: level("9, 9", "8, 8").encode()}),
     ),
     "no digest": (
-        "`lion` is not the game that the manifest says: its digest is sha256:.*, not None",
+        "`lion` differs from the manifest: its digest is sha256:.*, not None",
         lambda: with_manifest(
             lambda m: _put(m, "levels", "lion", {"digest": None, "file": LION}),
         ),
     ),
     "another name": (
-        "its pack.yaml gives `ark` as its name, its manifest `zoo`",
+        "its name is `ark` in pack.yaml, but `zoo` in the manifest",
         lambda: sealed({**GOOD, "pack.yaml": pack_text("ark").encode()}),
     ),
     "another version": (
-        "its pack.yaml gives `1.0.1` as its version, its manifest `1.0.0`",
+        "its version is `1.0.1` in pack.yaml, but `1.0.0` in the manifest",
         lambda: sealed({**GOOD, "pack.yaml": pack_text(version="1.0.1").encode()}),
     ),
     "a level's name without end": (
-        "faulty, at 'levels/x{93}",
+        "invalid, at 'levels/x{93}",
         lambda: with_manifest(lambda m: _put(m, "levels", "x" * 1_000_000, {"digest": None})),
     ),
     "a level's name that no level has": (
-        r"faulty, at 'levels/\\x1b\[31mred",
+        r"invalid, at 'levels/\\x1b\[31mred",
         lambda: with_manifest(
             lambda m: _put(m, "levels", "\x1b[31mred", {"digest": None, "file": "x.yaml"})
         ),
     ),
     "a level's file without end": (
-        "faulty, at 'levels/x/file'",
+        "invalid, at 'levels/x/file'",
         lambda: with_manifest(
             lambda m: _put(m, "levels", "x", {"digest": None, "file": "x" * 1_000_000})
         ),
     ),
     "a file's path without end": (
-        "faulty, at 'files/x{94}",
+        "invalid, at 'files/x{94}",
         lambda: with_manifest(lambda m: _put(m, "files", "x" * 1_000_000, {"size": 0})),
     ),
     "a device as name": (
@@ -332,17 +335,17 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
     "no pack.yaml": ("it has no pack.yaml", lambda: sealed({LION: GOOD[LION]})),
     "a level that is listed nowhere": (
-        "holds a level `x`, which its manifest does not list",
+        "contains a level `x` that its manifest does not list",
         lambda: with_entry("x.yaml"),
     ),
     "a level that is listed and not there": (
-        "lists a level `lion`, which it does not hold",
+        "lists a level `lion` that it does not contain",
         lambda: sealed(
             {"pack.yaml": GOOD["pack.yaml"], "x.yaml": b"version: 1\nkind: suite\ncount: 1\n"}
         ),
     ),
     "a level elsewhere": (
-        "its manifest says that `lion` is 'levels/lion.yaml'; it is lion.yaml",
+        "the file of `lion` is 'levels/lion.yaml' in its manifest, but 'lion.yaml' here",
         lambda: sealed({"lion.yaml": GOOD[LION], "pack.yaml": GOOD["pack.yaml"]}),
     ),
     "no valid level": (
@@ -385,7 +388,7 @@ def refused(data: bytes) -> str:
     assert (result.status, result.out) == (1, ""), result
     assert result.err.count("\n") == 1
     assert len(result.err) < 500
-    assert result.err.startswith("error: hostile.brlpack is not installed: ")
+    assert result.err.startswith("error: hostile.brlpack was not installed: ")
     assert users_files() == before
     assert sorted(found.name for found in Path().iterdir()) == ["hostile.brlpack"]
     assert work.calls < 500_000, work
@@ -410,7 +413,7 @@ def test_as_many_files_as_a_pack_may_have(monkeypatch: pytest.MonkeyPatch) -> No
     Path("good.brlpack").write_bytes(sealed())
     monkeypatch.setattr(archive, "MAX_FILES", len(GOOD) - 1)
     told = babyrobot("install", "good.brlpack")
-    assert (told.status, "it holds more than 1 files" in told.err) == (1, True)
+    assert (told.status, "it contains more than 1 files" in told.err) == (1, True)
     monkeypatch.setattr(archive, "MAX_FILES", len(GOOD))
     assert babyrobot("install", "good.brlpack").status == 0
 
@@ -441,7 +444,7 @@ def test_a_million_entries_are_refused_before_they_are_read() -> None:
         0,
     )
     small = local + central * 200_000
-    assert "larger than a pack can be" in refused(local + central * count + end)
+    assert "larger than the limit" in refused(local + central * count + end)
     # As many as fit into the size of a pack; the count at the end is a lie.
     for stated in (3, 10_001, 0xFFFF):
         size = len(small) - len(local)

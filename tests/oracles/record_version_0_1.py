@@ -175,7 +175,7 @@ def commands() -> dict[str, Any]:
     """Return for each command its options, with the values that they take, and its arguments."""
     import typer
 
-    from babyrobot_levels.cli.app import app
+    from babyrobot_levels.cli.commands import app
 
     group: Any = typer.main.get_command(app)
     found = {}

@@ -16,7 +16,7 @@ from support.handwriting import Scribe
 from support.places import TESTS
 from support.worlds import decorated_worlds, level_of_text, worlds
 
-from babyrobot_levels.generate.starter import TEMPLATES, Order, starter
+from babyrobot_levels.generate.starter import TEMPLATES, StarterOptions, starter
 from babyrobot_levels.language.formatting.formatter import format_source, format_text
 from babyrobot_levels.language.formatting.tree import tidy
 from babyrobot_levels.library.level import Level
@@ -121,12 +121,14 @@ def test_what_levels_write_is_canonical(world: dict[str, Any]) -> None:
     ],
 )
 def test_what_new_level_writes_is_canonical(template: str, order: dict[str, Any]) -> None:
-    text = starter(Order(**{"name": "first", "template": template, **order}), "level.schema.json")
+    text = starter(
+        StarterOptions(**{"name": "first", "template": template, **order}), "level.schema.json"
+    )
     assert formatted(text) == text
 
 
 def test_a_new_maze_is_canonical() -> None:
-    text = starter(Order("first", maze_seed=-3, loops=0.25), "level.schema.json")
+    text = starter(StarterOptions("first", maze_seed=-3, loops=0.25), "level.schema.json")
     assert formatted(text) == text
 
 

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.worlds import World, decorated_worlds, level_of
 
-from babyrobot_levels.cli.answers import guide_of
+from babyrobot_levels.cli.pictures import guide_of
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.library.packs.manifest import MANIFEST, LevelEntry, Manifest, file_entry
+from babyrobot_levels.library.packs.format import MANIFEST, LevelEntry, Manifest, file_entry
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.text.files import user_folder
 from support.sessions import Result, run_here

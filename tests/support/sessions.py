@@ -18,6 +18,7 @@ import io
 import os
 import shlex
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -77,6 +78,7 @@ def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b""
     raw = [io.BytesIO(), io.BytesIO()]
     streams = [io.TextIOWrapper(stream, "utf-8", write_through=True) for stream in raw]
     status: Any = 0
+    handler = signal.getsignal(signal.SIGINT)
     with (
         mock.patch.dict(os.environ, variables, clear=True),
         mock.patch.object(sys, "argv", ["babyrobot", *arguments]),
@@ -90,6 +92,9 @@ def run_here(arguments: list[str], variables: dict[str, str], given: bytes = b""
             main()
         except SystemExit as end:
             status = end.code or 0
+        finally:
+            with contextlib.suppress(ValueError):
+                signal.signal(signal.SIGINT, handler)
     out, err = (stream.getvalue().decode() for stream in raw)
     return Result(out, err, status)
 

@@ -1,1 +1,1 @@
-"""Packs: levels, suites and themes that travel together, as one file, and are installed whole."""
+"""Packs: levels, suites and themes in one file, which are installed atomically."""

@@ -1,8 +1,8 @@
-"""The archive: a zip in one form only, so that the same pack is the same bytes everywhere.
+"""The archive of a pack: a ZIP file in one canonical form, so that it is reproducible.
 
-First the manifest, then the files by their paths; stored, not compressed; dated 1980-01-01; plain
-files that their owner may write and everybody read. A reader that accepts nothing else has no
-need to guess what other unpackers would make of it.
+First the manifest, then the files sorted by path; stored without compression; dated 1980-01-01;
+regular files with mode 0644. The reader accepts nothing else, so it never has to guess how other
+programs would unpack it.
 """
 
 from __future__ import annotations
@@ -15,9 +15,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from babyrobot_levels.library.packs.errors import PackError
-from babyrobot_levels.library.packs.manifest import MANIFEST, Manifest, check_files, read_manifest
-from babyrobot_levels.library.packs.paths import clashes, path_fault
+from babyrobot_levels.library.packs.format import (
+    MANIFEST,
+    Manifest,
+    PackError,
+    check_files,
+    clashes,
+    path_fault,
+    read_manifest,
+)
 from babyrobot_levels.text.files import read_bytes
 from babyrobot_levels.text.source import MAX_BYTES
 
@@ -25,7 +31,7 @@ SUFFIX = ".brlpack"
 
 MAX_FILES = 10_000
 MAX_TOTAL = 16 << 20
-"""So many bytes a pack's files have at most, all together; each is no larger than a level."""
+"""The limit of bytes of all files together; each file has the limit of a level file."""
 MAX_MANIFEST = 8 << 20
 
 _LOCAL = struct.Struct("<4s5H3I2H")
@@ -41,12 +47,12 @@ _ENCRYPTED = 1 << 0
 
 @dataclass(frozen=True, slots=True)
 class Archive:
-    """A pack's archive that was read, and found to be sound.
+    """A pack's archive that was read and checked.
 
     Attributes:
-        manifest: what it says of itself.
-        files: its files by their paths, without the manifest.
-        sha256: the sum of the whole archive, in hex.
+        manifest: its manifest.
+        files: its files by path, without the manifest.
+        sha256: the SHA-256 of the whole archive, in hex.
     """
 
     manifest: Manifest
@@ -69,11 +75,11 @@ def read_archive(path: Path) -> Archive:
 
     Raises:
         OSError: the file cannot be read.
-        PackError: it is not a sound archive of a pack.
+        PackError: it is not a valid archive of a pack.
     """
     data = read_bytes(path, MAX_ARCHIVE)
     if len(data) > MAX_ARCHIVE:
-        raise PackError(f"it is larger than a pack can be, {MAX_ARCHIVE:,} bytes")
+        raise PackError(f"it is larger than the limit of {MAX_ARCHIVE:,} bytes")
     return parse_archive(data)
 
 
@@ -86,18 +92,18 @@ def parse_archive(data: bytes) -> Archive:
 
 
 def check_sizes(files: Mapping[str, bytes]) -> None:
-    """Make sure that files are not too many, and not too large.
+    """Check the number and the sizes of files.
 
     Raises:
-        PackError: they are.
+        PackError: they are too many or too large.
     """
     if len(files) > MAX_FILES:
-        raise PackError(f"it holds more than {MAX_FILES:,} files")
+        raise PackError(f"it contains more than {MAX_FILES:,} files")
     for path, data in files.items():
         if len(data) > MAX_BYTES:
             raise PackError(f"{path!r} is larger than {MAX_BYTES >> 20} MiB")
     if sum(map(len, files.values())) > MAX_TOTAL:
-        raise PackError(f"its files are larger than {MAX_TOTAL >> 20} MiB all together")
+        raise PackError(f"its files are larger than {MAX_TOTAL >> 20} MiB together")
 
 
 def _local(path: str, data: bytes) -> bytes:
@@ -120,7 +126,7 @@ def _end(count: int, size: int, offset: int) -> bytes:
 
 
 def _entries(data: bytes) -> dict[str, bytes]:
-    """Return the entries of an archive, the manifest first. No entry is believed unchecked."""
+    """Return the checked entries of an archive, the manifest first."""
     count, directory = _directory(data)
     found: dict[str, bytes] = {}
     place, offset = directory, 0
@@ -139,11 +145,11 @@ def _entries(data: bytes) -> dict[str, bytes]:
         if data[offset:local] != head:
             raise PackError(f"the two headers of {name!r} contradict each other")
         if data[place : place + len(record)] != record:
-            raise PackError(f"the entry {name!r} is not written as in a pack")
+            raise PackError(f"the entry {name!r} is not in canonical form")
         found[name] = content
         place, offset = place + len(record), local + size
     if offset != directory:
-        raise PackError("there is something between its last entry and its directory")
+        raise PackError("there is data between its last entry and its directory")
     if place != len(data) - _END.size:
         raise PackError("its directory is longer than its entries")
     if next(iter(found)) != MANIFEST:
@@ -158,25 +164,25 @@ def _entries(data: bytes) -> dict[str, bytes]:
 
 
 def _directory(data: bytes) -> tuple[int, int]:
-    """Return how many entries there are and where their directory begins, from the end record."""
+    """Return the number of entries and the offset of their directory, from the end record."""
     if not data.startswith(b"PK\3\4"):
-        raise PackError("it is no pack: it does not begin as a zip file does")
+        raise PackError("it is not a pack: it does not begin like a ZIP file")
     at = len(data) - _END.size
     if at < 0 or not data.startswith(b"PK\5\6", at):
         has_end = 0 <= data.rfind(b"PK\5\6") <= at
         raise PackError(
-            "there is something behind its end" if has_end else "it is cut off: it has no end"
+            "there is data after its end" if has_end else "it is cut off: it has no end"
         )
     _, disk, first, here, count, size, start, comment = _END.unpack_from(data, at)
     if count > MAX_FILES + 1 or here > MAX_FILES + 1:
-        raise PackError(f"it holds more than {MAX_FILES:,} files")
+        raise PackError(f"it contains more than {MAX_FILES:,} files")
     if disk or first or here != count or comment or not count or start + size != at:
-        raise PackError("its end contradicts the rest of it")
+        raise PackError("its end record contradicts the rest of it")
     return count, start
 
 
 def _name(data: bytes, place: int) -> str:
-    """Return the name of the entry whose record in the directory begins at `place`."""
+    """Return the name of the entry whose directory record begins at `place`."""
     if place + _CENTRAL.size > len(data) - _END.size or not data.startswith(b"PK\1\2", place):
         raise PackError("its directory is damaged")
     length = _CENTRAL.unpack_from(data, place)[10]
@@ -194,21 +200,21 @@ def _name(data: bytes, place: int) -> str:
 
 
 def _size(data: bytes, place: int, name: str, found: Mapping[str, bytes]) -> int:
-    """Return an entry's size, once it is sure that it is a plain file."""
+    """Return the size of an entry, after checking that it is a regular file."""
     record = _CENTRAL.unpack_from(data, place)
     made_by, _, flags, method = record[1:5]
     packed, size, _, extra, comment = record[8:13]
     kind = stat.S_IFMT(record[15] >> 16)
     if name in found:
-        raise PackError(f"the entry {name!r} is there twice")
+        raise PackError(f"the entry {name!r} is duplicated")
     if flags & _ENCRYPTED:
         raise PackError(f"the entry {name!r} is encrypted")
     if made_by >> 8 == 3 and kind == stat.S_IFLNK:
         raise PackError(f"the entry {name!r} is a link")
     if method:
-        raise PackError(f"the entry {name!r} is compressed, and those of a pack are not")
+        raise PackError(f"the entry {name!r} is compressed")
     if extra or comment or packed != size:
-        raise PackError(f"the entry {name!r} is not written as in a pack")
+        raise PackError(f"the entry {name!r} is not in canonical form")
     if size > (MAX_MANIFEST if name == MANIFEST else MAX_BYTES):
         raise PackError(f"the entry {name!r} is too large: {size:,} bytes")
     return int(size)

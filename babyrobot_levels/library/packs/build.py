@@ -10,9 +10,16 @@ from pathlib import Path
 
 from babyrobot_levels.library.packs.archive import MAX_FILES, check_sizes, write_archive
 from babyrobot_levels.library.packs.contents import Contents, survey
-from babyrobot_levels.library.packs.errors import PackError
-from babyrobot_levels.library.packs.manifest import Manifest, file_entry
-from babyrobot_levels.library.packs.paths import TEXTS, belongs, clashes, is_theme, path_fault
+from babyrobot_levels.library.packs.format import (
+    TEXTS,
+    Manifest,
+    PackError,
+    belongs,
+    clashes,
+    file_entry,
+    is_theme,
+    path_fault,
+)
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, NotRegularError, read_bytes
 from babyrobot_levels.text.source import MAX_BYTES, START, SourceFile
@@ -99,7 +106,7 @@ def _paths(folder: Path) -> tuple[list[str], list[str]]:
             if not name.startswith("."):
                 (found if belongs(name) else others).append((inside / name).as_posix())
         if len(found) > MAX_FILES:
-            raise PackError(f"it holds more than {MAX_FILES:,} files")
+            raise PackError(f"it contains more than {MAX_FILES:,} files")
     return sorted(found), sorted(others)
 
 
@@ -109,7 +116,7 @@ def _unfit(folder: Path, paths: list[str]) -> Iterator[Diagnostic]:
     for path in paths:
         why = path_fault(path) or twins.get(path)
         if (folder / path).is_symlink():
-            why = "is a link: a pack holds the files themselves"
+            why = "is a link, and a pack contains only files"
         if why:
             name = str(folder / path)
             yield Diagnostic(
@@ -120,7 +127,7 @@ def _unfit(folder: Path, paths: list[str]) -> Iterator[Diagnostic]:
                 1,
                 1,
                 START,
-                help="rename it, or take it out of the pack's folder",
+                help="rename it, or move it out of the pack's folder",
                 source=SourceFile(name, ""),
             )
 

@@ -1,4 +1,4 @@
-"""What is in a pack's folder: its levels with their digests, its suites and its themes."""
+"""The contents of a pack's folder: levels with their digests, suites and themes."""
 
 from __future__ import annotations
 
@@ -12,9 +12,7 @@ from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.packs.errors import PackError
-from babyrobot_levels.library.packs.manifest import LevelEntry, Manifest
-from babyrobot_levels.library.packs.paths import TEXTS, is_theme
+from babyrobot_levels.library.packs.format import TEXTS, LevelEntry, Manifest, PackError, is_theme
 from babyrobot_levels.library.reading import check_document
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 from babyrobot_levels.text.document import Document
@@ -23,19 +21,19 @@ from babyrobot_levels.text.files import PACK_FILE
 from babyrobot_levels.text.reader import open_document
 
 MAX_CELLS = 2 << 20
-"""So many cells a pack's levels have at most, all together: they are compiled one by one."""
+"""The limit of cells of all levels together: each level is compiled."""
 
 
 @dataclass(slots=True)
 class Contents:
-    """What is in a pack, and all that is wrong with it.
+    """The contents of a pack, and its errors.
 
     Attributes:
-        fields: what `pack.yaml` says, None where it has errors.
-        levels: the levels by their names, each with its file and its digest.
-        suites: the files of the suites by their names.
+        fields: the fields of `pack.yaml`, None if it has errors.
+        levels: the levels by name, with their files and digests.
+        suites: the files of the suites by name.
         themes: the files of the themes.
-        diagnostics: the errors, file by file.
+        diagnostics: the errors, by file.
     """
 
     fields: PackFields | None = None
@@ -45,14 +43,14 @@ class Contents:
     diagnostics: list[Diagnostic] = field(default_factory=list)
 
     def summary(self) -> str:
-        """Return how much there is, as in `3 levels, 1 suite`."""
+        """Return the counts, as in `3 levels, 1 suite`."""
         counts = {
             "level": len(self.levels),
             "suite": len(self.suites),
             "theme": len(self.themes),
         }
-        told = [f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items() if count]
-        return ", ".join(told) or "no levels"
+        parts = [f"{count} {what}{'s' * (count != 1)}" for what, count in counts.items() if count]
+        return ", ".join(parts) or "no levels"
 
 
 def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents:
@@ -61,10 +59,10 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
     Args:
         folder: the pack's folder.
         paths: its files, relative to the folder.
-        shown: what diagnostics put before a path.
+        shown: the prefix of paths in diagnostics.
 
     Raises:
-        PackError: there are more cells in it than a pack may have.
+        PackError: it has more cells than a pack may have.
     """
     found = Contents()
     names: dict[str, str] = {}
@@ -96,27 +94,27 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
                 continue
             cells += world.size[0] * world.size[1]
             if cells > MAX_CELLS:
-                raise PackError(f"its levels have more than {MAX_CELLS:,} cells all together")
+                raise PackError(f"its levels have more than {MAX_CELLS:,} cells together")
             digest = None if world.has_random_maze else world.digest
             found.levels[str(world.name)] = LevelEntry(digest=digest, file=path)
     return found
 
 
 def check_contents(contents: Contents, manifest: Manifest) -> None:
-    """Make sure that a pack holds what its manifest says.
+    """Check that a pack is valid and agrees with its manifest.
 
     Raises:
-        PackError: it does not, or something in it is not valid.
+        PackError: it is not, or does not.
     """
-    for told in contents.diagnostics[:1]:
-        raise PackError(f"{told.location}: {told.message}")
+    for error in contents.diagnostics[:1]:
+        raise PackError(f"{error.location}: {error.message}")
     fields = contents.fields
     if fields is None:
         raise PackError(f"it has no {PACK_FILE}")
     for what in ("name", "version"):
         own, stated = getattr(fields, what), getattr(manifest, what)
         if own != stated:
-            raise PackError(f"its {PACK_FILE} gives `{own}` as its {what}, its manifest `{stated}`")
+            raise PackError(f"its {what} is `{own}` in {PACK_FILE}, but `{stated}` in the manifest")
     _compare(contents.levels, manifest.levels)
 
 
@@ -124,30 +122,32 @@ def _compare(levels: Mapping[str, LevelEntry], stated: Mapping[str, LevelEntry])
     for name in sorted({*levels, *stated}):
         own, entry = levels.get(name), stated.get(name)
         if own is None:
-            raise PackError(f"its manifest lists a level `{name}`, which it does not hold")
+            raise PackError(f"its manifest lists a level `{name}` that it does not contain")
         if entry is None:
-            raise PackError(f"it holds a level `{name}`, which its manifest does not list")
+            raise PackError(f"it contains a level `{name}` that its manifest does not list")
         if own.file != entry.file:
-            raise PackError(f"its manifest says that `{name}` is {entry.file!r}; it is {own.file}")
+            raise PackError(
+                f"the file of `{name}` is {entry.file!r} in its manifest, but {own.file!r} here"
+            )
         if own.digest != entry.digest:
             raise PackError(
-                f"the level `{name}` is not the game that the manifest says: its digest is "
-                f"{own.digest}, not {entry.digest}"
+                f"the level `{name}` differs from the manifest: its digest is {own.digest}, "
+                f"not {entry.digest}"
             )
 
 
 def _taken(
     world: Level | SuiteFields, path: str, document: Document, names: dict[str, str]
 ) -> Issue | None:
-    """Return what is wrong with a level's names: its own, and that of its file."""
+    """Return the problem with the names of a level, its own and that of its file, if any."""
     stem = slug(path.rpartition("/")[2].rpartition(".")[0])
     if stem is None or world.name is None:
-        message = "nothing of the file's name can be a level's name"
+        message = "the file's name has no letters or digits for a level's name"
         return Issue("BR701", (), message, "rename the file")
     for name in dict.fromkeys((world.name, stem)):
         other = names.setdefault(name, path)
         if other != path:
             own = ("name",) if name == world.name and "name" in document.data else ()
-            advice = "in a pack, all names of levels and suites differ, and those of their files"
-            return Issue("BR701", own, f"`{name}` is {other} already", advice)
+            advice = "in a pack, the names of levels and suites and of their files are unique"
+            return Issue("BR701", own, f"`{name}` is already the name of {other}", advice)
     return None

@@ -1,4 +1,4 @@
-"""Installing and removing packs: at every moment, the old one or the new one is there whole."""
+"""Installing and removing packs, atomically and one process at a time."""
 
 from __future__ import annotations
 
@@ -7,41 +7,102 @@ import re
 import shutil
 import sys
 import tempfile
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from babyrobot_levels.language.pack import version_order
 from babyrobot_levels.library.packs.archive import Archive
-from babyrobot_levels.library.packs.carried import is_name
 from babyrobot_levels.library.packs.contents import Contents, check_contents, survey
-from babyrobot_levels.library.packs.errors import PackConflictError, PackNotFoundError
-from babyrobot_levels.library.packs.installed import (
+from babyrobot_levels.library.packs.format import PackConflictError, PackNotFoundError
+from babyrobot_levels.library.packs.known import (
     CURRENT,
     InstalledPack,
     current,
     has_current,
     installed,
+    is_name,
     packs,
     packs_folder,
     version_of,
 )
-from babyrobot_levels.library.packs.lock import locked
 from babyrobot_levels.text.files import is_folder, write_text
 from babyrobot_levels.text.words import nearest
 
+LOCK = ".lock"
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Create a folder and hold its lock; wait while another process holds it.
+
+    The system releases the lock when the process ends, in whatever way. The lock file is removed
+    afterwards, and so is the folder if it is empty.
+    """
+    path = folder / LOCK
+    descriptor = _opened(path)
+    try:
+        yield
+    finally:
+        with suppress(OSError):
+            # Windows does not remove an open file, which is harmless.
+            path.unlink()
+            folder.rmdir()
+            folder.parent.rmdir()
+        os.close(descriptor)
+
+
+def _opened(path: Path) -> int:
+    """Return the lock file's descriptor, locked."""
+    while True:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with suppress(FileNotFoundError):
+            # A broken link could be neither opened nor created.
+            flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+            descriptor = os.open(path, flags, 0o666)
+            try:
+                _wait(descriptor)
+                # The last holder may have removed the file, and another process made a new one.
+                if os.path.samestat(os.fstat(descriptor), path.stat()):
+                    return descriptor
+            except BaseException:
+                os.close(descriptor)
+                raise
+            os.close(descriptor)
+
+
+if sys.platform == "win32":
+    import msvcrt
+    import time
+
+    def _wait(descriptor: int) -> None:
+        while True:
+            try:
+                msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+            except PermissionError:
+                time.sleep(0.05)
+            else:
+                return
+else:
+    import fcntl
+
+    def _wait(descriptor: int) -> None:
+        fcntl.flock(descriptor, fcntl.LOCK_EX)
+
+
 _PART = ".part-"
-"""What is being put there or taken away lies in folders whose names begin so."""
+"""The prefix of folders that are being installed or removed."""
 
 
 @dataclass(frozen=True, slots=True)
 class Installation:
-    """What became of an archive.
+    """The result of installing an archive.
 
     Attributes:
-        pack: the pack as it is installed now.
-        contents: what is in it; None where the very same pack was there already.
-        before: the version that was there before, None if there was none.
+        pack: the installed pack.
+        contents: its contents; None if the same pack was already installed.
+        before: the version that was installed before, None if there was none.
     """
 
     pack: InstalledPack
@@ -50,17 +111,16 @@ class Installation:
 
 
 def install(archive: Archive, *, force: bool = False) -> Installation:
-    """Put a pack into the user's folder, in the place of an earlier version.
+    """Install a pack into the user's folder; replace an earlier version.
 
     Args:
         archive: the archive, which was read and checked.
-        force: whether to put it also in the place of a later version, of another pack of the same
-            version, or of the very same one.
+        force: whether to replace also a later version, another pack of the same version, or the
+            same pack.
 
     Raises:
-        PackError: the levels are not those that the manifest says, or are not valid.
-        PackConflictError: it would take the place of what only `force` replaces, or of a folder
-            that was put there by hand.
+        PackError: the levels are invalid or differ from the manifest.
+        PackConflictError: `force` is needed, or there is a folder that was put there by hand.
         OSError: the folder cannot be written.
     """
     home, name = packs_folder(), archive.manifest.name
@@ -85,16 +145,16 @@ def install(archive: Archive, *, force: bool = False) -> Installation:
 
 
 def uninstall(name: str) -> InstalledPack:
-    """Take a pack out of the user's folder, and return what it was.
+    """Remove a pack from the user's folder, and return it.
 
     Raises:
-        PackNotFoundError: no pack of that name is there.
+        PackNotFoundError: no pack of that name is installed.
         PackConflictError: it was put there by hand.
         OSError: the folder cannot be written.
     """
     home = packs_folder()
     if name not in (pack.name for pack in packs()) and not _is_ours(home, name):
-        # Whoever gives the name of a level, or of an archive, means the pack's.
+        # The argument may be the name of a level or of an archive of the pack.
         own = re.split(r"[/\\]|-[0-9]+\.", name, maxsplit=1)[0]
         raise PackNotFoundError(name, nearest(own, (pack.name for pack in packs())))
     with locked(home):
@@ -105,7 +165,7 @@ def uninstall(name: str) -> InstalledPack:
                 raise PackNotFoundError(name)
             raise PackConflictError(
                 f"{name} was not installed, but put into {home} by hand",
-                f"take the folder {found.folder} away",
+                f"remove the folder {found.folder}",
             )
         part = Path(tempfile.mkdtemp(prefix=_PART, dir=home))
         try:
@@ -117,7 +177,7 @@ def uninstall(name: str) -> InstalledPack:
 
 
 def _is_ours(home: Path, name: str) -> bool:
-    """Tell whether a pack was installed, and not put there by hand."""
+    """Return whether a pack was installed, not put there by hand."""
     return is_name(name) and not (home / name).is_symlink() and has_current(home / name)
 
 
@@ -126,42 +186,42 @@ def _is_same(before: InstalledPack, archive: Archive) -> bool:
 
 
 def _permit(place: Path, before: InstalledPack | None, archive: Archive, force: bool) -> None:
-    """Make sure that nothing is overwritten that must not be."""
+    """Check that nothing is replaced without permission."""
     manifest = archive.manifest
     if os.path.lexists(place) and (place.is_symlink() or not has_current(place)):
         raise PackConflictError(
-            f"{place} is there already, and was put there by hand",
-            "take it away, and install the pack then",
+            f"{place} already exists and was put there by hand",
+            "remove it, and install the pack again",
         )
     if before is None or before.version is None or force:
         return
     if version_order(before.version) > version_order(manifest.version):
         raise PackConflictError(
-            f"{manifest.name} {before.version} is there already, which is later than "
+            f"{manifest.name} {before.version} is installed, which is later than "
             f"{manifest.version}",
-            "put the older one in its place with --force",
+            "use --force to install the older version",
         )
     if before.version == manifest.version:
         raise PackConflictError(
-            f"another {manifest.name} {manifest.version} is there already",
-            "put this one in its place with --force",
+            f"another {manifest.name} {manifest.version} is installed",
+            "use --force to replace it",
         )
 
 
 def _folder_name(archive: Archive, before: InstalledPack | None) -> str:
-    """Return the name of the folder for an archive: another one than that which is there."""
+    """Return the name of an archive's folder, which differs from the installed one."""
     name = f"{archive.manifest.version}-{archive.sha256[:12]}"
     return name if before is None or before.folder.name != name else f"{name}-again"
 
 
 def _unpack(archive: Archive, folder: Path) -> None:
-    """Write the files of an archive into a new folder, and wait until the disk has them."""
+    """Write the files of an archive into a new folder, and sync them to the disk."""
     for path, data in archive.files.items():
         place = folder / path
         place.parent.mkdir(parents=True, exist_ok=True)
         with place.open("xb") as file:
             file.write(data)
-    # All of them are written by then, so that the disk has little to do for each.
+    # Syncing after all writes is much faster than after each.
     for here, _, names in os.walk(folder):
         for name in names:
             _sync(Path(here, name))
@@ -169,10 +229,10 @@ def _unpack(archive: Archive, folder: Path) -> None:
 
 
 def _put(folder: Path, place: Path) -> None:
-    """Put a new folder into its place, by one step that either happened or not."""
+    """Move a new folder into its place, atomically."""
     line = f"{folder.name}\n"
     if place.exists():
-        # What a sweep cannot judge, because `current` is damaged, may be in the way.
+        # If `current` is damaged, `_sweep` may have left something there.
         _remove(place / folder.name)
         folder.rename(place / folder.name)
         _sync(place)
@@ -186,12 +246,12 @@ def _put(folder: Path, place: Path) -> None:
 
 
 def _sweep(home: Path) -> None:
-    """Take away what interrupted calls left, and versions that are not current any more."""
+    """Remove what interrupted calls left, and versions that are not current any more."""
     for place in home.iterdir():
         if place.name.startswith(_PART):
             _remove(place)
         elif is_folder(place) and not place.is_symlink():
-            # Another pack, into which we may not look, is nothing to stop at.
+            # An unreadable other pack is no reason to fail.
             with suppress(OSError):
                 _sweep_pack(place)
 
@@ -206,7 +266,7 @@ def _sweep_pack(place: Path) -> None:
 
 
 def _remove(path: Path) -> None:
-    """Take a file or a folder away; what cannot be taken away is left to the next sweep."""
+    """Remove a file or a folder; what cannot be removed is left to the next sweep."""
     if is_folder(path) and not path.is_symlink():
         shutil.rmtree(path, ignore_errors=True)
     else:
@@ -214,9 +274,9 @@ def _remove(path: Path) -> None:
 
 
 def _sync(path: Path) -> None:
-    """Wait until the disk has a file or a folder."""
+    """Sync a file or a folder to the disk."""
     if sys.platform == "win32" and path.is_dir():
-        # There, folders cannot be opened, and need not be.
+        # Windows cannot open folders, and does not need it.
         return
     descriptor = os.open(path, os.O_RDWR if sys.platform == "win32" else os.O_RDONLY)
     try:

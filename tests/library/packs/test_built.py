@@ -16,7 +16,7 @@ from support.subprocesses import python, run
 import babyrobot_levels as brl
 
 PAGE = DOCS / "packs.md"
-SECTION = PAGE.read_text(encoding="utf-8").partition("## A Python package that carries a pack\n")[2]
+SECTION = PAGE.read_text(encoding="utf-8").partition("## A pack in a Python package\n")[2]
 
 FILES = {
     "__init__.py": "raise SystemExit('a pack is found without running anything')\n",
@@ -124,7 +124,7 @@ print([i for i in gymnasium.registry if i.startswith("babyrobot/zoo")])
 
 def test_the_command_line(site: Path, tmp_path: Path) -> None:
     assert babyrobot(site, tmp_path, "list", "--tag", "apes") == (
-        "NAME         SIZE  TITLE  TAGS\nzoo/gorilla  3x2          apes\n"
+        "NAME         SIZE  TITLE  TAGS  FROM\nzoo/gorilla  3x2          apes  pack zoo\n"
     )
     assert babyrobot(site, tmp_path, "list", "--packs") == (
         "NAME  VERSION  LEVELS  SUITES  FROM                     DESCRIPTION\n"

@@ -13,8 +13,12 @@ from support.carriers import LEVEL, carry, write
 from support.packs import babyrobot
 
 import babyrobot_levels as brl
-from babyrobot_levels.library.packs.carried import carried_packs, package_folder
-from babyrobot_levels.library.packs.known import known_packs, unusable_packs
+from babyrobot_levels.library.packs.known import (
+    carried_packs,
+    known_packs,
+    package_folder,
+    unusable_packs,
+)
 from babyrobot_levels.library.search_path import pack_places, places
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -139,7 +143,7 @@ def test_an_archive_is_passed_over(site: Path, monkeypatch: pytest.MonkeyPatch) 
     assert [pack.name for pack in carried_packs()] == ["zoo"]
     assert names() == []
     assert list(unusable_packs()) == [
-        "the pack 'zoo' of package brl-zipped 1.0 is left out: 'brl_zipped' leads to no folder"
+        "the pack 'zoo' of package brl-zipped 1.0 is left out: 'brl_zipped' is not a folder"
     ]
     assert brl.load("default").name == "default"
 
@@ -200,7 +204,7 @@ def test_a_name_that_no_pack_can_have(name: str, site: Path) -> None:
     with pytest.raises(brl.LevelNotFoundError):
         brl.load(f"{name}/lion")
     (told,) = unusable_packs()
-    assert told.startswith(f"the pack {name!r} of package brl_zoo 1.0 is left out: a pack's name")
+    assert told.startswith(f"the pack {name!r} of package brl_zoo 1.0 is left out: invalid name")
 
 
 # -- packs of one name -----------------------------------------------------------------------

@@ -16,7 +16,7 @@ from support.subprocesses import HOME
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.packs import store
-from babyrobot_levels.library.packs.installed import fields, installed, packs
+from babyrobot_levels.library.packs.known import fields, installed, packs
 from babyrobot_levels.text.files import user_folder
 
 pytestmark = pytest.mark.usefixtures("here")
@@ -47,10 +47,10 @@ def test_a_later_version_takes_the_place_of_an_earlier_one() -> None:
         "installed zoo 1.9.0: 2 levels, 1 suite, 1 theme\n  zoo/bear\n"
     )
     assert width() == 4
-    assert install("2.0.0").startswith("replaced zoo 1.9.0 by 2.0.0: ")
+    assert install("2.0.0").startswith("replaced zoo 1.9.0 with 2.0.0: ")
     assert width() == 5
     # Numbers are compared, not letters.
-    assert install("10.0.0").startswith("replaced zoo 2.0.0 by 10.0.0: ")
+    assert install("10.0.0").startswith("replaced zoo 2.0.0 with 10.0.0: ")
     (pack,) = packs()
     assert (pack.name, pack.version) == ("zoo", "10.0.0")
     # Of the others, nothing is left.
@@ -81,7 +81,7 @@ def test_files_are_readable_for_whom_the_umask_lets() -> None:
 def test_the_same_again_changes_nothing() -> None:
     install("1.0.0")
     before = users_files()
-    assert install("1.0.0") == "zoo 1.0.0 is there already\n"
+    assert install("1.0.0") == "zoo 1.0.0 is already installed\n"
     assert users_files() == before
 
 
@@ -90,10 +90,10 @@ def test_an_earlier_version_needs_force() -> None:
     before = users_files()
     refused = babyrobot("install", packed("1.0.0"))
     assert (refused.status, refused.out) == (2, "")
-    assert "zoo 2.0.0 is there already, which is later than 1.0.0" in refused.err
+    assert "zoo 2.0.0 is installed, which is later than 1.0.0" in refused.err
     assert "--force" in refused.err
     assert users_files() == before
-    assert install("1.0.0", "--force").startswith("replaced zoo 2.0.0 by 1.0.0: ")
+    assert install("1.0.0", "--force").startswith("replaced zoo 2.0.0 with 1.0.0: ")
     assert width() == 4
 
 
@@ -102,9 +102,9 @@ def test_another_pack_of_the_same_version_needs_force() -> None:
     other = packed("1.0.0", {**zoo("3.0.0"), "pack.yaml": zoo("1.0.0")["pack.yaml"]})
     refused = babyrobot("install", other)
     assert refused.status == 2
-    assert "another zoo 1.0.0 is there already" in refused.err
+    assert "another zoo 1.0.0 is installed" in refused.err
     assert width() == 4
-    assert "installed zoo 1.0.0 anew" in babyrobot("install", other, "--force").out
+    assert "reinstalled zoo 1.0.0" in babyrobot("install", other, "--force").out
     assert width() == 6
 
 
@@ -113,7 +113,7 @@ def test_a_pack_is_repaired_with_force() -> None:
     for _ in range(3):
         (pack,) = packs()
         (pack.folder / "levels" / "bear.yaml").write_text("spoilt", "utf-8")
-        assert "installed zoo 1.0.0 anew" in install("1.0.0", "--force")
+        assert "reinstalled zoo 1.0.0" in install("1.0.0", "--force")
         assert width() == 4
         assert len(list((home() / "zoo").iterdir())) == 2
 
@@ -156,7 +156,7 @@ def test_only_the_name_of_a_pack_removes_it(name: str) -> None:
     before = users_files()
     result = babyrobot("uninstall", name)
     assert (result.status, result.out) == (2, "")
-    assert "there is no installed pack called" in result.err
+    assert "no pack named" in result.err
     assert ("did you mean 'zoo'?" in result.err) == (name in ("zo", "Zoo", "zoo/"))
     assert users_files() == before
 
@@ -166,9 +166,7 @@ def test_what_is_near_to_a_pack_tells_its_name(name: str) -> None:
     install("1.0.0")
     result = babyrobot("uninstall", name)
     assert result.status == 2
-    assert result.err.startswith(
-        f"error: there is no installed pack called '{name}'; did you mean 'zoo'?"
-    )
+    assert result.err.startswith(f"error: no pack named '{name}' is installed; did you mean 'zoo'?")
 
 
 def test_other_packs_stay() -> None:
@@ -337,7 +335,7 @@ def test_a_full_disk_is_told_and_leaves_the_old_pack(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(store, "_sync", fail)
     result = babyrobot("install", later)
     assert (result.status, result.out) == (2, "")
-    assert result.err == f"error: {later} is not installed: No space left on device\n"
+    assert result.err == f"error: {later} was not installed: No space left on device\n"
     assert users_files() == before
 
 
@@ -413,7 +411,7 @@ def test_calls_at_once_do_not_break_one_another() -> None:
     code = (
         "import sys; from pathlib import Path\n"
         "from babyrobot_levels.library.packs import archive, store\n"
-        "from babyrobot_levels.library.packs.errors import PackNotFoundError\n"
+        "from babyrobot_levels.library.packs.format import PackNotFoundError\n"
         "for round in range(6):\n"
         "    if sys.argv[1] == 'uninstall':\n"
         "        try: store.uninstall('zoo')\n"

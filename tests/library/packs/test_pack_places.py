@@ -227,11 +227,11 @@ def test_a_broken_pack_stops_nobody_else(users_pack: Path, site: Path) -> None:
     )
     home = user_folder() / "packs"
     faults = [
-        f"{home / name} is left out: its file `current` names no version; install the pack again"
+        f"{home / name} is left out: its file `current` is damaged; install the pack again"
         for name in ("big", "empty", "folder", "left", "torn")
     ]
     faults.append(
-        "the pack 'nowhere' of package brl_ark 1.0 is left out: 'brl_nowhere' leads to no folder"
+        "the pack 'nowhere' of package brl_ark 1.0 is left out: 'brl_nowhere' is not a folder"
     )
     assert told.err.splitlines() == faults
     told = listed(users_pack)
@@ -264,7 +264,7 @@ def locked_pack(users_pack: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_folder_that_may_not_be_entered_is_told_and_left_out(locked_pack: Path) -> None:
     assert [place.pack for place in places() if place.pack] == ["zoo"]
-    assert [*unusable_packs()] == [f"{locked_pack} is left out: it may not be entered"]
+    assert [*unusable_packs()] == [f"{locked_pack} is left out: permission denied"]
     with pytest.raises(PermissionError):
         uninstall("ark")
 
@@ -291,11 +291,11 @@ def test_what_a_pack_says_reaches_the_terminal_as_plain_text(users_pack: Path) -
 def test_packs_have_no_tags(here: Path) -> None:
     told = listed(here, "--packs", "--tag", "maze")
     assert (told.status, told.out) == (2, "")
-    assert told.err == "error: --tag is for levels; packs have no tags\n"
+    assert told.err == "error: --tag cannot be combined with --packs\n  help: leave out --tag\n"
 
 
 def test_no_packs(here: Path) -> None:
     assert listed(here, "--packs", "--format", "json").out == "[]\n"
     told = listed(here, "--packs")
     assert (told.out, told.status) == ("", 0)
-    assert told.err == "there are no packs (`babyrobot install FILE` installs one)\n"
+    assert told.err == "no packs are installed (see `babyrobot install`)\n"

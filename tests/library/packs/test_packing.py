@@ -14,7 +14,7 @@ from support.work import counted_calls
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.packs.archive import MAX_FILES
-from babyrobot_levels.library.packs.manifest import MANIFEST
+from babyrobot_levels.library.packs.format import MANIFEST
 
 pytestmark = pytest.mark.usefixtures("here")
 needs_posix = pytest.mark.skipif(sys.platform == "win32", reason="needs what POSIX has")
@@ -137,7 +137,7 @@ def test_a_pack_lies_in_the_current_folder_or_where_one_says() -> None:
     assert babyrobot("pack", "zoo").status == 0
     again = babyrobot("pack", "zoo")
     assert (again.status, again.out) == (2, "")
-    assert "zoo-1.0.0.brlpack is there already" in again.err
+    assert "zoo-1.0.0.brlpack already exists" in again.err
     assert babyrobot("pack", "zoo", "--force").status == 0
     os.chdir("zoo")
     assert babyrobot("pack").status == 0
@@ -170,7 +170,7 @@ def test_a_path_of_ones_machine_is_told(line: str, is_local: bool) -> None:
     write_files(Path("zoo"), {"pack.yaml": pack_text(), "lion.yaml": f"{line}\n{text}"})
     result = babyrobot("pack", "zoo")
     assert result.status == 0
-    note = "the schema line says where a file lies on your machine, for all to read: lion.yaml\n"
+    note = "the $schema line contains a path of your machine: lion.yaml\n"
     assert result.err == (note if is_local else "")
 
 
@@ -189,7 +189,7 @@ def test_a_long_name_is_one() -> None:
 
 def test_a_folder_without_pack_yaml_is_told_how_one_looks() -> None:
     write_files(Path("zoo"), {"lion.yaml": level()})
-    assert "there is no pack.yaml in" in babyrobot("pack", "zoo").err
+    assert "no pack.yaml in" in babyrobot("pack", "zoo").err
     shown = babyrobot("pack", "--help").out
     assert {"name: zoo", "version: 1.0.0"} <= {line.strip() for line in shown.splitlines()}
 
@@ -198,7 +198,7 @@ def test_a_pack_has_levels() -> None:
     write_files(Path("zoo"), {"pack.yaml": pack_text()})
     result = babyrobot("pack", "zoo")
     assert (result.status, result.out) == (1, "")
-    assert "zoo cannot be a pack: it has neither levels nor suites" in result.err
+    assert "zoo cannot be packed: it has neither levels nor suites" in result.err
 
 
 def test_a_pack_may_have_suites_only() -> None:
@@ -206,7 +206,7 @@ def test_a_pack_may_have_suites_only() -> None:
     write_files(Path("zoo"), files)
     told = babyrobot("pack", "zoo")
     assert (told.status, told.err) == (0, "")
-    assert told.out.startswith("zoo 1.0.0: 1 suite\n  herd  a suite\nwrote ")
+    assert told.out.startswith("zoo 1.0.0: 1 suite\n  herd  suite\nwrote ")
 
 
 # -- what is found ---------------------------------------------------------------------------
@@ -312,19 +312,19 @@ def test_a_file_has_a_name_of_which_a_levels_can_be_made() -> None:
 @pytest.mark.parametrize(
     ("name", "why"),
     [
-        ("caf\xe9.yaml", "not the same everywhere"),
-        ("cafe\u0301.yaml", "not the same everywhere"),
-        ("ab:c.yaml", "not the same everywhere"),
-        ("a\n.yaml", "not the same everywhere"),
-        ("a /b.yaml", "not the same everywhere"),
-        ("a./b.yaml", "not the same everywhere"),
-        ("con.yaml", "Windows keeps for a device"),
-        ("Aux.x.yaml", "Windows keeps for a device"),
-        ("nul/README.md", "Windows keeps for a device"),
+        ("caf\xe9.yaml", "not portable"),
+        ("cafe\u0301.yaml", "not portable"),
+        ("ab:c.yaml", "not portable"),
+        ("a\n.yaml", "not portable"),
+        ("a /b.yaml", "not portable"),
+        ("a./b.yaml", "not portable"),
+        ("con.yaml", "Windows reserves for a device"),
+        ("Aux.x.yaml", "Windows reserves for a device"),
+        ("nul/README.md", "Windows reserves for a device"),
         ("a\\b.yaml", "a backslash"),
         ("C:x.yaml", "a drive"),
-        ("a/pack.yaml", "a pack holds no other packs"),
-        ("LEVELS/x.yaml", "by nothing but capital letters"),
+        ("a/pack.yaml", "a pack cannot contain other packs"),
+        ("LEVELS/x.yaml", "only in upper and lower case"),
         ("x" * 60 + "/" + "y" * 55 + ".yaml", "more than 120 characters"),
     ],
 )
@@ -410,7 +410,7 @@ def test_a_folder_with_a_hundred_thousand_files() -> None:
     with counted_calls() as work:
         result = babyrobot("pack", "zoo")
     assert (result.status, result.out) == (1, "")
-    assert f"it holds more than {MAX_FILES:,} files" in result.err
+    assert f"it contains more than {MAX_FILES:,} files" in result.err
     assert work.calls < 10_000_000, work
 
 

@@ -1,0 +1,160 @@
+"""The commands by what they are for. A command's module is imported when the command is run."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from importlib import import_module
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from babyrobot_levels import __version__
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A command as the overview lists it.
+
+    Attributes:
+        group: what it is for, the heading under which it stands.
+        place: its module and function.
+        summary: what it does, in a few words.
+    """
+
+    group: str
+    place: str
+    summary: str
+
+    def function(self) -> Callable[..., Any]:
+        """Import the command's function."""
+        module, _, name = self.place.partition(":")
+        function: Callable[..., Any] = getattr(
+            import_module(f"babyrobot_levels.cli.{module}"), name
+        )
+        return function
+
+
+COMMANDS = {
+    "new-level": Line("Create", "new_level:new_level", "Write a new level file."),
+    "generate": Line("Create", "generate:generate", "Generate many levels."),
+    "import": Line("Create", "convert:import_level", "Convert a file of another program."),
+    "validate": Line("Check", "validate:validate", "Check level files for errors."),
+    "lint": Line("Check", "lint:lint", "Check level files for errors and likely mistakes."),
+    "format": Line("Check", "format_levels:format_levels", "Format level files."),
+    "rule": Line("Check", "rule:rule", "Explain an error code or a lint rule."),
+    "preview": Line("Look and play", "preview:preview", "Draw a level, or save a picture or page."),
+    "play": Line("Look and play", "play:play", "Play a level in the terminal."),
+    "show": Line("Look and play", "show:show", "Show the facts about a level."),
+    "list": Line("Look and play", "list_levels:list_levels", "List the levels that have names."),
+    "solve": Line("Analyse", "solve:solve", "Compute an optimal policy and its values."),
+    "compare": Line("Analyse", "compare:compare", "Test whether two levels are the same MDP."),
+    "diff": Line("Analyse", "diff:diff", "Show what differs between two levels."),
+    "share": Line("Share", "share:share", "Print a level as a share code or a link."),
+    "export": Line("Share", "convert:export_level", "Convert a level for another program."),
+    "resolve": Line("Share", "share:resolve", "Write out a level's maze as walls."),
+    "pack": Line("Share", "pack:pack", "Pack a folder of levels into one file."),
+    "install": Line("Share", "install:install", "Install a pack."),
+    "uninstall": Line("Share", "install:uninstall", "Remove an installed pack."),
+    "schema": Line("Editor support", "schema:print_schema", "Print a JSON schema."),
+}
+
+
+class _Registry(Mapping[str, Any]):
+    """The commands by name, each of which is imported when it is asked for."""
+
+    def __init__(self) -> None:
+        self._made: dict[str, Any] = {}
+
+    def __getitem__(self, name: str) -> Any:
+        if name not in self._made:
+            line = COMMANDS[name]
+            function = line.function()
+            alone = typer.Typer(add_completion=False, **_PLAIN)
+            cls = getattr(function, "command_class", None)
+            alone.command(name, short_help=line.summary, cls=cls)(function)
+            self._made[name] = typer.main.get_command(alone)
+        return self._made[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(COMMANDS)
+
+    def __len__(self) -> int:
+        return len(COMMANDS)
+
+
+class _Commands(TyperGroup):
+    """The group of all commands."""
+
+    def __init__(self, **attributes: Any) -> None:
+        super().__init__(**attributes)
+        self.commands: Any = _Registry()
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the commands."""
+        return list(COMMANDS)
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> Any:
+        """Find the command that is meant, or suggest similar ones."""
+        name = args[0]
+        if name not in COMMANDS and not name.startswith("-") and not ctx.resilient_parsing:
+            same_start = [each for each in COMMANDS if name and each.startswith(name)]
+            similar = same_start or get_close_matches(name, COMMANDS)
+            hint = f" Did you mean {' or '.join(map(repr, similar))}?" if similar else ""
+            ctx.fail(f"No such command {name!r}.{hint}")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the commands, group by group, without importing them."""
+        width = max(map(len, COMMANDS))
+        for group in dict.fromkeys(line.group for line in COMMANDS.values()):
+            rows = [
+                (name.ljust(width), line.summary)
+                for name, line in COMMANDS.items()
+                if line.group == group
+            ]
+            with formatter.section(group):
+                formatter.write_dl(rows)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command, or report what is wrong with the call."""
+        try:
+            return super().invoke(ctx)
+        except typer.BadParameter as error:
+            # What a user typed was a word, not a value that raised an error.
+            error.message = error.message.removeprefix("Value error, ")
+            raise
+
+
+_PLAIN: dict[str, Any] = {"rich_markup_mode": None, "pretty_exceptions_enable": False}
+
+app = typer.Typer(
+    name="babyrobot",
+    cls=_Commands,
+    help="Create, check, play, solve and share grid worlds that are stored as YAML files.",
+    epilog="A LEVEL is a name (see `babyrobot list`), PACK/NAME, the path of a file, a share "
+    "code, or `-` for standard input.",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
+    **_PLAIN,
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"babyrobot-levels {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def root(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", "-V", callback=_print_version, is_eager=True, help="Show the version."
+        ),
+    ] = False,
+) -> None:
+    """Create, check, play, solve and share grid worlds that are stored as YAML files."""

@@ -1,0 +1,288 @@
+"""`babyrobot import` and `babyrobot export`: worlds of other programs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    ForceOption,
+    OutputOption,
+    fail,
+    note,
+    save,
+    write,
+)
+from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
+from babyrobot_levels.cli.pictures import PictureOptions, picture
+from babyrobot_levels.cli.reporting import read_path
+from babyrobot_levels.cli.schema import schema_for
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.source import SourceFile
+
+if TYPE_CHECKING:
+    from babyrobot_levels.convert.conversion import Lost, World
+
+MAX_REPORTED = 40
+"""The largest number of losses that are reported."""
+
+
+class WorldFormat(StrEnum):
+    """Formats of other programs."""
+
+    BABYROBOT = "babyrobot"
+    FROZEN_LAKE = "frozen-lake"
+    MAZE_MAP = "maze-map"
+    MAZE_DATASET = "maze-dataset"
+    MINIGRID = "minigrid"
+    SOKOBAN = "sokoban"
+    TILED = "tiled"
+
+
+StrictOption = Annotated[
+    bool, typer.Option("--strict", help="Write nothing if anything would be lost.")
+]
+
+
+def report_losses(lost: Sequence[Lost], *, strict: bool) -> None:
+    """Report on standard error what is lost; end the command if it is `strict`."""
+    for each in lost[:MAX_REPORTED]:
+        note(f"{'error' if strict else 'warning'}: {one_line(str(each))}")
+    if len(lost) > MAX_REPORTED:
+        note(f"… and {len(lost) - MAX_REPORTED} more")
+    if lost and strict:
+        raise typer.Exit(FINDINGS)
+
+
+def import_level(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="File to convert, or `-` for standard input.")
+    ],
+    world_format: Annotated[
+        WorldFormat | None,
+        typer.Option(
+            "--from",
+            metavar="FORMAT",
+            help=f"Format of the file: {', '.join(WorldFormat)}.  [default: detected]",
+            show_default=False,
+        ),
+    ] = None,
+    output: OutputOption = None,
+    name: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N",
+            help="Name of the level: lower-case letters, digits and `-`.  "
+            "[default: that of the file]",
+            show_default=False,
+        ),
+    ] = None,
+    slippery: Annotated[
+        bool | None,
+        typer.Option(
+            "--slippery/--no-slippery",
+            help="Whether a FrozenLake map is slippery, if it does not say so.  "
+            "[default: slippery]",
+            show_default=False,
+        ),
+    ] = None,
+    strict: StrictOption = False,
+    force: ForceOption = False,
+) -> None:
+    """Convert a file of another program to a level file.
+
+    Reads setups of PyPI babyrobot, FrozenLake maps, Gymnasium-Robotics' maze maps, maze-dataset's
+    ASCII, MiniGrid's text, Sokoban maps (# and blanks), and Tiled's JSON. What a level cannot
+    express is reported on standard error.
+
+    Examples:
+
+      babyrobot import setup.py -o levels/setup.yaml
+
+      babyrobot import lake.txt --no-slippery
+
+      babyrobot import maze.txt --from maze-dataset -o levels/maze.yaml
+
+      babyrobot export four-rooms --to minigrid | babyrobot import -
+    """
+    from babyrobot_levels.convert.conversion import ConversionError
+    from babyrobot_levels.convert.formats import file_text
+    from babyrobot_levels.language.documents import slug
+
+    if name is not None and slug(name) != name:
+        good = slug(name)
+        fail(
+            f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
+            f"for example {good!r}" if good else None,
+        )
+    source = _source(file)
+    path = output or Path(f"{name or 'level'}.yaml")
+    title = name or slug(file.stem) or "imported"
+    try:
+        chosen = world_format or _guessed(source)
+        world = _world(source, chosen, slippery, file.parent)
+        text = file_text(
+            world,
+            schema=schema_for(path),
+            name=name,
+            title=title.replace("-", " ").capitalize(),
+        )
+    except ConversionError as error:
+        message, here = str(error), one_line(source.name)
+        # Messages about a place in the text begin with it.
+        note(message if message.startswith(f"{here}:") else f"{here}: error: {message}")
+        raise typer.Exit(FINDINGS) from None
+    report_losses(world.lost, strict=strict)
+    if output is None:
+        write(text)
+    else:
+        save(output, text, force=force)
+        write(f"wrote {one_line(str(output))}\n")
+
+
+def _source(file: Path) -> SourceFile:
+    from babyrobot_levels.text.errors import LevelError
+
+    try:
+        return read_path(file)
+    except LevelError as error:
+        diagnostic = error.diagnostics[0]
+        if diagnostic.code == "BR101":
+            fail(f"{file}: {diagnostic.message}")
+        # It may be a picture, or a compressed file.
+        help_text = "see `babyrobot import --help` for the formats; all of them are UTF-8 text"
+        if diagnostic.code == "BR102":
+            diagnostic = replace(diagnostic, help=help_text)
+        raise LevelError([diagnostic]) from None
+
+
+def _guessed(source: SourceFile) -> WorldFormat:
+    from babyrobot_levels.convert.formats import FORMATS, guess
+    from babyrobot_levels.text.files import SUFFIXES
+
+    if source.name.lower().endswith(SUFFIXES):
+        fail(
+            f"{source.name} is already a level file",
+            "use `babyrobot export` to convert it for other programs",
+        )
+    found = guess(source)
+    if not found:
+        known = ", ".join(WorldFormat)
+        fail(f"the format of {source.name} is unknown", f"add --from with one of {known}")
+    if len(found) > 1:
+        titles = " or a ".join(FORMATS[each].title for each in found)
+        fail(
+            f"{source.name} may be a {titles}",
+            "add " + " or ".join(f"--from {each}" for each in found),
+        )
+    return WorldFormat(found[0])
+
+
+def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None, folder: Path) -> World:
+    from babyrobot_levels.convert.formats import FORMATS
+    from babyrobot_levels.convert.frozen_lake import read_frozen_lake
+    from babyrobot_levels.convert.tiled.reading import read_tiled
+
+    if chosen is WorldFormat.FROZEN_LAKE:
+        return read_frozen_lake(source, is_slippery=slippery is not False)
+    if slippery is not None:
+        fail(f"--slippery and --no-slippery are for FrozenLake maps, not for {chosen}")
+    if chosen is WorldFormat.TILED:
+        return read_tiled(source, folder)
+    return FORMATS[chosen].read(source)
+
+
+class ExportFormat(StrEnum):
+    """Formats that levels are exported to."""
+
+    BABYROBOT = WorldFormat.BABYROBOT
+    FROZEN_LAKE = WorldFormat.FROZEN_LAKE
+    MAZE_MAP = WorldFormat.MAZE_MAP
+    MAZE_DATASET = WorldFormat.MAZE_DATASET
+    MINIGRID = WorldFormat.MINIGRID
+    SOKOBAN = WorldFormat.SOKOBAN
+    TILED = WorldFormat.TILED
+    PNG = "png"
+    SVG = "svg"
+
+
+_SUFFIXES = {".tmj": ExportFormat.TILED, ".png": ExportFormat.PNG, ".svg": ExportFormat.SVG}
+
+
+def export_level(
+    level: LevelArgument,
+    to: Annotated[
+        ExportFormat | None,
+        typer.Option(
+            "--to",
+            metavar="FORMAT",
+            help=f"Output format: {', '.join(ExportFormat)}.  "
+            "[default: by the suffix of the file, .tmj, .png or .svg]",
+            show_default=False,
+        ),
+    ] = None,
+    output: OutputOption = None,
+    maze_seed: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            help="Seed for the maze of a level with a random maze.",
+            show_default=False,
+        ),
+    ] = None,
+    strict: StrictOption = False,
+    force: ForceOption = False,
+) -> None:
+    """Convert a level to the format of another program, or to a picture.
+
+    What the format cannot express is reported on standard error, by the names of the fields.
+
+    Examples:
+
+      babyrobot export final-maze --to babyrobot
+
+      babyrobot export frozen-lake --to frozen-lake -o lake.json
+
+      babyrobot export glass-wall -o glass-wall.tmj
+
+      babyrobot export random-maze --maze-seed 7 --to sokoban
+    """
+    chosen = to or _by_suffix(output)
+    loaded = with_seed(load_level(level), maze_seed)
+    made: str | bytes
+    beside: Mapping[str, bytes] = {}
+    if chosen in (ExportFormat.PNG, ExportFormat.SVG):
+        made = picture(loaded, PictureOptions(), svg=chosen is ExportFormat.SVG)
+    else:
+        from babyrobot_levels.convert.formats import export
+
+        conversion = export(loaded, chosen.value)
+        report_losses(conversion.warnings, strict=strict)
+        made, beside = conversion.text, conversion.beside
+    if output is not None:
+        for name, data in beside.items():
+            save(output.parent / name, data, force=force)
+        save(output, made, force=force)
+        return
+    for name in beside:
+        note(f"note: {name}, the picture of the tiles, is only written with -o FILE")
+    if isinstance(made, str):
+        write(made)
+    elif sys.stdout.isatty():
+        fail("a PNG cannot be shown in a terminal", "save it with -o FILE")
+    else:
+        sys.stdout.buffer.write(made)
+
+
+def _by_suffix(output: Path | None) -> ExportFormat:
+    suffix = output.suffix.lower() if output is not None else ""
+    if suffix not in _SUFFIXES:
+        fail("the output format is missing", f"add --to with one of {', '.join(ExportFormat)}")
+    return _SUFFIXES[suffix]

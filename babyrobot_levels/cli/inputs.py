@@ -1,0 +1,59 @@
+"""The levels that commands take as arguments: names, files, share codes, standard input."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from babyrobot_levels.cli.console import fail
+from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
+
+if TYPE_CHECKING:
+    from babyrobot_levels.library.level import Level
+
+LevelArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="LEVEL",
+        help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input.",
+    ),
+]
+
+
+def load_level(text: str) -> Level:
+    """Return the level that an argument names."""
+    from babyrobot_levels.language.share_code import is_code
+    from babyrobot_levels.library.catalogue import load
+    from babyrobot_levels.text.errors import LevelNotFoundError
+
+    if text == str(STANDARD_INPUT):
+        return _read_level()
+    if "\n" in text and not is_code(text):
+        raise LevelNotFoundError(text)
+    return load(text)
+
+
+def load_two(one: str, other: str) -> tuple[Level, Level]:
+    """Return the levels that two arguments name; one of them may be standard input."""
+    if one == other == str(STANDARD_INPUT):
+        fail("only one of the two levels can be standard input")
+    return load_level(one), load_level(other)
+
+
+def _read_level() -> Level:
+    """Return the level on standard input."""
+    from babyrobot_levels.library.reading import load_source
+
+    return load_source(read_path(STANDARD_INPUT))
+
+
+def with_seed(level: Level, maze_seed: int | None) -> Level:
+    """Return a level with the maze of a seed, which is required if its maze is random."""
+    if level.has_random_maze:
+        if maze_seed is None:
+            fail("the maze of this level is random", "choose one with --maze-seed N")
+        return level.with_maze_seed(maze_seed)
+    if maze_seed is not None:
+        fail("the level's maze is not random", "leave out --maze-seed")
+    return level
