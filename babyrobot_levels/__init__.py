@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
     from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
-    from babyrobot_levels.generate.search import StarvedError as StarvedError
+    from babyrobot_levels.generate.search import UnsatisfiableError as UnsatisfiableError
     from babyrobot_levels.generate.suites import Suite as Suite
     from babyrobot_levels.generate.suites import load_suite as load_suite
     from babyrobot_levels.language.formatting.formatter import format_text as format_text
@@ -93,7 +93,7 @@ _HOMES = {
     "Severity": "text.diagnostics",
     "Simulation": "analysis.solver.results",
     "Solution": "analysis.solver.results",
-    "StarvedError": "generate.search",
+    "UnsatisfiableError": "generate.search",
     "Suite": "generate.suites",
     "SuiteNotFoundError": "text.errors",
     "Sweep": "analysis.learning.results",
@@ -125,6 +125,7 @@ _HOMES = {
 
 _RENAMED = {
     "NoTotalError": "UndefinedReturnError",
+    "StarvedError": "UnsatisfiableError",
     "TooLongError": "EpisodeTooLongError",
 }
 """Old public names, and what they are called now."""

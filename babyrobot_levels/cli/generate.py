@@ -9,19 +9,20 @@ import shlex
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
 import typer
 
 from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import FINDINGS, fail, note, write
-from babyrobot_levels.cli.new_level import Algorithm
 from babyrobot_levels.cli.parallel import MAX_JOBS, WORTH_IT, JobsOption, map_all, track
+from babyrobot_levels.language.suite import Place
+from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from babyrobot_levels.generate.batch import Batch, Target
-    from babyrobot_levels.generate.search import StarvedError
+    from babyrobot_levels.generate.search import UnsatisfiableError
     from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.language.looks import Theme
     from babyrobot_levels.language.suite import SuiteFields
@@ -38,12 +39,10 @@ class Naming:
     first: int
 
 
-class Place(StrEnum):
-    """Positions of start and exit."""
-
-    CORNER = "corner"
-    RANDOM = "random"
-    FARTHEST = "farthest"
+# An enum, because typer takes no lists of literals.
+AlgorithmName = StrEnum(  # type: ignore[misc]
+    "AlgorithmName", {name.upper().replace("-", "_"): name for name in get_args(Algorithm)}
+)
 
 
 def generate(
@@ -68,7 +67,7 @@ def generate(
         ),
     ] = None,
     algorithm: Annotated[
-        list[Algorithm] | None,
+        list[AlgorithmName] | None,
         typer.Option(
             metavar="A",
             help="Maze algorithm; if repeated, one of them is drawn for each level.  "
@@ -319,7 +318,7 @@ def digest_of(path: Path) -> str | None:
 
 def _write(target: Target, jobs: int | None) -> None:
     """Write the files, and report the number."""
-    from babyrobot_levels.generate.search import StarvedError
+    from babyrobot_levels.generate.search import UnsatisfiableError
 
     count = target.batch.suite.count
     if jobs is None:
@@ -330,7 +329,7 @@ def _write(target: Target, jobs: int | None) -> None:
         for is_new in track(target.write(jobs), count, "generating"):
             written += is_new
             kept += not is_new
-    except StarvedError as error:
+    except UnsatisfiableError as error:
         note(_unmet(error, from_options=target.batch.description.startswith("babyrobot")))
         note(f"  {target.there():,} of {count:,} levels are in {target.folder}")
         if error.needs is not None:
@@ -345,7 +344,7 @@ def _write(target: Target, jobs: int | None) -> None:
     write(_summary(target, written, kept))
 
 
-def _unmet(error: StarvedError, *, from_options: bool) -> str:
+def _unmet(error: UnsatisfiableError, *, from_options: bool) -> str:
     """Return which condition was not met: by its option, or by its field in a suite."""
     from babyrobot_levels.language.suite import SuiteFields
 

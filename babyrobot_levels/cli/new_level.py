@@ -6,12 +6,13 @@ import re
 import sys
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, get_args
 
 import typer
 
 from babyrobot_levels.cli.console import ForceOption, fail, note, save, write
 from babyrobot_levels.cli.schema import schema_for
+from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 
@@ -29,22 +30,6 @@ class Template(StrEnum):
     DRAWING = "drawing"
 
 
-class Algorithm(StrEnum):
-    """Maze algorithms."""
-
-    DEPTH_FIRST = "depth-first"
-    WILSON = "wilson"
-    ALDOUS_BRODER = "aldous-broder"
-    KRUSKAL = "kruskal"
-    PRIM = "prim"
-    GROWING_TREE = "growing-tree"
-    HUNT_AND_KILL = "hunt-and-kill"
-    RECURSIVE_DIVISION = "recursive-division"
-    BINARY_TREE = "binary-tree"
-    SIDEWINDER = "sidewinder"
-    ELLER = "eller"
-
-
 def new_level(
     name: Annotated[
         str,
@@ -59,8 +44,8 @@ def new_level(
     ] = None,
     algorithm: Annotated[
         Algorithm,
-        typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(Algorithm) + "."),
-    ] = Algorithm.DEPTH_FIRST,
+        typer.Option(metavar="A", help="Maze algorithm: " + ", ".join(get_args(Algorithm)) + "."),
+    ] = "depth-first",
     loops: Annotated[
         float,
         typer.Option(metavar="R", help="Share of the maze's dead ends to open, from 0 to 1."),
@@ -114,7 +99,7 @@ def new_level(
     if template is not Template.MAZE and maze_seed is None:
         for option, given in (
             ("--loops", loops),
-            ("--algorithm", algorithm is not Algorithm.DEPTH_FIRST),
+            ("--algorithm", algorithm != "depth-first"),
         ):
             if given:
                 fail(f"{option} needs a maze", "add --maze-seed N or --template maze")

@@ -114,12 +114,13 @@ def level_paths(paths: Sequence[Path] | None) -> list[Path]:
 
 def _note_file_of(path: Path) -> None:
     """If an argument is the name of a level instead of a file, write a note with its file."""
-    from babyrobot_levels.library.catalogue import find
-    from babyrobot_levels.text.errors import LevelNotFoundError
     from babyrobot_levels.text.files import is_file
 
     if path == STANDARD_INPUT or path.suffix or is_file(path):
         return
+    from babyrobot_levels.library.catalogue import find
+    from babyrobot_levels.text.errors import LevelNotFoundError
+
     with suppress(LevelNotFoundError):
         file = find(path.as_posix())
         note(f"{path} is the name of a level, but this command takes files: {file}")

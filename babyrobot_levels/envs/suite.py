@@ -72,7 +72,7 @@ class SuiteEnv(LevelEnv):
 
         Raises:
             ValueError: there is no such level or option, or the robot cannot start in that cell.
-            StarvedError: no level meets the suite's conditions.
+            UnsatisfiableError: no level meets the suite's conditions.
         """
         options = checked_options(options, *self._options)
         index = checked_index(options.get("index"), len(self.suite))

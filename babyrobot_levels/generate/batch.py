@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.generate.candidates import Maker
-from babyrobot_levels.generate.search import Found, StarvedError, find_level
+from babyrobot_levels.generate.search import Found, UnsatisfiableError, find_level
 from babyrobot_levels.language.base import SLUG
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from concurrent.futures import Future
     from multiprocessing.synchronize import Event
 
-    _Chunks = deque[Future[list["Made | StarvedError"]]]
+    _Chunks = deque[Future[list["Made | UnsatisfiableError"]]]
 
 FORMAT_VERSION = 1
 """Increases when the same options would generate other files."""
@@ -137,13 +137,13 @@ def made_levels(batch: Batch, tasks: Sequence[Task], jobs: int) -> Iterator[Made
         jobs: the number of processes. The result does not depend on it.
 
     Raises:
-        StarvedError: no level meets the conditions. The ones before it have been yielded.
+        UnsatisfiableError: no level meets the conditions. The ones before it have been yielded.
     """
     maker = batch.maker()
     digests = set(batch.excluded)
     each = _alone(batch, maker, tasks) if jobs <= 1 else _spread(batch, tasks, jobs)
     for made in each:
-        if isinstance(made, StarvedError):
+        if isinstance(made, UnsatisfiableError):
             raise made
         if made.digest in digests:
             found = find_level(
@@ -157,11 +157,13 @@ def made_levels(batch: Batch, tasks: Sequence[Task], jobs: int) -> Iterator[Made
         yield made
 
 
-def _alone(batch: Batch, maker: Maker, tasks: Sequence[Task]) -> Iterator[Made | StarvedError]:
+def _alone(
+    batch: Batch, maker: Maker, tasks: Sequence[Task]
+) -> Iterator[Made | UnsatisfiableError]:
     return (_make(batch, maker, task) for task in tasks)
 
 
-def _spread(batch: Batch, tasks: Sequence[Task], jobs: int) -> Iterator[Made | StarvedError]:
+def _spread(batch: Batch, tasks: Sequence[Task], jobs: int) -> Iterator[Made | UnsatisfiableError]:
     import multiprocessing
     from concurrent.futures import ProcessPoolExecutor
 
@@ -190,9 +192,9 @@ def _begin(batch: Batch, stop: Event) -> None:
     _worker = batch, batch.maker(), stop
 
 
-def _work(tasks: Sequence[Task]) -> list[Made | StarvedError]:
+def _work(tasks: Sequence[Task]) -> list[Made | UnsatisfiableError]:
     batch, maker, stop = _worker
-    made: list[Made | StarvedError] = []
+    made: list[Made | UnsatisfiableError] = []
     for task in tasks:
         if stop.is_set():
             break
@@ -200,13 +202,13 @@ def _work(tasks: Sequence[Task]) -> list[Made | StarvedError]:
     return made
 
 
-def _make(batch: Batch, maker: Maker, task: Task) -> Made | StarvedError:
+def _make(batch: Batch, maker: Maker, task: Task) -> Made | UnsatisfiableError:
     number, attempt = task
     if attempt is not None:
         return _written(batch, Found(number, attempt, maker.draw(number, attempt).level))
     try:
         return _written(batch, find_level(maker, number))
-    except StarvedError as error:
+    except UnsatisfiableError as error:
         return error
 
 
@@ -314,7 +316,7 @@ class Target:
 
         Raises:
             FolderError: there are files that must not be overwritten.
-            StarvedError: no level meets the conditions. The ones before it are written.
+            UnsatisfiableError: no level meets the conditions. The ones before it are written.
             OSError: a file cannot be written.
         """
         for made in made_levels(self.batch, self.tasks(), jobs):

@@ -23,7 +23,7 @@ MOST_SOLVED = 1_000
 _CONDITIONS = ("path_length", "dead_ends", "difficulty")
 
 
-class StarvedError(BabyRobotError):
+class UnsatisfiableError(BabyRobotError):
     """No level was found that meets all conditions.
 
     Attributes:
@@ -142,13 +142,13 @@ class Tally:
         hard = self.conditions.get("difficulty")
         return hard is not None and hard.asked_of >= MOST_SOLVED
 
-    def error(self) -> StarvedError:
+    def error(self) -> UnsatisfiableError:
         """Return the error that no candidate met all conditions."""
         asked_for = [each for each in self.conditions.values() if each.asked_of]
         rarest = min(asked_for, key=lambda each: each.met, default=None)
         if rarest is not None and not rarest.met:
             tries = rarest.asked_of if rarest.name == "difficulty" else self.tries
-            return StarvedError(
+            return UnsatisfiableError(
                 rarest.name, rarest.asked, rarest.nearest(tries), self._growth(rarest)
             )
         if self.again:
@@ -156,19 +156,19 @@ class Tally:
                 f"{self.again:,} of {self.tries:,} candidates met all conditions, but all of them "
                 "are duplicates of earlier levels"
             )
-            return StarvedError("count", str(self.suite.count), reason, 1.5)
+            return UnsatisfiableError("count", str(self.suite.count), reason, 1.5)
         if not self.in_split:
             reason = f"none of {self.tries:,} candidates has a maze of this split"
-            return StarvedError("splits", str(self.split), reason)
+            return UnsatisfiableError("splits", str(self.split), reason)
         if rarest is None or not self.playable:
             reason = (
                 f"in all of {self.tries:,} candidates it is next to the start or cuts off cells"
             )
-            return StarvedError("exit", self.suite.exit, reason)
+            return UnsatisfiableError("exit", self.suite.exit, reason)
         others = [each for each in asked_for if each is not rarest]
         met = [f"{rarest.met:,} of {self.tries:,} candidates met it"]
         met += [f"{each.met:,} met {each.name} {each.asked}" for each in others]
-        return StarvedError(rarest.name, rarest.asked, ", ".join([*met, "none met all"]))
+        return UnsatisfiableError(rarest.name, rarest.asked, ", ".join([*met, "none met all"]))
 
     def _growth(self, missed: Condition) -> float | None:
         """Return the factor by which levels would have to grow to meet a missed condition."""
@@ -194,7 +194,7 @@ def find_level(
         is_new: returns whether a level that meets all conditions is no duplicate.
 
     Raises:
-        StarvedError: no candidate meets them, within the limits of the search.
+        UnsatisfiableError: no candidate meets them, within the limits of the search.
     """
     layouts = maker.layouts(number)
     tally = Tally(maker.suite, layouts, maker.split(number))

@@ -73,7 +73,7 @@ class Suite(Sequence[Level]):
 
         Raises:
             IndexError: there is no such level.
-            StarvedError: no level meets the suite's conditions.
+            UnsatisfiableError: no level meets the suite's conditions.
         """
         if isinstance(index, slice):
             return Suite(self.fields, self.folder, self.numbers[index], self._split)

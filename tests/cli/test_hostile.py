@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 from support.sessions import Result, environment, run_here, run_there
 
-from babyrobot_levels.library import reading
-from babyrobot_levels.text import files
+from babyrobot_levels.text import files, reader
 
 LONG = "x" * 300 + ".yaml"
 ESCAPE = "\x1b]0;owned\x07\x1b[31m\x9b1m\u202e\r"
@@ -222,7 +221,7 @@ def test_a_level_that_vanishes(folder: Path, monkeypatch: pytest.MonkeyPatch) ->
         path.unlink(missing_ok=True)
         return read(source, name)
 
-    monkeypatch.setattr(reading, "read_source", vanishing)
+    monkeypatch.setattr(reader, "read_source", vanishing)
     monkeypatch.setattr(files, "read_source", vanishing)
     assert babyrobot("preview", "short-lived").status == 1
     path.write_text("version: 1\n", encoding="utf-8")

@@ -62,7 +62,7 @@ def test_no_file_is_left_out(command: str, folder: Path, monkeypatch: pytest.Mon
     deep = folder.joinpath("levels", *"abcdefghij")
     deep.mkdir(parents=True)
     (deep / "bad.yaml").write_text("version: 1\nnonsense: 1\n", encoding="utf-8")
-    assert "no field `nonsense`" in babyrobot(command, status=1).out
+    assert "unknown field `nonsense`" in babyrobot(command, status=1).out
     look = os.scandir
 
     def refuse(path: Any) -> Any:

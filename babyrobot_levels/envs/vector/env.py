@@ -104,7 +104,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: a level is not valid.
-            StarvedError: no level meets the conditions of a suite.
+            UnsatisfiableError: no level meets the conditions of a suite.
             ImportError: the compiled engine is required and not installed.
             ValueError: another argument is invalid.
         """
@@ -185,7 +185,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         Raises:
             ValueError: the robot cannot start in that cell, there is no level with that number or
                 no such option, or the seed or the mask is invalid.
-            StarvedError: no level meets the conditions of a suite.
+            UnsatisfiableError: no level meets the conditions of a suite.
         """
         family = None if self._slots is None else self._slots.family
         numbered = () if family is None else (family.option,)

@@ -35,7 +35,7 @@ class SuiteVectorEnv(LevelVectorEnv):
         Raises:
             SuiteNotFoundError: there is no such suite.
             LevelError: the suite is not valid.
-            StarvedError: no level meets the suite's conditions.
+            UnsatisfiableError: no level meets the suite's conditions.
             ValueError: there is no such split, it has no levels, or another argument is invalid.
         """
         self._given_suite, self.suite = suite_and_split(suite, split)
