@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 
@@ -32,8 +33,13 @@ class LevelError(BabyRobotError, ValueError):
         return "\n\n".join(parts) or "the level cannot be used"
 
     def _render_traceback_(self) -> list[str]:
-        """Return what IPython shows: the diagnostics, without frames of this library."""
-        return [f"{type(self).__name__}: {self}"]
+        """Return what IPython shows: the line that called, and the diagnostics."""
+        import traceback
+
+        package = str(Path(__file__).parents[1])
+        frames = traceback.extract_tb(self.__traceback__)
+        callers = [frame for frame in frames if not frame.filename.startswith(package)]
+        return [*traceback.format_list(callers[-1:]), f"{type(self).__name__}: {self}"]
 
     def __reduce__(self) -> tuple[type[LevelError], tuple[tuple[Diagnostic, ...], str | None]]:
         return type(self), (self.diagnostics, self.message)
