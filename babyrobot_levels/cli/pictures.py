@@ -25,7 +25,7 @@ MAX_STEPS = 500
 MAX_SCALE = 100.0
 
 
-class Walker(StrEnum):
+class PolicyName(StrEnum):
     """Policies of GIFs and pages."""
 
     BEST = "best"
@@ -44,7 +44,7 @@ class PictureOptions:
     """
 
     values: bool = False
-    policy: Walker | None = None
+    policy: PolicyName | None = None
     seed: int = 0
     scale: float | None = None
 
@@ -53,7 +53,7 @@ def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
     """Return a still picture: an SVG document, or a PNG file."""
     from babyrobot_levels.render.scene.build import build_scene
 
-    if options.policy is Walker.RANDOM:
+    if options.policy is PolicyName.RANDOM:
         fail(
             "a still picture cannot show a random policy",
             "use --policy best, or a GIF or HTML output",
@@ -81,7 +81,7 @@ def gif(level: Level, options: PictureOptions) -> bytes:
     """Return an episode as an animated GIF."""
     from babyrobot_levels.render.gif import to_gif
 
-    steps = _episode(level, options.policy or Walker.BEST, options.seed)
+    steps = _episode(level, options.policy or PolicyName.BEST, options.seed)
     overlay = None
     if options.values:
         overlay = overlay_of(solution_of(level), values=True, policy=False)
@@ -96,16 +96,16 @@ def page(level: Level, options: PictureOptions) -> str:
     from babyrobot_levels.render.page import to_html
 
     check_page_size(level, "save a picture instead: -o FILE.svg or -o FILE.png")
-    is_asked_for = options.values or options.policy is Walker.BEST
+    is_asked_for = options.values or options.policy is PolicyName.BEST
     guide = guide_of(level, needed=is_asked_for)
     try:
         return to_html(
             level,
             guide=guide,
-            policy="random" if options.policy is Walker.RANDOM else "best",
+            policy="random" if options.policy is PolicyName.RANDOM else "best",
             seed=options.seed,
             values=options.values,
-            arrows=options.policy is Walker.BEST,
+            arrows=options.policy is PolicyName.BEST,
         )
     except ValueError as error:
         fail(str(error))
@@ -123,15 +123,15 @@ def check_page_size(level: Level, help_text: str) -> None:
 
 def _overlay(level: Level, options: PictureOptions) -> Overlay:
     return overlay_of(
-        solution_of(level), values=options.values, policy=options.policy is Walker.BEST
+        solution_of(level), values=options.values, policy=options.policy is PolicyName.BEST
     )
 
 
-def _episode(level: Level, walker: Walker, seed: int) -> list[Step]:
+def _episode(level: Level, policy_name: PolicyName, seed: int) -> list[Step]:
     """Return the steps of one episode."""
     from babyrobot_levels.render.gif import Step
 
-    policy = policy_of(solution_of(level)) if walker is Walker.BEST else None
+    policy = policy_of(solution_of(level)) if policy_name is PolicyName.BEST else None
     env = level.make(observation="index")
     state, _ = env.reset(seed=seed)
     env.action_space.seed(seed)

@@ -23,7 +23,7 @@ from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
     MAX_SCALE,
     PictureOptions,
-    Walker,
+    PolicyName,
     gif,
     page,
     picture,
@@ -72,16 +72,16 @@ class PreviewCommand(TyperCommand):
         for index, word in enumerate(args):
             whole.append(word)
             following = args[index + 1] if index + 1 < len(args) else ""
-            if word == "--policy" and following not in list(Walker):
-                whole.append(Walker.BEST)
+            if word == "--policy" and following not in list(PolicyName):
+                whole.append(PolicyName.BEST)
         # A word after `--policy` that is no policy is LEVEL, or one word too many.
         ctx.allow_extra_args = True
         extra = super().parse_args(ctx, whole)
         if extra:
             after = {args[index + 1] for index in range(len(args) - 1) if args[index] == "--policy"}
-            wrong = sorted((after & {*extra, ctx.params.get("level")}) - {*Walker})
+            wrong = sorted((after & {*extra, ctx.params.get("level")}) - {*PolicyName})
             if wrong:
-                fail(f"invalid --policy {wrong[0]!r}", f"expected one of {', '.join(Walker)}")
+                fail(f"invalid --policy {wrong[0]!r}", f"expected one of {', '.join(PolicyName)}")
             ctx.fail(f"Got unexpected extra argument(s) ({' '.join(extra)})")
         return extra
 
@@ -109,7 +109,7 @@ def preview(
         bool, typer.Option("--values", help="Show the optimal value of each cell.")
     ] = False,
     policy: Annotated[
-        Walker | None,
+        PolicyName | None,
         typer.Option(
             metavar="[best|random]",
             help="Show an optimal policy; in a GIF and HTML page, the policy to follow.  "
@@ -250,7 +250,7 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
 
 
 def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
-    if options.policy is Walker.RANDOM:
+    if options.policy is PolicyName.RANDOM:
         fail("a text cannot show a random policy", "use --policy best, or a GIF or HTML output")
     if not (options.values or options.policy):
         return text_picture(level, plain=plain)

@@ -102,17 +102,17 @@ def _fragment(level: Level) -> str:
     from babyrobot_levels.render.page import link_fragment
     from babyrobot_levels.render.page_data import TooLargeError
 
-    game = level
+    played = level
     if level.has_random_maze:
         note("the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)")
-        game = level.with_maze_seed(0)
-    check_page_size(game, "send the level file")
-    guide = guide_of(game, needed=False)
+        played = level.with_maze_seed(0)
+    check_page_size(played, "send the level file")
+    guide = guide_of(played, needed=False)
     if guide is not None:
         with suppress(TooLargeError):
-            return link_fragment(level, game, guide)
+            return link_fragment(level, played, guide)
     try:
-        fragment = link_fragment(level, game)
+        fragment = link_fragment(level, played)
         if guide is not None:
             note("the page shows no optimal moves: the link would be too long with them")
         return fragment

@@ -278,5 +278,5 @@ def _stated(path: Path, key: str) -> str | None:
         data = read(source).data if key in source.text else None
     except LevelError:
         return None
-    told = data.get(key) if isinstance(data, dict) else None
-    return told if isinstance(told, str) else None
+    stated = data.get(key) if isinstance(data, dict) else None
+    return stated if isinstance(stated, str) else None

@@ -320,7 +320,7 @@ def eller(lattice: Lattice, start: int, rng: random.Random) -> None:
     """
     rows = lattice.rows()
     above = list(range(lattice.width))
-    """For each column one that hangs together with it and is nearer to the root; the root."""
+    """For each column, a connected one that is nearer to the root; for a root, itself."""
     for y, row in enumerate(rows):
         is_last = y == lattice.height - 1
         for column in range(1, lattice.width):
