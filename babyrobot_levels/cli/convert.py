@@ -20,7 +20,7 @@ from babyrobot_levels.cli.console import (
     save,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
+from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level, with_seed
 from babyrobot_levels.cli.pictures import PictureOptions, picture
 from babyrobot_levels.cli.reporting import read_path
 from babyrobot_levels.cli.schema import schema_for
@@ -229,14 +229,7 @@ def export_level(
         ),
     ] = None,
     output: OutputOption = None,
-    maze_seed: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            help="Seed for the maze of a level with a random maze.",
-            show_default=False,
-        ),
-    ] = None,
+    maze_seed: MazeSeedOption = None,
     strict: StrictOption = False,
     force: ForceOption = False,
 ) -> None:

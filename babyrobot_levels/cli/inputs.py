@@ -21,6 +21,16 @@ LevelArgument = Annotated[
 ]
 
 
+MazeSeedOption = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        help="Seed for the maze of a level with a random maze.",
+        show_default=False,
+    ),
+]
+
+
 def load_level(text: str) -> Level:
     """Return the level that an argument names."""
     from babyrobot_levels.language.share_code import is_code

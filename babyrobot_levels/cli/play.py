@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
-from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.text.source import printable
@@ -52,14 +52,7 @@ def play(
             show_default=False,
         ),
     ] = None,
-    maze_seed: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            help="Seed for the maze of a level with a random maze.",
-            show_default=False,
-        ),
-    ] = None,
+    maze_seed: MazeSeedOption = None,
 ) -> None:
     """Play a level in the terminal with the arrow keys.
 

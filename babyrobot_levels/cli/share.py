@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand
 
 from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
-from babyrobot_levels.cli.inputs import LevelArgument, load_level, with_seed
+from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level, with_seed
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.schema import schema_for
 
@@ -133,14 +133,7 @@ _RELATIVE_SCHEMA = re.compile(
 
 def resolve(
     level: LevelArgument,
-    maze_seed: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            help="Seed for the maze of a level with a random maze.",
-            show_default=False,
-        ),
-    ] = None,
+    maze_seed: MazeSeedOption = None,
     output: OutputOption = None,
     force: ForceOption = False,
 ) -> None:
