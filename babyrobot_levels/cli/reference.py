@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from typing import Any, get_args, get_type_hints
+from typing import Any, Literal, get_args, get_origin, get_type_hints
 
 from typer.models import ArgumentInfo, OptionInfo
 
@@ -63,6 +63,8 @@ class _Parameter:
             return str(self.info.metavar)
         if isinstance(self.kind, type) and issubclass(self.kind, Enum):
             return "|".join(str(choice.value) for choice in self.kind)
+        if get_origin(self.kind) is Literal:
+            return "|".join(get_args(self.kind))
         return str(self.kind.__name__.upper())
 
     @property
@@ -116,7 +118,8 @@ def _parameters(command: Callable[..., Any]) -> Iterator[_Parameter]:
         kind, info = get_args(hints[name])[:2]
         if isinstance(info, OptionInfo | ArgumentInfo) and not info.hidden:
             kinds = [inner for inner in get_args(kind) if inner is not type(None)] or [kind]
-            innermost = (get_args(kinds[0]) or (kinds[0],))[0]
+            is_list = get_origin(kinds[0]) is list
+            innermost = get_args(kinds[0])[0] if is_list else kinds[0]
             yield _Parameter(name, info, innermost, parameter.default)
 
 
