@@ -36,6 +36,8 @@ REWARD_TOLERANCE = 1e-12
 class ComparisonError(BabyRobotError, ValueError):
     """What was given cannot be compared with a level."""
 
+    __module__ = "babyrobot_levels"
+
 
 @dataclass(frozen=True)
 class Certificate:
@@ -53,6 +55,8 @@ class Certificate:
         difference: the first difference as text; None if there is none.
         digest: the level's digest.
     """
+
+    __module__ = "babyrobot_levels"
 
     equal: bool
     actions: tuple[int, ...] | None

@@ -97,6 +97,8 @@ class Difference:
     Cells, walls and transitions are those that both levels have, counted from the top-left corner.
     """
 
+    __module__ = "babyrobot_levels"
+
     same_game: bool
     digests: tuple[str, str]
     game: tuple[Change, ...]

@@ -55,6 +55,8 @@ class Metrics:
         level: the level.
     """
 
+    __module__ = "babyrobot_levels"
+
     level: Level
 
     def to_dict(self, *, solve: bool = True) -> dict[str, Any]:

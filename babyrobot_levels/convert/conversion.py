@@ -19,6 +19,8 @@ _NOT_LOST = frozenset({"version", "name", "map", "legend"})
 class ConversionWarning(UserWarning):
     """Something of another program's world that its level does not have."""
 
+    __module__ = "babyrobot_levels"
+
 
 class ConversionError(LevelError):
     """Text or data that is not a valid world of the format that it is read as.

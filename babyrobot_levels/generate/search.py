@@ -34,6 +34,8 @@ class UnsatisfiableError(BabyRobotError):
             None where another size does not help.
     """
 
+    __module__ = "babyrobot_levels"
+
     def __init__(self, condition: str, asked: str, reason: str, needs: float | None = None):
         self.condition, self.asked, self.reason, self.needs = condition, asked, reason, needs
         super().__init__(condition, asked, reason, needs)

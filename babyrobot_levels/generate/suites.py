@@ -32,6 +32,8 @@ class Suite(Sequence[Level]):
         split: the split that they are, if any.
     """
 
+    __module__ = "babyrobot_levels"
+
     def __init__(
         self,
         fields: SuiteFields,

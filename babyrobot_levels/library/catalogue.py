@@ -51,6 +51,8 @@ class LevelInfo:
         origin: the folder in which it was found, such as `"gallery"` or `"levels/"`.
     """
 
+    __module__ = "babyrobot_levels"
+
     name: str
     title: str | None
     size: tuple[int, int]

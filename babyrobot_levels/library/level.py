@@ -23,6 +23,8 @@ class Level(GridWorld):
     made by `brl.load`, `brl.loads`, or from the fields themselves: `Level(version=1, size=(4, 4))`.
     """
 
+    __module__ = "babyrobot_levels"
+
     @classmethod
     def from_fields(
         cls, fields: Mapping[str, Any], *, name: str | None = None, folder: Path | None = None

@@ -9,6 +9,8 @@ from typing import Any, Protocol
 class Action(IntEnum):
     """The actions, with the numbers that environments use."""
 
+    __module__ = "babyrobot_levels"
+
     STAY = 0
     NORTH = 1
     EAST = 2

@@ -36,6 +36,8 @@ class Grid:
     and side to the probability of getting through.
     """
 
+    __module__ = "babyrobot_levels"
+
     width: int
     height: int
     wall_bits: bytes

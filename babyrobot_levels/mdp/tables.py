@@ -51,6 +51,8 @@ class Mdp:
         obstruction: int8, `[states, actions]`: `FREE`, `REFUSED` or `GLASS`.
     """
 
+    __module__ = "babyrobot_levels"
+
     width: int
     height: int
     probability: NDArray[np.float64]

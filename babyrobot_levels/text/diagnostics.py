@@ -16,6 +16,8 @@ from babyrobot_levels.text.source import Position, SourceFile, Span, printable
 class Severity(StrEnum):
     """How bad a finding is: an `error` keeps a level from loading, the others do not."""
 
+    __module__ = "babyrobot_levels"
+
     ERROR = "error"
     WARNING = "warning"
     INFO = "info"
@@ -106,6 +108,8 @@ class Diagnostic:
 
     `line` and `column` count from 1 and `end` is the place just behind the faulty text.
     """
+
+    __module__ = "babyrobot_levels"
 
     code: str
     severity: Severity

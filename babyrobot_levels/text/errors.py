@@ -11,6 +11,8 @@ from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 class BabyRobotError(Exception):
     """The root of this library's exceptions."""
 
+    __module__ = "babyrobot_levels"
+
 
 class LevelError(BabyRobotError, ValueError):
     """A level that cannot be used. Carries the `diagnostics` and prints them.
@@ -18,6 +20,8 @@ class LevelError(BabyRobotError, ValueError):
     Raised by everything that reads a level. `diagnostics` is empty where the level came from
     Python and has no text to point at; the message is then complete by itself.
     """
+
+    __module__ = "babyrobot_levels"
 
     def __init__(self, diagnostics: Iterable[Diagnostic] = (), message: str | None = None):
         self.diagnostics = tuple(diagnostics)
@@ -56,6 +60,8 @@ class InvalidDocument(ValueError):
 class LevelNotFoundError(BabyRobotError, LookupError):
     """No level has that name. `name` is what was asked for, `nearest` are the likeliest ones."""
 
+    __module__ = "babyrobot_levels"
+
     what = "level"
 
     def __init__(self, name: str, nearest: Sequence[str] = (), is_file: bool = False):
@@ -75,5 +81,7 @@ class LevelNotFoundError(BabyRobotError, LookupError):
 
 class SuiteNotFoundError(LevelNotFoundError):
     """No suite has that name."""
+
+    __module__ = "babyrobot_levels"
 
     what = "suite"

@@ -6,6 +6,7 @@ They hold the order of the rooms, the places of libraries, and that only the com
 from __future__ import annotations
 
 import ast
+import pickle
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from structure import Structure, picture, rooms_to_draw
 from support.subprocesses import python
 
 import babyrobot_levels
+import babyrobot_levels as brl
 
 PACKAGE = Path(babyrobot_levels.__file__).parent
 CHECKOUT = PACKAGE.parent
@@ -137,3 +139,12 @@ def test_the_picture_shows_the_rooms_as_they_are() -> None:
 
 
 RENEW = f"python scripts/structure.py --picture {PICTURE.relative_to(CHECKOUT)}"
+
+
+def test_public_classes_name_the_package_as_their_module() -> None:
+    """Tracebacks and pickles then do not depend on the file in which a class is."""
+    for name in brl.__all__:
+        value = getattr(brl, name)
+        if isinstance(value, type):
+            assert value.__module__ == "babyrobot_levels", name
+            assert pickle.loads(pickle.dumps(value)) is value

@@ -32,6 +32,8 @@ class Sweep(Result):
         actions: `"all"` or `"moves"`.
     """
 
+    __module__ = "babyrobot_levels"
+
     number: int
     values: Floats
     policy: Ints
@@ -56,6 +58,8 @@ class Trials(Sweep):
             `[height, width, actions]`; `values` are their maxima.
         returns: the (discounted) sum of the rewards of each episode so far, float64 `[number]`.
     """
+
+    __module__ = "babyrobot_levels"
 
     action_values: Floats
     returns: Floats

@@ -32,6 +32,8 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError):
     `cell` is a cell `(x, y)` of such a loop.
     """
 
+    __module__ = "babyrobot_levels"
+
     def __init__(self, cell: tuple[int, int]):
         self.cell = cell
         super().__init__(cell)
@@ -46,6 +48,8 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError):
 
 class EpisodeTooLongError(BabyRobotError, ArithmeticError):
     """Episodes are too long for floating point to compute their undiscounted return."""
+
+    __module__ = "babyrobot_levels"
 
     def __str__(self) -> str:
         return (
@@ -156,6 +160,8 @@ class Evaluation(Result):
             which an episode may go on for ever, so that the sum of its rewards diverges.
     """
 
+    __module__ = "babyrobot_levels"
+
     values: Floats
     action_values: Floats
     expected_return: float
@@ -222,6 +228,8 @@ class Solution(Evaluation):
         residual: the largest violation of Bellman's equation among finite values.
     """
 
+    __module__ = "babyrobot_levels"
+
     greedy: Flags
     policy: Ints
     method: str
@@ -241,6 +249,8 @@ class Simulation(Result):
         max_steps: the limit.
         discount: the factor by which each further reward counted less.
     """
+
+    __module__ = "babyrobot_levels"
 
     returns: Floats
     steps: Ints
