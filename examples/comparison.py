@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
@@ -40,7 +41,10 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
 
 def return_of(policy: Any, level: brl.Level, actions: str) -> float:
     """Return the expected return of a policy, nan if it is undefined or cannot be computed."""
-    try:
-        return brl.evaluate(level, policy, actions=actions).expected_return
-    except ArithmeticError:
-        return math.nan
+    with warnings.catch_warnings():
+        # What has been learned may never end: its return, -inf, is in the table.
+        warnings.simplefilter("ignore", RuntimeWarning)
+        try:
+            return brl.evaluate(level, policy, actions=actions).expected_return
+        except ArithmeticError:
+            return math.nan

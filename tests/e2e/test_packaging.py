@@ -209,10 +209,8 @@ def test_the_installed_gallery(installed: Path, tmp_path: Path) -> None:
 def test_the_installed_command_makes_and_checks_a_level(installed: Path, tmp_path: Path) -> None:
     run([installed / "babyrobot", "new-level", "first"], tmp_path)
     assert run([installed / "babyrobot", "validate"], tmp_path) == "1 file checked, valid\n"
-    line = (tmp_path / "levels" / "first.yaml").read_text(encoding="utf-8").splitlines()[0]
-    schema = Path(line.partition("file://")[2])
-    assert schema.is_relative_to(installed.parent)
-    assert schema.is_file()
+    # A file to share does not name a schema on this machine.
+    assert "$schema" not in (tmp_path / "levels" / "first.yaml").read_text(encoding="utf-8")
     for name in ("first.png", "first.gif", "first.html"):
         run([installed / "babyrobot", "preview", "first", "-o", name], tmp_path)
 

@@ -353,12 +353,12 @@ HOSTILE: dict[str, tuple[str, Callable[[], bytes]]] = {
         lambda: sealed({**GOOD, LION: b""}),
     ),
     "a level out of the folder": (
-        "x.yaml:2:8: `../../sea` is no theme's name",
+        "x.yaml:2:8: `../../sea` is not the name of a theme",
         lambda: sealed({**GOOD, "x.yaml": b"version: 1\ntheme: ../../sea\n"}),
     ),
     "no valid suite": ("x.yaml:1:1: ", lambda: sealed({**GOOD, "x.yaml": b"kind: suite\n"})),
     "no valid theme": (
-        "themes/x.yaml:1:1: there is no field `a`",
+        "themes/x.yaml:1:1: unknown field `a`",
         lambda: sealed({**GOOD, "themes/x.yaml": b"a: 1\n"}),
     ),
 }

@@ -32,7 +32,7 @@ def test_some_tag_directives_do_no_harm_and_many_are_refused() -> None:
 
 def test_too_many_values_are_not_laid_on_aliases_that_are_not_there() -> None:
     listed = "a, " * 100_001
-    assert only(f"version: 1\ntags: [{listed}]\n").message.startswith("the file holds")
+    assert only(f"version: 1\ntags: [{listed}]\n").message.startswith("the file has")
     aliases = "- *a\n" * 40_000
     expanded = only(f"a: &a [x, y]\ntags:\n{aliases}")
     assert (expanded.code, expanded.message.partition(" more")[0]) == ("BR108", "aliases expand to")
@@ -41,7 +41,7 @@ def test_too_many_values_are_not_laid_on_aliases_that_are_not_there() -> None:
 @pytest.mark.parametrize("field", ["start", "exit"])
 def test_a_list_of_faulty_cells_is_not_called_empty(field: str) -> None:
     found = only(f"version: 1\n{field}: [[x, 1]]\n")
-    assert found.message == f"`{field}[0][0]` must be an integer, not the text `x`"
+    assert found.message == f"`{field}[0][0]` must be an integer, not `x`"
     assert [each.code for each in check(f"version: 1\n{field}: []\n")] == ["BR203"]
 
 
