@@ -89,27 +89,27 @@ class LevelFields(Model):
     ]
     """The version of the language: 1."""
     name: Annotated[Slug | None, Role.TEXT] = None
-    """What code loads the level by; the file's name, if it is left out."""
+    """The name by which code loads the level; the file's name by default."""
     title: Annotated[Text | None, Role.TEXT] = None
-    """A title, for people."""
+    """A title."""
     description: Annotated[Text | None, Role.TEXT] = None
-    """What the level is about."""
+    """A description."""
     author: Annotated[Text | None, Role.TEXT] = None
-    """Who made it."""
+    """The author."""
     license: Annotated[Text | None, Role.TEXT] = None
-    """Under which licence it may be used."""
+    """The licence under which the level may be used."""
     source: Annotated[Text | None, Role.TEXT] = None
-    """Whose world this is: a citation."""
+    """The publication that the level is from: a citation."""
     tags: Annotated[tuple[Slug, ...], Role.TEXT] = ()
-    """Words to search by."""
+    """Keywords for finding the level."""
     size: Annotated[Size, Role.GEOMETRY, DRAWN] = (3, 3)
     """Width and height in cells."""
     map: Annotated[Text | None, Role.GEOMETRY] = None
-    """The level as a drawing, in the place of size, start, exit, walls, puddles and blocked."""
+    """The level as a drawing, which replaces size, start, exit, puddles and blocked."""
     legend: Annotated[dict[LegendKey, Traits], Role.GEOMETRY] = Field(default_factory=dict)
-    """What the further characters of the drawing mean."""
+    """The meaning of further characters of the drawing."""
     start: Annotated[CellOrCells, Role.GEOMETRY, DRAWN] = (0, 0)
-    """Where the robot starts; of several cells, one is drawn evenly at each reset."""
+    """The start; of several cells, one is drawn uniformly at each reset."""
     exit: Annotated[
         Annotated[Literal["none"], form("word")]
         | Annotated[Cell, form("cell")]
@@ -118,37 +118,37 @@ class LevelFields(Model):
         Role.GEOMETRY,
         DRAWN,
     ] = "none"
-    """Where the episode ends: a cell, several, or `none`; the bottom-right cell if left out."""
+    """The exit: a cell, several, or `none`; the bottom-right cell by default."""
     maze: Annotated[Maze | None, Role.GEOMETRY] = None
     """A maze grown from a seed."""
     walls: Annotated[tuple[Wall, ...], Role.GEOMETRY] = ()
     """Walls that are added."""
     openings: Annotated[tuple[Opening, ...], Role.GEOMETRY] = ()
-    """Walls that are taken away, after the maze and the walls."""
+    """Walls that are removed, after the maze and the walls."""
     puddles: Annotated[tuple[Puddle, ...], Role.DYNAMICS, DRAWN] = ()
-    """Wet cells: slippery and costly."""
+    """Cells that are costly to enter and slippery to leave."""
     puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(default_factory=PuddleTypes)
-    """What small and large puddles mean."""
+    """Rewards and skids of small and large puddles."""
     areas: Annotated[tuple[Area, ...], Role.DYNAMICS] = ()
-    """Rectangles with properties; later ones win."""
+    """Rectangles of cells with properties; later ones take precedence."""
     blocked: Annotated[tuple[Rectangle, ...], Role.GEOMETRY, DRAWN] = ()
-    """Cells that do not exist."""
+    """Cells that do not exist, as rectangles."""
     warps: Annotated[tuple[Warp, ...], Role.DYNAMICS] = ()
-    """Cells that send the robot elsewhere."""
+    """Cells that move the robot to another cell."""
     wind: Annotated[Wind | None, Role.DYNAMICS] = None
-    """Columns and rows that push."""
+    """Wind that pushes the robot in some columns and rows."""
     skid: Annotated[SkidLike | None, Role.DYNAMICS] = None
-    """How slippery every cell is."""
+    """The probability with which the robot skids, on every cell."""
     rewards: Annotated[Rewards, Role.REWARD] = Field(default_factory=Rewards)
     """The rewards of a step."""
     discount: Annotated[Number, Field(gt=0, le=1), Role.LIMIT] = 1.0
     """The discount factor that solvers use by default."""
     max_steps: Annotated[Annotated[Integer, Field(ge=1, le=2**53)] | None, Role.LIMIT] = None
-    """The episode is truncated after this many steps."""
+    """The time limit: episodes are truncated after this many steps."""
     theme: Annotated[ThemeLike, Role.LOOK] = "default"
-    """Colours and widths: a theme's name or a mapping."""
+    """Colours and widths: the name of a theme, or a mapping."""
     display: Annotated[Display, Role.LOOK] = Field(default_factory=Display)
-    """What is shown beside the level itself."""
+    """What pictures show besides the level itself."""
 
     _drawn: dict[str, int] = PrivateAttr(default_factory=dict)
 

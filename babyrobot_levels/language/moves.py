@@ -14,7 +14,7 @@ _Strengths = Annotated[
 
 
 class Warp(Model):
-    """A cell that sends the robot elsewhere."""
+    """A cell that moves the robot to another cell."""
 
     at: Cell
     """The cell."""
@@ -22,11 +22,11 @@ class Warp(Model):
         Annotated[Cell, form("cell")] | Annotated[Literal["start"], form("word")],
         forms(lambda value: "word" if isinstance(value, str) else "cell"),
     ]
-    """Where the robot is sent: a cell, or `start`."""
+    """The target: a cell, or `start`."""
     when: Literal["enter", "leave"] = "enter"
     """When it acts: as the robot enters the cell, or as it leaves it."""
     reward: Number | None = None
-    """The reward of the step, in the place of every other."""
+    """The reward of the step, which replaces any other."""
 
 
 class Wind(Model):
@@ -50,11 +50,11 @@ class Rewards(Model):
     exit: Number = 0.0
     """A step onto an exit."""
     bump: Number | None = None
-    """A move that a wall refused."""
+    """A move into a wall."""
     bounce: Number = -1.0
-    """What bouncing off a glass wall adds."""
+    """Added when the robot bounces off a glass wall."""
     stay: Number | None = None
-    """The action `stay`, in the place of the reward of the own cell."""
+    """The action `stay`, instead of the reward of the cell."""
     closer: Number | None = None
     """A step that brings the robot closer to the nearest exit, by Euclidean distance."""
     farther: Number | None = None

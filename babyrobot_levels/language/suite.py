@@ -42,7 +42,7 @@ class SuiteMaze(Model):
     ] = "depth-first"
     """The algorithm, or several, one of which is drawn for each level."""
     loops: Shares = 0.0
-    """The share of the dead ends that are opened up, or a range of shares."""
+    """The share of dead ends that are opened, or a range of shares."""
 
 
 class SuiteFields(Model):
@@ -53,19 +53,19 @@ class SuiteFields(Model):
     kind: Literal["suite"]
     """What the file is: `suite`."""
     name: Slug | None = None
-    """What code loads the suite by; the file's name, if it is left out."""
+    """The name by which code loads the suite; the file's name by default."""
     title: Text | None = None
-    """A title, for people."""
+    """A title."""
     description: Text | None = None
-    """What the suite is for."""
+    """A description."""
     author: Text | None = None
-    """Who made it."""
+    """The author."""
     license: Text | None = None
-    """Under which licence it may be used."""
+    """The licence under which the suite may be used."""
     source: Text | None = None
     """Where the idea is from: a citation."""
     tags: tuple[Slug, ...] = ()
-    """Words to search by."""
+    """Keywords for finding the suite."""
     seed: Annotated[Integer, Field(ge=0, le=2**53)] = 0
     """What all levels are drawn from: another seed, another suite."""
     count: Annotated[Integer, Field(ge=1, le=MAX_COUNT)]

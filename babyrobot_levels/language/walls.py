@@ -39,7 +39,7 @@ RECTANGULAR = frozenset({"recursive-division", "binary-tree", "sidewinder", "ell
 
 
 class Maze(Model):
-    """A maze grown from a seed: the same seed gives the same maze, for ever."""
+    """A maze grown from a seed: the same seed always gives the same maze."""
 
     seed: Annotated[
         Annotated[Integer, form("number")] | Annotated[Literal["random"], form("word")],
@@ -49,18 +49,18 @@ class Maze(Model):
     algorithm: Algorithm = "depth-first"
     """How the maze is grown."""
     loops: Probability = 0.0
-    """The share of the dead ends that are opened up."""
+    """The share of dead ends that are opened."""
 
 
 class Opening(Model):
-    """A wall that is taken away."""
+    """A wall that is removed."""
 
     at: Cell
     """The cell."""
     side: Side
     """The side of the cell: N, E, S or W."""
     length: Annotated[Integer, Field(ge=1, le=MAX_SIZE)] = 1
-    """For how many cells it goes on: to the east on N and S, to the south on E and W."""
+    """Its length in cells: to the east on N and S, to the south on E and W."""
 
 
 class Wall(Opening):
