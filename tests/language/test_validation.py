@@ -375,3 +375,9 @@ def test_any_file_gives_a_level_or_diagnostics(data: bytes) -> None:
         assert 1 <= found.line <= len(source.lines) + 1
     if level is not None:
         assert parse(SourceFile("y.yaml", emit(level.to_dict())), Level)[1] == []
+
+
+def test_what_is_missing_at_the_end_of_a_line_takes_no_room() -> None:
+    text = "version: 1\nmap: |\n  +---+---+\n  | S   E\n  +---+---+\n"
+    (found,) = parse(SourceFile("x.yaml", text), Level).diagnostics
+    assert (found.span.start, found.span.end) == ((4, 10), (4, 10))

@@ -9,7 +9,7 @@ import pytest
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.fixer import apply, fix
-from babyrobot_levels.lint.fixes import remove, replace
+from babyrobot_levels.lint.fixes import append, remove, replace
 from babyrobot_levels.lint.registry import all_rules
 from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.text.diagnostics import Edit, Fix, Severity
@@ -162,3 +162,17 @@ def test_one_bad_fix_does_not_stop_the_others() -> None:
     fixed = fix(SourceFile("x.yaml", text), rules)
     assert fixed.count == len(names)
     assert fixed.text == "version: 1\nsize: [3, 4]\nsource: |\n" + "  y\n" * len(names)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "{version: 1, size: [3, 3]}\n",
+        "version: 1\nopenings: &same []\nwalls: *same\n",
+    ],
+    ids=["the whole file is in flow style", "the list is an alias"],
+)
+def test_entries_are_not_appended_where_there_is_no_good_position(text: str) -> None:
+    document = read(SourceFile("x.yaml", text))
+    field = "walls" if "walls" in text else "openings"
+    assert append(document, field, ["{at: [0, 0], side: E}"], ["version"]) is None

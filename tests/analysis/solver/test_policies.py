@@ -18,6 +18,7 @@ from support.worlds import World, level_of, worlds
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate, success_within
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import PolicyArray
 
 CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "others"})
@@ -263,3 +264,9 @@ def test_results_are_read_only_and_can_be_copied() -> None:
         np.testing.assert_array_equal(other.values, solution.values)
     assert repr(solution).startswith("<Solution expected_return=")
     assert [str(solution.policy.dtype), str(solution.values.dtype)] == ["int64", "float64"]
+
+
+def test_probabilities_that_almost_add_up_to_one_are_normalised() -> None:
+    level = brl.load("final-maze")
+    table = np.full((40, 5), 0.2 + 1e-8)
+    assert read_policy(table, level.compile(), "all").sum(axis=1)[0] == pytest.approx(1, abs=1e-15)
