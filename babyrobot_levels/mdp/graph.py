@@ -68,15 +68,21 @@ class Graph:
         """Return the graph with all edges reversed."""
         return Graph(self.size, self.target, self.source)
 
-    def distances(self, sources: Iterable[int]) -> NDArray[np.int32]:
-        """Return for each node the fewest edges from a source, -1 where none leads there."""
+    def distances(self, sources: Iterable[int] | NDArray[np.intp]) -> NDArray[np.int32]:
+        """Return for each node the fewest edges from a source, -1 where none leads there.
+
+        Sources given as an array are distinct.
+        """
         if self.size < MANY and (self.size <= FEW or "scipy.sparse" not in sys.modules):
-            return np.array(distances(sources, self.successors), np.int32)
+            nodes = sources.tolist() if isinstance(sources, np.ndarray) else sources
+            return np.array(distances(nodes, self.successors), np.int32)
         from scipy.sparse import csr_array  # type: ignore[import-untyped]
         from scipy.sparse.csgraph import breadth_first_order  # type: ignore[import-untyped]
 
         # One more node, from which an edge leads to each source.
-        size, roots = self.size, np.unique(np.fromiter(sources, np.intp))
+        size, roots = self.size, sources
+        if not isinstance(roots, np.ndarray):
+            roots = np.unique(np.fromiter(roots, np.intp))
         begins = np.append(self.source, np.full(roots.size, size, self.source.dtype))
         weights = np.ones(begins.size, np.int8)
         graph = csr_array(

@@ -55,7 +55,7 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     width = mdp.width
     graph = transitions(mdp)
     backwards = graph.reversed()
-    steps = graph.distances(mdp.start.nonzero()[0].tolist()).tolist()
+    steps = graph.distances(np.flatnonzero(mdp.start)).tolist()
     over, blocked = mdp.is_terminal.tolist(), level.grid().blocked_cells
     exits = sorted(y * width + x for x, y in level.exits)
     ends = [state for state, ended in enumerate(over) if ended and not blocked[state]]

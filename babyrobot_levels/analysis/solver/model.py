@@ -184,7 +184,7 @@ def attractor(model: Model, goals: Flags, rows: Flags) -> tuple[Flags, Ints]:
     source = np.repeat(np.arange(size, dtype=np.int32), happens.sum(axis=(1, 2)))
     # Edges reversed: from each next state to the state before it.
     graph = Graph(size + 1, model.next_state[happens], source)
-    distance = graph.distances(np.flatnonzero(goals).tolist())
+    distance = graph.distances(np.flatnonzero(goals))
     distance[distance < 0] = size + 2
     nearer = distance[model.next_state] < distance[:-1, None, None]
     progress = np.einsum("sao,sao->sa", model.probability, nearer)
