@@ -446,3 +446,10 @@ def test_any_setup_is_a_level_or_a_level_error(setup: Setup) -> None:
     # Any other exception is a bug.
     with suppress(brl.LevelError):
         assert brl.load(fields(setup)).digest.startswith("sha256:")
+
+
+def test_of_several_starts_and_exits_the_first_is_kept() -> None:
+    fields = {"size": [3, 3], "start": [[1, 0], [2, 0]], "exit": [[1, 2], [0, 2]]}
+    setup, lost = setup_of(level_of({"version": 1, **fields}))
+    assert (setup["start"], setup["end"]) == ((1, 0), (1, 2))
+    assert [each.field for each in lost][:2] == ["start", "exit"]

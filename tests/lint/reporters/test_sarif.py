@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -142,6 +143,8 @@ def test_fingerprints_do_not_depend_on_line_numbers() -> None:
         ]
 
     before = fingerprints(*faults("x: 1\ny: 1\nx: 1\n"))
+    # Services compare them as texts, from one version to the next.
+    assert all(re.fullmatch("[0-9a-f]{32}", each) for each in before)
     assert before == fingerprints(*faults("# new\n  x: 1\n\n\nx: 1\n"))
     assert len(set(before)) == 2
     assert before[0] not in fingerprints(*faults("x: 2\n"))
