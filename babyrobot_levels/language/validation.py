@@ -18,7 +18,7 @@ from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile, Span
-from babyrobot_levels.text.words import shortened
+from babyrobot_levels.text.words import nearest, shortened
 
 ModelT = TypeVar("ModelT", bound=BaseModel)
 Check = Callable[[ModelT], Iterable[Issue]]
@@ -108,10 +108,10 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
 
 def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
     issues: list[Issue] = []
-    unknown = {detail["loc"][:-1] for detail in details if detail["type"] == "extra_forbidden"}
+    misnamed = _misnamed(details, model)
     for detail in details:
-        if detail["type"] == "missing" and len(detail["loc"]) > 1 and detail["loc"][:-1] in unknown:
-            # It probably is the unknown field, whose help lists the known ones.
+        if detail["type"] == "missing" and _is_misnamed(detail["loc"], misnamed):
+            # It is there, by a name that is reported.
             continue
         whole = _issues_of(detail)
         if whole:
@@ -128,6 +128,24 @@ def _issues(details: Sequence[Any], model: type[BaseModel]) -> list[Issue]:
         location = Key(route) if is_key else route
         issues.append(Issue(code, location, f"{subject}{message}", help_text))
     return issues
+
+
+def _misnamed(details: Sequence[Any], model: type[BaseModel]) -> dict[Any, set[str | None]]:
+    """Return what the unknown fields of each mapping may be meant to be, None for anything."""
+    found: dict[Any, set[str | None]] = {}
+    for detail in details:
+        if detail["type"] == "extra_forbidden":
+            *around, name = detail["loc"]
+            meant = nearest(str(name), _fields_around(detail["loc"], model), 1)
+            found.setdefault(tuple(around), set()).add(meant[0] if meant else None)
+    return found
+
+
+def _is_misnamed(location: Sequence[str | int], misnamed: dict[Any, set[str | None]]) -> bool:
+    """Tell whether a missing field is probably given by another name."""
+    *around, name = location
+    meant = misnamed.get(tuple(around), set()) if around else set()
+    return None in meant or name in meant
 
 
 def _beginning(model: type[BaseModel]) -> str | None:

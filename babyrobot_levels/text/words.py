@@ -35,7 +35,7 @@ class Words(NamedTuple):
 _NO_SPACE = re.compile(r"\s*[a-z_]+:(?=[^\s:/])")
 _DRAWING = re.compile(r"[+|]")
 _BLOCK_MAP = re.compile(r"\s*map:\s*\|[-+]?\s*(#.*)?")
-_COMMENT_COLOR = re.compile(r"[:,\[{]\s+(#[0-9a-fA-F]{3,8}\b)")
+_COMMENT_COLOR = re.compile(r"[:,\[{]\s+(#[0-9a-fA-F]{3,8})(?=\s*(?:[,\]}]|$))")
 
 
 def plain_words(problem: str, context: str, lines: Sequence[str], line: int, column: int) -> Words:
@@ -54,7 +54,7 @@ def plain_words(problem: str, context: str, lines: Sequence[str], line: int, col
         return Words("tabs cannot be used for indentation", "indent with spaces")
     return (
         _unindented_drawing(lines, line)
-        or _comment_for_color(lines, line)
+        or _comment_for_color(f"{problem} {context}", lines, line)
         or _missing_space(problem, lines, line)
         or _by_problem(problem, context, text, column)
     )
@@ -71,12 +71,16 @@ def _unindented_drawing(lines: Sequence[str], line: int) -> Words | None:
     return None
 
 
-def _comment_for_color(lines: Sequence[str], line: int) -> Words | None:
+def _comment_for_color(complaint: str, lines: Sequence[str], line: int) -> Words | None:
     """Recognise a colour without quotes in flow style, which YAML takes for a comment."""
+    if "flow" not in complaint:
+        return None
     for number in range(min(line, len(lines)), max(line - LINES_BACK, 0), -1):
         text = lines[number - 1]
         found = _COMMENT_COLOR.search(text)
-        if found is not None and re.search(r"[\[{]", text[: found.start() + 1]):
+        before = text[: found.start() + 1] if found is not None else ""
+        is_open = sum(map(before.count, "[{")) > sum(map(before.count, "]}"))
+        if found is not None and is_open:
             help_text = f'put quotes around the colour: `"{found[1]}"`'
             return Words("`#` begins a comment here", help_text, place=(number, found.start(1) + 1))
     return None
