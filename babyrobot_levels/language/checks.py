@@ -2,75 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.geometry import (
+    Cell,
+    Route,
+    blocked_cells,
+    is_inside,
+    off_the_grid,
+    painted,
+    show_cell,
+)
+from babyrobot_levels.language.thing_checks import check_things
 from babyrobot_levels.language.walls import RECTANGULAR, Opening, sides_of
 from babyrobot_levels.text.diagnostics import Issue
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.cells import Rectangle
     from babyrobot_levels.language.fields import LevelFields
-
-Cell = tuple[int, int]
-Route = tuple[str | int, ...]
-
-
-def blocked_cells(level: LevelFields) -> Callable[[Cell], bool]:
-    """Return a test for blocked cells."""
-    return painted(level, ((rectangle, True) for rectangle in level.blocked))
-
-
-def painted(
-    level: LevelFields, rectangles: Iterable[tuple[Rectangle, bool]]
-) -> Callable[[Cell], bool]:
-    """Return a test for the cells that were painted with True, after all rectangles in turn.
-
-    What lies off the grid is left out. Files may hold thousands of rectangles: each is painted
-    along its longer side.
-    """
-    width, height = level.size
-    cells = bytearray(width * height)
-    for rectangle, value in rectangles:
-        (x, y), (columns, rows) = rectangle.at, rectangle.size
-        columns, rows = min(columns, width - x), min(rows, height - y)
-        if columns <= 0 or rows <= 0:
-            continue
-        first = y * width + x
-        if columns >= rows:
-            starts, step, count = range(first, first + rows * width, width), 1, columns
-        else:
-            starts, step, count = range(first, first + columns), width, rows
-        paint = bytes([value]) * count
-        for start in starts:
-            cells[start : start + step * (count - 1) + 1 : step] = paint
-    return lambda cell: is_inside(level, cell) and bool(cells[cell[1] * width + cell[0]])
-
-
-def is_inside(level: LevelFields, cell: Cell) -> bool:
-    """Tell whether a cell is on the grid."""
-    return cell[0] < level.size[0] and cell[1] < level.size[1]
-
-
-def show_cell(cell: Cell) -> str:
-    """Return a cell as it stands in a file."""
-    return f"[{cell[0]}, {cell[1]}]"
-
-
-def off_the_grid(level: LevelFields, what: str, cell: Cell, route: Route) -> Issue:
-    """Return the error of something that is outside the grid."""
-    width, height = level.size
-    return Issue(
-        "BR301",
-        route,
-        f"{what} {show_cell(cell)} is off the grid, which is {width} wide and {height} high",
-        f"x goes from 0 to {width - 1}, y from 0 to {height - 1}",
-    )
 
 
 def _cells_of(level: LevelFields, field: str) -> list[tuple[Cell, Route]]:
     """Return the cells of `start` or `exit`, each with its route."""
     cells = level.starts if field == "start" else level.exits
+    if field == "exit" and level.exit_one_of is not None:
+        return [(cell, ("exit_one_of", index)) for index, cell in enumerate(cells)]
     value = getattr(level, field)
     if isinstance(value[0], tuple):
         return [(cell, (field, index)) for index, cell in enumerate(cells)]
@@ -89,7 +45,7 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                 yield off_the_grid(level, f"the {field}", cell, route)
             elif blocked(cell):
                 code = "BR302" if field == "start" else "BR304"
-                given = field in level.model_fields_set
+                given = route[0] in level.model_fields_set
                 message = f"the {field} {show_cell(cell)} is on a blocked cell"
                 default = f"the default {field} {show_cell(cell)} is on a blocked cell"
                 yield Issue(
@@ -169,7 +125,8 @@ def issues_of(level: LevelFields) -> list[Issue]:
     for check in (_check_rectangles, _check_maze, _check_sides, _check_wind):
         _collect(issues, check(level))
     blocked = blocked_cells(level)
-    for check_cells in (check_ends, _check_puddles, _check_warps):
+    checks = (check_ends, _check_puddles, _check_warps, check_things)
+    for check_cells in checks:
         _collect(issues, check_cells(level, blocked))
     return issues
 

@@ -1,7 +1,8 @@
 """The ASCII drawing of a level, both ways: text to `Drawing` and back.
 
-Corners are `+`; `---` and `|` are walls, `- -` and `:` walls of glass; a cell is three characters
-wide, and its middle one says what it is. Composing and parsing are each other's inverse.
+Corners are `+`; `---` and `|` are walls, `- -` and `:` walls of glass, `-/-` and `/` doors. A cell
+is three characters wide, and its middle one says what it is. Composing and parsing are each other's
+inverse.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ RESERVED = frozenset("#SEoO+-|: ")
 MAX_PROBLEMS = 100
 """At most so many errors are reported per drawing."""
 
-SOLID, GLASS, OPEN = "|", ":", " "
+SOLID, GLASS, DOOR, OPEN = "|", ":", "/", " "
 """The marks of a side, in both directions."""
 
-_HORIZONTAL = {"---": SOLID, "- -": GLASS, "   ": OPEN}
+_HORIZONTAL = {"---": SOLID, "- -": GLASS, "-/-": DOOR, "   ": OPEN}
 _BLOCK_CHARACTERS = frozenset("#. @$*SEXGFH01")
 """What such maps are drawn with."""
 
@@ -35,7 +36,7 @@ class Drawing:
     """A drawing without its lines and corners.
 
     `cells[y][x]` is the middle character of a cell; `east[y][x]` is the mark between (x, y) and
-    its eastern neighbour, `south[y][x]` the one below it: `SOLID`, `GLASS` or `OPEN`.
+    its eastern neighbour, `south[y][x]` the one below it: `SOLID`, `GLASS`, `DOOR` or `OPEN`.
     """
 
     cells: tuple[str, ...]
@@ -216,7 +217,8 @@ class _Parser:
                     4 * x + 1,
                     3,
                     f"`{text}` is not a wall",
-                    "use `---` for a wall, `- -` for glass, three spaces for no wall",
+                    "use `---` for a wall, `- -` for glass, `-/-` for a door, "
+                    "three spaces for no wall",
                 )
             elif outer and mark != SOLID:
                 self._report_outer(number, 4 * x + 1, 3)
@@ -227,13 +229,13 @@ class _Parser:
         marks = []
         for x in range(width + 1):
             mark = row[4 * x]
-            if mark not in (SOLID, GLASS, OPEN):
+            if mark not in (SOLID, GLASS, DOOR, OPEN):
                 self._report(
                     number,
                     4 * x,
                     1,
                     f"`{mark}` cannot be between two cells",
-                    "use `|` for a wall, `:` for glass, a space for no wall",
+                    "use `|` for a wall, `:` for glass, `/` for a door, a space for no wall",
                 )
                 mark = SOLID
             elif x in (0, width) and mark != SOLID:

@@ -24,6 +24,7 @@ from babyrobot_levels.language.base import (
     Integer,
     Model,
     Number,
+    Side,
     Size,
     Slug,
     Text,
@@ -31,10 +32,21 @@ from babyrobot_levels.language.base import (
     form,
     forms,
 )
-from babyrobot_levels.language.cells import Area, Puddle, PuddleTypes, Rectangle, SkidLike, Traits
+from babyrobot_levels.language.cells import Area, Puddle, PuddleTypes, Rectangle, SkidLike
 from babyrobot_levels.language.drawing import RESERVED
 from babyrobot_levels.language.looks import Display, ThemeLike
 from babyrobot_levels.language.moves import Rewards, Warp, Wind
+from babyrobot_levels.language.things import (
+    Door,
+    Hit,
+    Item,
+    LegendEntry,
+    Mover,
+    NameOrNames,
+    Places,
+    Switch,
+    as_names,
+)
 from babyrobot_levels.language.walls import Maze, Opening, Wall
 
 _LEGEND_CHARACTERS = [chr(code) for code in range(33, 127) if chr(code) not in RESERVED]
@@ -106,10 +118,12 @@ class LevelFields(Model):
     """Width and height in cells."""
     map: Annotated[Text | None, Role.GEOMETRY] = None
     """The level as a drawing, which replaces size, start, exit, puddles and blocked."""
-    legend: Annotated[dict[LegendKey, Traits], Role.GEOMETRY] = Field(default_factory=dict)
+    legend: Annotated[dict[LegendKey, LegendEntry], Role.GEOMETRY] = Field(default_factory=dict)
     """The meaning of further characters of the drawing."""
     start: Annotated[CellOrCells, Role.GEOMETRY, DRAWN] = (0, 0)
     """The start; of several cells, one is drawn uniformly at each reset."""
+    heading: Annotated[Side, Role.DYNAMICS] = "E"
+    """Where the robot looks at the start; for `actions="turns"`."""
     exit: Annotated[
         Annotated[Literal["none"], form("word")]
         | Annotated[Cell, form("cell")]
@@ -119,12 +133,26 @@ class LevelFields(Model):
         DRAWN,
     ] = "none"
     """The exit: a cell, several, or `none`; the bottom-right cell by default."""
+    exit_one_of: Annotated[Places | None, Role.GEOMETRY] = None
+    """Cells of which one is drawn uniformly at each reset: it is the exit of that episode."""
+    exit_needs: Annotated[NameOrNames, Role.DYNAMICS] = ()
+    """The items and switches without which the exits are plain cells."""
     maze: Annotated[Maze | None, Role.GEOMETRY] = None
     """A maze grown from a seed."""
     walls: Annotated[tuple[Wall, ...], Role.GEOMETRY] = ()
     """Walls that are added."""
     openings: Annotated[tuple[Opening, ...], Role.GEOMETRY] = ()
     """Walls that are removed, after the maze and the walls."""
+    doors: Annotated[tuple[Door, ...], Role.DYNAMICS] = ()
+    """Walls that open, or close, by what the robot holds and has switched on."""
+    items: Annotated[tuple[Item, ...], Role.DYNAMICS] = ()
+    """Things that the robot takes."""
+    switches: Annotated[tuple[Switch, ...], Role.DYNAMICS] = ()
+    """Cells that flip between off and on as the robot arrives there."""
+    movers: Annotated[tuple[Mover, ...], Role.DYNAMICS] = ()
+    """What moves by itself: guards on a path, wanderers in a rectangle."""
+    hit: Annotated[Hit, Role.DYNAMICS] = Field(default_factory=Hit)
+    """What it means to meet a mover."""
     puddles: Annotated[tuple[Puddle, ...], Role.DYNAMICS, DRAWN] = ()
     """Cells that are costly to enter and slippery to leave."""
     puddle_types: Annotated[PuddleTypes, Role.DYNAMICS] = Field(default_factory=PuddleTypes)
@@ -166,8 +194,22 @@ class LevelFields(Model):
 
     @property
     def exits(self) -> tuple[tuple[int, int], ...]:
-        """The exits as a tuple of cells, empty for `none`."""
+        """The cells that are exits, or may be drawn as the exit; empty for `none`."""
+        if self.exit_one_of is not None:
+            return self.exit_one_of
         return () if self.exit == "none" else _as_cells(self.exit)
+
+    @property
+    def has_things(self) -> bool:
+        """Whether the level has anything whose state changes during an episode."""
+        return bool(
+            self.items or self.doors or self.switches or self.movers or self.exit_one_of is not None
+        )
+
+    @property
+    def exit_keys(self) -> tuple[str, ...]:
+        """The names in `exit_needs`."""
+        return as_names(self.exit_needs)
 
 
 def _as_cells(value: Any) -> tuple[tuple[int, int], ...]:

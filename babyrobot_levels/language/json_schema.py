@@ -114,15 +114,21 @@ def _descriptions() -> dict[str, dict[str, str]]:
 
     Pydantic could collect them, but would read the sources anew at every start.
     """
-    found: dict[str, dict[str, str]] = {}
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        for model in ast.parse(path.read_text(encoding="utf-8")).body:
-            if isinstance(model, ast.ClassDef):
-                bases = [base.id for base in model.bases if isinstance(base, ast.Name)]
-                inherited = [found.get(base, {}) for base in bases]
-                own = {**ChainMap(*inherited), **_field_texts(model)}
-                found[model.name] = own
-    return found
+    models = {
+        model.name: model
+        for path in sorted(Path(__file__).parent.glob("*.py"))
+        for model in ast.parse(path.read_text(encoding="utf-8")).body
+        if isinstance(model, ast.ClassDef)
+    }
+
+    def described(name: str) -> dict[str, str]:
+        model = models.get(name)
+        if model is None:
+            return {}
+        bases = [base.id for base in model.bases if isinstance(base, ast.Name)]
+        return {**ChainMap(*map(described, bases)), **_field_texts(model)}
+
+    return {name: described(name) for name in models}
 
 
 def _field_texts(model: ast.ClassDef) -> dict[str, str]:

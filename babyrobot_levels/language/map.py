@@ -1,4 +1,4 @@
-"""What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas."""
+"""What a drawing gives, as fields: size, start, exit, walls, puddles, blocked, areas, things."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Area, Puddle, Rectangle
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
-from babyrobot_levels.language.walls import Wall, sides_of
+from babyrobot_levels.language.things import Item, LegendEntry, Switch
+from babyrobot_levels.language.walls import Opening, Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
 
 GLASS_PASS = 0.5
@@ -23,7 +24,8 @@ class Drawn:
     Attributes:
         drawing: the drawing.
         fields: the values of the fields that it gives.
-        counts: how many of the first entries of `walls` and `areas` come from it.
+        counts: how many of the first entries of `walls`, `areas`, `items` and `switches` come
+            from it.
     """
 
     drawing: d.Drawing
@@ -61,10 +63,16 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
     starts, exits = drawing.find(d.START), drawing.find(d.EXIT)
     if not starts:
         issues.append(Issue("BR313", ("map",), "the drawing has no start", "mark a cell with `S`"))
+    if exits and level.exit_one_of is not None:
+        message = "`exit_one_of` takes the place of exits, and the drawing has `E`"
+        issues.append(Issue("BR206", Key(("exit_one_of",)), message, "remove one of them"))
     issues += _check_wall_entries(level, drawing)
+    issues += _check_doors(level, drawing)
+    issues += _check_legend(level, drawing)
     if issues:
         return None, issues
     walls, areas = drawn_walls(drawing), legend_areas(level, drawing)
+    items, switches = legend_items(level, drawing), legend_switches(level, drawing)
     fields = {
         "size": (drawing.width, drawing.height),
         "start": starts[0] if len(starts) == 1 else tuple(starts),
@@ -79,8 +87,16 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
             Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)
         ),
         "areas": (*areas, *level.areas),
+        "items": (*items, *level.items),
+        "switches": (*switches, *level.switches),
     }
-    return Drawn(drawing, fields, {"walls": len(walls), "areas": len(areas)}), []
+    counts = {
+        "walls": len(walls),
+        "areas": len(areas),
+        "items": len(items),
+        "switches": len(switches),
+    }
+    return Drawn(drawing, fields, counts), []
 
 
 def drawn_walls(drawing: d.Drawing) -> list[Wall]:
@@ -97,13 +113,100 @@ def drawn_walls(drawing: d.Drawing) -> list[Wall]:
 
 
 def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
-    """Return an area for each cell that shows a character of the legend."""
+    """Return an area for each cell that shows a character of the legend, things left out."""
     return [
-        Area.model_validate({"at": cell, **{name: getattr(traits, name) for name in given}})
+        Area.model_validate({"at": cell, **_given(traits)})
         for character, traits in level.legend.items()
-        for given in [sorted(traits.model_fields_set)]
+        if traits.thing is None
         for cell in drawing.find(character)
     ]
+
+
+def legend_items(level: LevelFields, drawing: d.Drawing) -> list[Item]:
+    """Return the items of the legend: where several cells show one, it lies in one of them."""
+    return [
+        Item.model_validate(
+            {
+                "name": entry.item,
+                **({"at": cells[0]} if len(cells) == 1 else {"one_of": cells}),
+                **_given(entry),
+            }
+        )
+        for character, entry in level.legend.items()
+        if entry.item is not None
+        for cells in [drawing.find(character)]
+        if cells
+    ]
+
+
+def legend_switches(level: LevelFields, drawing: d.Drawing) -> list[Switch]:
+    """Return the switches of the legend."""
+    return [
+        Switch.model_validate({"name": entry.switch, "at": cell, **_given(entry)})
+        for character, entry in level.legend.items()
+        if entry.switch is not None
+        for cell in drawing.find(character)
+    ]
+
+
+def _given(entry: LegendEntry) -> dict[str, Any]:
+    names = sorted(entry.model_fields_set - {"item", "switch"})
+    return {name: getattr(entry, name) for name in names}
+
+
+def _check_legend(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+    """Check that what the legend names is drawn, a switch once."""
+    return [
+        Issue(
+            "BR314",
+            ("legend", character, "switch"),
+            f"the map shows the switch {entry.switch} in {len(drawing.find(character))} cells",
+            "draw it once: each switch has a name of its own",
+        )
+        for character, entry in level.legend.items()
+        if entry.switch is not None and len(drawing.find(character)) > 1
+    ]
+
+
+def _check_doors(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+    """Check that `doors` tells of all drawn doors, and of no others."""
+    issues, told = [], set()
+    for index, door in enumerate(level.doors):
+        edges = _edges(door)
+        told |= edges
+        if any(_mark_of(drawing, edge) != d.DOOR for edge in edges):
+            message = "the map shows no door there"
+            help_text = "draw it as `-/-` or `/`"
+            issues.append(Issue("BR314", ("doors", index), message, help_text))
+    for x, y, side in sorted(set(_drawn_doors(drawing)) - told)[:10]:
+        message = f"nothing says what opens the door that the map shows {_beside(x, y, side)}"
+        help_text = f"add `{{at: [{x}, {y}], side: {side}, needs: …}}` to `doors`"
+        issues.append(Issue("BR314", ("map",), message, help_text))
+    return issues
+
+
+def _beside(x: int, y: int, side: str) -> str:
+    return f"{'east' if side == 'E' else 'south'} of [{x}, {y}]"
+
+
+def _drawn_doors(drawing: d.Drawing) -> list[tuple[int, int, str]]:
+    return [
+        (x, y, side)
+        for side, rows in (("E", drawing.east), ("S", drawing.south))
+        for y, row in enumerate(rows)
+        for x, mark in enumerate(row)
+        if mark == d.DOOR
+    ]
+
+
+def _edges(opening: Opening) -> set[tuple[int, int, str]]:
+    """Return the sides along which an entry runs, each as the E or S side of a cell."""
+    dx, dy, side = {"W": (-1, 0, "E"), "N": (0, -1, "S")}.get(opening.side, (0, 0, opening.side))
+    return {(x + dx, y + dy, side) for x, y in sides_of(opening)}
+
+
+def _mark_of(drawing: d.Drawing, edge: tuple[int, int, str]) -> str:
+    return _mark(drawing, *edge)
 
 
 def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
@@ -112,7 +215,7 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
     for index, wall in enumerate(level.walls):
         marks = {_mark(drawing, x, y, wall.side) for x, y in sides_of(wall)}
         route = ("walls", index)
-        if d.OPEN in marks:
+        if marks & {d.OPEN, d.DOOR}:
             issues.append(
                 Issue(
                     "BR314",

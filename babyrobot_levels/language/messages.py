@@ -31,6 +31,9 @@ FORMS = {
     "start": "a cell `[x, y]`, or a list of cells",
     "seed": "an integer or `random`",
     "to": "a cell `[x, y]` or `start`",
+    "needs": "a name, or a list of names",
+    "unless": "a name, or a list of names",
+    "exit_needs": "a name, or a list of names",
     "skid": "a number from 0 to 1, or a mapping",
     "theme": "a theme's name or a mapping",
     "side_panel": "`none`, a width, or a mapping",
@@ -49,7 +52,12 @@ FORMS = {
 COLOR_FIELDS = {"color", "robot", "bg", "fg", *Colors.model_fields}
 """Fields that take a colour, where `#` without quotes leaves nothing."""
 
-ENTRY_KEYS = {"puddles": ("size",), "walls": ("side",), "openings": ("side",)}
+ENTRY_KEYS = {
+    "puddles": ("size",),
+    "walls": ("side",),
+    "openings": ("side",),
+    "doors": ("side", "needs"),
+}
 """What follows the cell in an entry that was written as a list."""
 
 DIRECTIONS = {

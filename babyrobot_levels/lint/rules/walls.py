@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from babyrobot_levels.language.checks import blocked_cells
+from babyrobot_levels.language.geometry import blocked_cells
 from babyrobot_levels.language.map import GLASS_PASS
 from babyrobot_levels.language.walls import Opening, Wall, sides_of
 from babyrobot_levels.library.level import Level

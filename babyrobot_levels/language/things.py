@@ -1,0 +1,167 @@
+"""Things, whose state changes during an episode: items, doors, switches, movers."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from babyrobot_levels.language.base import Cell, Cells, Flag, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.cells import Rectangle, Traits
+from babyrobot_levels.language.looks import Color
+from babyrobot_levels.language.walls import Opening
+
+SHAPES = ("key", "coin", "gem", "star", "box")
+
+Shape = Literal["key", "coin", "gem", "star", "box"]
+
+Places = Annotated[tuple[Cell, ...], Field(min_length=2)]
+"""Cells of which one is drawn at each reset."""
+
+NameOrNames = Annotated[
+    Annotated[Slug, form("name")] | Annotated[tuple[Slug, ...], form("names")],
+    forms(lambda value: "names" if isinstance(value, list | tuple) else "name"),
+]
+
+
+def as_names(value: Any) -> tuple[str, ...]:
+    """Return one name or several as a tuple."""
+    return (value,) if isinstance(value, str) else tuple(value)
+
+
+class ItemLooks(Model):
+    """What an item gives, and how it is shown."""
+
+    reward: Number | None = None
+    """The reward of the step that takes it, which replaces that of the cell."""
+    shape: Shape | None = None
+    """Its picture; by default its name if that is a shape, else `star`."""
+    color: Color | None = None
+    """The colour, if it is not the theme's."""
+    label: Text | None = None
+    """A text to show on it."""
+
+
+class Item(ItemLooks):
+    """Something to take: by coming to stand where it lies. It is kept to the end."""
+
+    name: Slug
+    """The name, unique among all things of the level."""
+    at: Cell | None = None
+    """Where it lies."""
+    one_of: Places | None = None
+    """Cells of which one is drawn uniformly at each reset: it lies there."""
+
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """The cells in which it may lie."""
+        return self.one_of or (() if self.at is None else (self.at,))
+
+    @property
+    def picture(self) -> str:
+        """Its shape, also where none is given."""
+        return self.shape or (self.name if self.name in SHAPES else "star")
+
+
+class Door(Opening):
+    """A door: a wall while it is closed, and nothing while it is open."""
+
+    needs: NameOrNames = ()
+    """The items and switches that open it: all must be held, or on."""
+    unless: NameOrNames = ()
+    """The items and switches that close it: while any of them is held, or on."""
+    color: Color | None = None
+    """The door's colour, if it is not the theme's."""
+    width: Annotated[Number, Field(ge=0, le=100)] | None = None
+    """The door's width in pixels, if it is not the theme's."""
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """The names in `needs`."""
+        return as_names(self.needs)
+
+    @property
+    def locks(self) -> tuple[str, ...]:
+        """The names in `unless`."""
+        return as_names(self.unless)
+
+
+class SwitchTraits(Model):
+    """How a switch works, and how it is shown."""
+
+    once: Flag = False
+    """Whether it flips only the first time."""
+    on: Flag = False
+    """Whether it is on at the beginning."""
+    color: Color | None = None
+    """The colour, if it is not the theme's."""
+    label: Text | None = None
+    """A text to show on it."""
+
+
+class Switch(SwitchTraits):
+    """A switch, which flips whenever the robot arrives there."""
+
+    name: Slug
+    """The name, unique among all things of the level."""
+    at: Cell
+    """The cell."""
+
+
+class Mover(Model):
+    """A guard that walks a path, or a wanderer that walks at random in a rectangle."""
+
+    name: Slug | None = None
+    """The name, unique among all things of the level."""
+    path: Cells | None = None
+    """The cells that it walks in turn, one a step; consecutive ones are neighbours or equal."""
+    back: Flag = False
+    """Whether it walks the path there and back; otherwise the path is a loop."""
+    within: Rectangle | None = None
+    """The rectangle in which it walks at random."""
+    start: Cell | None = None
+    """Where it begins in its rectangle; by default a cell is drawn uniformly at each reset."""
+    color: Color | None = None
+    """The colour, if it is not the theme's."""
+    label: Text | None = None
+    """A text to show on it."""
+
+    @property
+    def phases(self) -> tuple[tuple[int, int], ...]:
+        """The cells that its numbers stand for: those of its path in turn, or of its rectangle."""
+        if self.within is not None:
+            (left, top), (width, height) = self.within.at, self.within.size
+            return tuple(
+                (x, y) for y in range(top, top + height) for x in range(left, left + width)
+            )
+        path = self.path or ()
+        return (*path, *path[-2:0:-1]) if self.back else path
+
+
+class Hit(Model):
+    """What it means to meet a mover."""
+
+    reward: Number = -1.0
+    """The reward of the step."""
+    ends: Flag = True
+    """Whether the episode ends."""
+
+
+class LegendEntry(Traits):
+    """The meaning of a character of the drawing: an area of one cell, an item, or a switch."""
+
+    item: Slug | None = None
+    """The name of an item; drawn in several cells, it lies in one of them."""
+    switch: Slug | None = None
+    """The name of a switch."""
+    shape: Shape | None = None
+    """The item's picture; by default its name if that is a shape, else `star`."""
+    once: Flag = False
+    """Whether the switch flips only the first time."""
+    on: Flag = False
+    """Whether the switch is on at the beginning."""
+
+    @property
+    def thing(self) -> str | None:
+        """The name of the item or the switch, None for an area."""
+        return self.item or self.switch
