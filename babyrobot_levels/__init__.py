@@ -59,6 +59,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.reading import loads as loads
     from babyrobot_levels.lint.runner import check as check
     from babyrobot_levels.mdp.actions import Action as Action
+    from babyrobot_levels.mdp.actions import Turn as Turn
+    from babyrobot_levels.mdp.configurations import Configuration as Configuration
+    from babyrobot_levels.mdp.configurations import Things as Things
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
     from babyrobot_levels.text.diagnostics import Diagnostic as Diagnostic
@@ -75,6 +78,7 @@ _HOMES = {
     "BabyRobotError": "text.errors",
     "Certificate": "analysis.compare",
     "ComparisonError": "analysis.compare",
+    "Configuration": "mdp.configurations",
     "ConversionWarning": "convert.conversion",
     "Diagnostic": "text.diagnostics",
     "Difference": "analysis.diff",
@@ -97,7 +101,9 @@ _HOMES = {
     "Suite": "generate.suites",
     "SuiteNotFoundError": "text.errors",
     "Sweep": "analysis.learning.results",
+    "Things": "mdp.configurations",
     "Trials": "analysis.learning.results",
+    "Turn": "mdp.actions",
     "UndefinedReturnError": "analysis.solver.results",
     "check": "lint.runner",
     "compare": "analysis.compare",

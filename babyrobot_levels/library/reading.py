@@ -23,7 +23,8 @@ def check_document(
 
     `path` is the file that it is from: it gives the name, and themes beside it.
     """
-    return check_any(document, Level, path)
+    checked = check_any(document, Level, path)
+    return _bounded(checked, document) if isinstance(checked.value, Level) else checked
 
 
 def load_document(document: Document, path: Path | None = None) -> Level:
@@ -32,7 +33,22 @@ def load_document(document: Document, path: Path | None = None) -> Level:
     Raises:
         LevelError: it is not a valid level; its `diagnostics` say where and why.
     """
-    return check_level(document, Level, path).valid()
+    return _bounded(check_level(document, Level, path), document).valid()
+
+
+def _bounded(checked: Checked[Level], document: Document) -> Checked[Level]:
+    """Refuse a level with things whose tables would be too large, by compiling it."""
+    level = checked.value
+    if level is None or not level.has_things or level.has_random_maze:
+        return checked
+    # Levels without things are always within bounds.
+    from babyrobot_levels.mdp.compiler.things import LevelTooLarge
+
+    try:
+        level.compile()
+    except LevelTooLarge as error:
+        return Checked(None, [document.diagnostic(error.issue)])
+    return checked
 
 
 def loads(text: str, *, name: str = "<text>") -> Level:

@@ -39,7 +39,7 @@ def variant(level: Level, **fields: Any) -> Mdp:
 
 def is_equivalent(level: Level, mdp: Mdp) -> bool:
     """Return whether tables on a level's grid are equal to the level's tables."""
-    return digest(level.grid(), mdp) == level.digest
+    return digest(level, level.grid(), mdp) == level.digest
 
 
 def has_equal_outcomes(one: Mdp, other: Mdp, states: NDArray[np.intp]) -> bool:

@@ -30,6 +30,20 @@ DELTAS: dict[Action, tuple[int, int]] = {
 """How each move changes the cell, `(dx, dy)`: x grows to the east, y to the south."""
 
 
+class Turn(IntEnum):
+    """The actions of a robot that turns, as in MiniGrid."""
+
+    __module__ = "babyrobot_levels"
+
+    LEFT = 0
+    RIGHT = 1
+    FORWARD = 2
+
+
+HEADINGS = 4
+"""The directions in which a robot that turns can look: 0 N, 1 E, 2 S, 3 W."""
+
+
 class HasPolicy(Protocol):
     """An object with a policy and the numbering of its actions, such as a `Solution`."""
 

@@ -3,9 +3,15 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.mdp.configurations import Things
+from babyrobot_levels.mdp.doors import grid_with_doors
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.tables import Mdp
 
@@ -13,19 +19,21 @@ DIGEST_VERSION = 1
 _HEADER = f"babyrobot-levels game {DIGEST_VERSION}\n".encode("ascii")
 
 
-def digest(grid: Grid, mdp: Mdp) -> str:
+def digest(level: LevelFields, grid: Grid, mdp: Mdp) -> str:
     """Return `sha256:` and 64 hex digits over the compiled level.
 
     The bytes are, all little-endian: the header with the version of this layout; width and
     height; the open sides and the blocked cells, a byte each; the walls of glass (cell, side,
     probability), sorted; the probability of each start; where the episode is over; and of each
     state and action the number of outcomes, then of all outcomes that can happen the
-    probabilities, next states, rewards and terminal flags.
+    probabilities, next states, rewards and terminal flags. With things there follow the word
+    `things`, their number and that of configurations, the configurations, and the open sides in
+    each of them. Names are no part of it.
     """
     happens = mdp.probability > 0
     sides = "NESW"
     glass = sorted((cell, sides.index(side), p) for (cell, side), p in grid.glass.items())
-    parts = [
+    parts: list[bytes | NDArray[Any]] = [
         np.array([grid.width, grid.height], "<u4"),
         grid.open_bits,
         grid.blocked_cells,
@@ -40,7 +48,22 @@ def digest(grid: Grid, mdp: Mdp) -> str:
         mdp.reward[happens].astype("<f8"),
         mdp.terminal[happens].astype("u1"),
     ]
+    if level.has_things:
+        parts += _things(level, grid, mdp)
     hashed = hashlib.sha256(_HEADER)
     for part in parts:
         hashed.update(part if isinstance(part, bytes) else part.tobytes())
     return f"sha256:{hashed.hexdigest()}"
+
+
+def _things(level: LevelFields, grid: Grid, mdp: Mdp) -> Iterator[bytes | NDArray[Any]]:
+    things = Things(level)
+    yield b"things\n"
+    yield np.array([len(things), mdp.num_configurations], "<u4")
+    yield mdp.configurations.astype("<i2")
+    sides: dict[tuple[bool, ...], bytes] = {}
+    for values in mdp.configurations.tolist():
+        closed = things.closed(things.met(values))
+        if closed not in sides:
+            sides[closed] = grid_with_doors(level, grid, closed).open_bits
+        yield sides[closed]

@@ -11,6 +11,7 @@ from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.map import GLASS_PASS
 from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
+from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 
 
@@ -25,14 +26,15 @@ def drawing_of(level: LevelSpec, grid: Grid) -> d.Drawing:
     for puddle in level.puddles:
         x, y = puddle.at
         cells[y][x] = d.SMALL if puddle.size == "small" else d.LARGE
-    for character, ends in ((d.START, level.starts), (d.EXIT, level.exits)):
+    exits = level.exits if level.exit_one_of is None else ()
+    for character, ends in ((d.START, level.starts), (d.EXIT, exits)):
         for x, y in ends:
             cells[y][x] = character
     for cell, blocked in enumerate(grid.blocked_cells):
         if blocked:
             cells[cell // width][cell % width] = d.BLOCKED
 
-    east, south = _marks(grid, "E"), _marks(grid, "S")
+    east, south = _marks(level, grid, "E"), _marks(level, grid, "S")
     rows = range(0, width * height, width)
     return d.Drawing(
         tuple("".join(row) for row in cells),
@@ -41,7 +43,7 @@ def drawing_of(level: LevelSpec, grid: Grid) -> d.Drawing:
     )
 
 
-def _marks(grid: Grid, side: str) -> str:
+def _marks(level: LevelSpec, grid: Grid, side: str) -> str:
     """Return the drawing's mark for what is on one side of each cell."""
     solid, glass, nothing = map(ord, (d.SOLID, d.GLASS, d.OPEN))
     walls = bytes(solid if bits & BIT[side] else nothing for bits in range(256))
@@ -49,6 +51,9 @@ def _marks(grid: Grid, side: str) -> str:
     for cell, where in grid.glass:
         if where == side and marks[cell] == solid:
             marks[cell] = glass
+    for cell, where, _ in door_sides(level, grid):
+        if where == side:
+            marks[cell] = ord(d.DOOR)
     return marks.decode("ascii")
 
 

@@ -6,20 +6,37 @@ import operator
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
+from pydantic import model_validator
+
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.errors import InvalidDocument, LevelError
 
 if TYPE_CHECKING:
+    from babyrobot_levels.mdp.configurations import Configuration, Things
     from babyrobot_levels.mdp.tables import Mdp
 
 
 class GridWorld(LevelSpec):
     """A valid level that knows what it comes to."""
 
+    @model_validator(mode="after")
+    def _place_things(self) -> Self:
+        """Check doors and paths against the walls, those of a maze included."""
+        stands = self.doors or any(mover.path for mover in self.movers)
+        if stands and not self.has_random_maze:
+            from babyrobot_levels.mdp.placement import placement_issues
+
+            issues = placement_issues(self, self.grid())
+            if issues:
+                raise InvalidDocument(issues)
+        return self
+
     def grid(self) -> Grid:
         """Return walls and cells after the maze. The grid is made once and shared.
+
+        Doors are open in it; see `grid_at`.
 
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
@@ -33,6 +50,32 @@ class GridWorld(LevelSpec):
             LevelError: the maze has no seed yet (`seed: random`).
         """
         return self._mdp
+
+    def things(self) -> Things:
+        """Return the things whose state changes during an episode, and what their values mean."""
+        return self._things
+
+    def configuration(self, number: int) -> Configuration:
+        """Return what is where in a configuration of the tables, by its number.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+            IndexError: there is no such configuration.
+        """
+        return self.things().at(self.compile().configurations[number].tolist())
+
+    def grid_at(self, configuration: int) -> Grid:
+        """Return walls and cells in a configuration: with a wall at each closed door.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+            IndexError: there is no such configuration.
+        """
+        if not self.doors:
+            return self.grid()
+        from babyrobot_levels.mdp.doors import grid_with_doors
+
+        return grid_with_doors(self, self.grid(), self.configuration(configuration).doors)
 
     @property
     def digest(self) -> str:
@@ -50,6 +93,12 @@ class GridWorld(LevelSpec):
         return build_grid(self)
 
     @cached_property
+    def _things(self) -> Things:
+        from babyrobot_levels.mdp.configurations import Things
+
+        return Things(self)
+
+    @cached_property
     def _mdp(self) -> Mdp:
         from babyrobot_levels.mdp.compiler import compile_mdp
 
@@ -59,7 +108,7 @@ class GridWorld(LevelSpec):
     def _digest(self) -> str:
         from babyrobot_levels.mdp.digest import digest
 
-        return digest(self.grid(), self.compile())
+        return digest(self, self.grid(), self.compile())
 
     def with_maze_seed(self, seed: int) -> Self:
         """Return the level with the maze that grows from `seed`.
@@ -74,7 +123,7 @@ class GridWorld(LevelSpec):
         fields = {**self.maze.model_dump(exclude_unset=True), "seed": operator.index(seed)}
         maze = Maze.model_validate(fields)
         other = self.model_copy(update={"maze": maze})
-        for name in ("_grid", "_mdp", "_digest"):
+        for name in ("_grid", "_things", "_mdp", "_digest"):
             other.__dict__.pop(name, None)
         return other
 

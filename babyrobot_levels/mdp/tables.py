@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.mdp.actions import HEADINGS, Action
 
 Outcome = tuple[float, int, float, bool]
 """Probability, next state, reward, terminal."""
@@ -27,14 +28,24 @@ FORMER_NAMES = {
 """Attributes of `Mdp` by the names that they had in version 0.1."""
 
 
+def _one_configuration() -> NDArray[np.int16]:
+    return np.zeros((1, 0), np.int16)
+
+
 @dataclass(frozen=True, eq=False)
 class Mdp:
     """A finite Markov decision process whose states are the cells, numbered `y * width + x`.
 
+    In a level with things, whose configurations are numbered, the state is
+    `configuration * cells + y * width + x`; with turning (see `turning`) it is
+    `(configuration * 4 + heading) * cells + y * width + x`.
+
     The tables are `[states, actions, outcomes]`. The outcomes of a state and action are distinct
     in (next state, reward, terminal), sorted by these, and their probabilities sum to one;
     rows with fewer outcomes than the longest are padded with probability 0. Where the episode
-    is over, every action leads back with reward 0 and `terminal` set.
+    is over, every action leads back with reward 0 and `terminal` set. Pairs of configuration and
+    cell that no episode reaches count as over. A hit that ends the episode is told by `terminal`
+    alone: the state that it leads to may be one in which an episode goes on.
 
     Attributes:
         width: the number of columns of cells.
@@ -48,7 +59,11 @@ class Mdp:
         action_mask: int8, `[states, actions]`: 1 for the actions that nothing refuses.
         intended_next_state: int32, `[states, actions]`: where the action leads without chance;
             the number of states stands for "one of the starts".
+            Its configuration and, of a move, its heading are those of before.
         obstruction: int8, `[states, actions]`: `FREE`, `REFUSED` or `GLASS`.
+        configurations: int16, `[configurations, things]`: the value of each thing in each
+            configuration, in rising order; `[1, 0]` without things.
+        headings: 4 with turning, else 1.
     """
 
     __module__ = "babyrobot_levels"
@@ -64,11 +79,64 @@ class Mdp:
     action_mask: NDArray[np.int8]
     intended_next_state: NDArray[np.int32]
     obstruction: NDArray[np.int8]
+    configurations: NDArray[np.int16] = field(default_factory=_one_configuration)
+    headings: int = 1
+
+    @property
+    def cells(self) -> int:
+        """The number of cells, blocked ones included."""
+        return self.width * self.height
+
+    @property
+    def num_configurations(self) -> int:
+        """The number of configurations, 1 without things."""
+        return len(self.configurations)
 
     @property
     def num_states(self) -> int:
-        """The number of cells, blocked ones included."""
-        return self.width * self.height
+        """The number of states, those of blocked cells included."""
+        return self.num_configurations * self.headings * self.cells
+
+    @property
+    def num_actions(self) -> int:
+        """The number of actions: 5, and 3 with turning."""
+        return int(self.probability.shape[1])
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """The shape of an array over states: `(height, width)`.
+
+        With things the number of configurations comes first; with turning, 4 comes before height.
+        """
+        configurations = (self.num_configurations,) if self.configurations.shape[1] else ()
+        headings = (self.headings,) if self.headings > 1 else ()
+        return (*configurations, *headings, self.height, self.width)
+
+    def cell(self, state: int) -> tuple[int, int]:
+        """Return the cell `(x, y)` of a state."""
+        y, x = divmod(state % self.cells, self.width)
+        return x, y
+
+    def configuration(self, state: int) -> int:
+        """Return the number of a state's configuration, 0 without things."""
+        return state // (self.cells * self.headings)
+
+    def heading(self, state: int) -> int:
+        """Return the heading of a state, 0 N, 1 E, 2 S, 3 W; only with turning."""
+        return state // self.cells % self.headings
+
+    def turning(self, heading: str = "E") -> Mdp:
+        """Return the tables of a robot that turns: 0 left, 1 right, 2 forward, and no stay.
+
+        A turn is `stay` with another heading; forward is the move that way.
+
+        Args:
+            heading: where the robot looks at reset, N, E, S or W.
+
+        Raises:
+            ValueError: the heading is none of these; or the robot of these tables turns already.
+        """
+        return _turning(self, heading)
 
     def outcomes(self, state: int, action: int) -> list[Outcome]:
         """Return what an action can lead to, as Gymnasium's toy_text tables list it."""
@@ -93,7 +161,7 @@ class Mdp:
         return {
             state: {
                 action - first_action: self.outcomes(state, action)
-                for action in range(first_action, NUM_ACTIONS)
+                for action in range(first_action, self.num_actions)
             }
             for state in range(self.num_states)
         }
@@ -123,6 +191,66 @@ class Mdp:
             return getattr(self, now)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        # Pickles of version 0.1 have the former names.
+        # Pickles of version 0.1 have the former names, and no configurations.
+        self.__dict__.update(configurations=_one_configuration(), headings=1)
         self.__dict__.update({FORMER_NAMES.get(name, name): value for name, value in state.items()})
         self.freeze()
+
+
+def _turning(mdp: Mdp, heading: str) -> Mdp:
+    """Return the tables with a heading in the state; see `Mdp.turning`."""
+    if heading not in SIDES:
+        raise ValueError(f"heading must be one of {', '.join(SIDES)}, not {heading!r}")
+    if mdp.headings != 1:
+        raise ValueError("the robot of these tables turns already")
+    count, cells = mdp.num_configurations, mdp.cells
+    first = np.arange(HEADINGS)
+    # The action of the level that each action comes to, and the heading after it.
+    taken = np.stack([np.zeros(HEADINGS, int), np.zeros(HEADINGS, int), first + Action.NORTH], 1)
+    after = np.stack([(first - 1) % HEADINGS, (first + 1) % HEADINGS, first], 1)
+
+    def table(values: NDArray[Any]) -> NDArray[Any]:
+        """Return `[states, actions, …]` of the level as that of the turning robot."""
+        shaped = values.reshape(count, cells, *values.shape[1:])
+        # [configurations, cells, headings, actions, …]
+        chosen = np.moveaxis(shaped[:, :, taken], 2, 1)
+        return np.ascontiguousarray(chosen).reshape(count * HEADINGS * cells, 3, *values.shape[2:])
+
+    def headed(states: NDArray[np.signedinteger]) -> NDArray[np.int32]:
+        """Return next states of the level, `[states, 3, …]`, with the heading after the action."""
+        configuration, cell = np.divmod(states, cells)
+        shape = (1, HEADINGS, 1, 3, *[1] * (states.ndim - 2))
+        grouped = configuration.reshape(count, HEADINGS, cells, *states.shape[1:])
+        numbers = (grouped * HEADINGS + after.reshape(shape)) * cells
+        return (numbers.reshape(states.shape) + cell).astype(np.int32)
+
+    over = np.broadcast_to(mdp.is_terminal.reshape(count, 1, cells), (count, HEADINGS, cells))
+    over = np.ascontiguousarray(over).reshape(-1)
+    itself = np.arange(over.size, dtype=np.int32)
+    next_state = headed(table(mdp.next_state))
+    next_state[over, :, 0] = itself[over, None]
+    intended = table(mdp.intended_next_state)
+    to_a_start = intended == mdp.num_states
+    target = np.where(to_a_start, over.size, headed(np.where(to_a_start, 0, intended)))
+    target[over] = itself[over, None]
+    mask = table(mdp.action_mask)
+    mask[over] = 0
+    obstruction = table(mdp.obstruction)
+    obstruction[:, :2] = FREE
+    start = np.zeros((count, HEADINGS, cells))
+    start[:, SIDES.index(heading)] = mdp.start.reshape(count, cells)
+    return Mdp(
+        width=mdp.width,
+        height=mdp.height,
+        probability=table(mdp.probability),
+        next_state=next_state,
+        reward=table(mdp.reward),
+        terminal=table(mdp.terminal),
+        start=start.reshape(-1),
+        is_terminal=over,
+        action_mask=mask,
+        intended_next_state=target.astype(np.int32),
+        obstruction=obstruction,
+        configurations=mdp.configurations,
+        headings=HEADINGS,
+    ).freeze()

@@ -32,9 +32,17 @@ class Arrivals:
 
     def rewards_of(self, branches: Branches, next_state: Ints) -> Floats:
         """Return the rewards of branches that end on `next_state`."""
+        reward = self.plain_rewards(branches, next_state)
+        reward = np.where(self.terrain.exit[next_state], self.rewards.exit, reward)
+        warped = self.warp_rewards(branches)
+        reward = np.where(np.isnan(warped), reward, warped)
+        reward = reward + np.where(branches.bounced, self.rewards.bounce, 0.0)
+        return np.where(self.terrain.over[branches.row // NUM_ACTIONS], 0.0, reward)
+
+    def plain_rewards(self, branches: Branches, next_state: Ints) -> Floats:
+        """Return the rewards on a plain cell: those of stay, bump, closer, farther, or the cell."""
         state, action = np.divmod(branches.row, NUM_ACTIONS)
-        stays = action == Action.STAY
-        rewards, terrain, warps = self.rewards, self.terrain, self.warps
+        rewards, terrain = self.rewards, self.terrain
         reward = terrain.reward[next_state]
         if terrain.distance is not None:
             before, after = terrain.distance[state], terrain.distance[next_state]
@@ -45,13 +53,22 @@ class Arrivals:
         if rewards.bump is not None:
             reward = np.where(branches.bumped, rewards.bump, reward)
         if rewards.stay is not None:
-            reward = np.where(stays, rewards.stay, reward)
-        reward = np.where(terrain.exit[next_state], rewards.exit, reward)
-        warped = np.where(stays, np.nan, warps.arrive_reward[branches.landing])
-        warped = np.where(warps.leaves[state] & ~stays, warps.leave_reward[state], warped)
-        reward = np.where(np.isnan(warped), reward, warped)
-        reward = reward + np.where(branches.bounced, rewards.bounce, 0.0)
-        return np.where(terrain.over[state], 0.0, reward)
+            reward = np.where(action == Action.STAY, rewards.stay, reward)
+        return reward
+
+    def warp_rewards(self, branches: Branches) -> Floats:
+        """Return the rewards of warps, nan where no warp gives one."""
+        state, action = np.divmod(branches.row, NUM_ACTIONS)
+        moves = action != Action.STAY
+        warped = np.where(moves, self.warps.arrive_reward[branches.landing], np.nan)
+        return np.where(self.warps.leaves[state] & moves, self.warps.leave_reward[state], warped)
+
+    def is_sent(self, branches: Branches) -> Flags:
+        """Return whether a warp sends the robot."""
+        state, action = np.divmod(branches.row, NUM_ACTIONS)
+        enters = self.warps.arrive[branches.landing] != branches.landing
+        sent: Flags = (enters | self.warps.leaves[state]) & (action != Action.STAY)
+        return sent
 
 
 Ints = NDArray[np.int64]
@@ -171,3 +188,18 @@ def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> 
         share[rule == OTHERS_RULE] = skid[rule == OTHERS_RULE] / 3
         parts.append(branches(other, share))
     return parts
+
+
+def ended(branches: Branches, arrivals: Arrivals, starts: Ints) -> tuple[Branches, Ints]:
+    """Return branches and their next states, with those to one of the starts led to each start."""
+    next_state = arrivals.next_states(branches)
+    lost = next_state == arrivals.terrain.over.size
+    if lost.any():
+        # Each start takes an even share.
+        copies = np.repeat(np.flatnonzero(lost), starts.size)
+        spread = branches.select(copies)
+        spread.probability = spread.probability / starts.size
+        goals = np.tile(starts, int(lost.sum()))
+        branches = branches.select(~lost).joined(spread)
+        next_state = np.concatenate([next_state[~lost], goals])
+    return branches, next_state

@@ -14,29 +14,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
-from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.compiler.moves import build_moves, build_warps
+from babyrobot_levels.mdp.compiler.obstructions import obstructions
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
     Branches,
     Floats,
     Ints,
+    ended,
     plain_branches,
     stochastic_branches,
     stochastic_rows,
 )
 from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
-from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
+from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.tables import REFUSED, Mdp
 
 
-def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
-    """Compile a level into its exact tables.
-
-    Raises:
-        LevelError: the level's maze has no seed yet (`seed: random`).
-    """
-    grid = grid or build_grid(level)
+def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
+    """Compile a level without things, whose states are the cells, into its exact tables."""
     terrain = build_terrain(level, grid)
     moves = build_moves(level, grid)
     warps = build_warps(level, grid)
@@ -55,11 +52,13 @@ def compile_mdp(level: LevelFields, grid: Grid | None = None) -> Mdp:
     branches = by_chance[0].joined(*by_chance[1:])
     branches = branches.select(branches.probability > 0)
     next_state[lost] = 0
-    tables = _plain_tables(next_state, arrivals.rewards_of(plain, next_state), terrain)
+    tables: dict[str, Any] = _plain_tables(
+        next_state, arrivals.rewards_of(plain, next_state), terrain
+    )
     if branches.row.size:
         tables = _with_outcomes(tables, _merged(branches, arrivals, starts), terrain)
 
-    obstruction, intended = _obstructions(moves, terrain, warps)
+    obstruction, intended = obstructions(moves, terrain, warps)
     action_mask = (obstruction != REFUSED).astype(np.int8)
     action_mask[terrain.over, 1:] = 0
     start = np.zeros(terrain.over.size)
@@ -99,16 +98,7 @@ def _plain_tables(next_state: Ints, reward: Floats, terrain: Terrain) -> dict[st
 
 def _merged(branches: Branches, arrivals: Arrivals, starts: Ints) -> _Outcomes:
     """Return what branches come to, those with the same end and reward as one."""
-    next_state = arrivals.next_states(branches)
-    lost = next_state == arrivals.terrain.over.size
-    if lost.any():
-        # Each start takes an even share of those that lead to one of the starts.
-        copies = np.repeat(np.flatnonzero(lost), starts.size)
-        spread = branches.select(copies)
-        spread.probability = spread.probability / starts.size
-        goals = np.tile(starts, int(lost.sum()))
-        branches = branches.select(~lost).joined(spread)
-        next_state = np.concatenate([next_state[~lost], goals])
+    branches, next_state = ended(branches, arrivals, starts)
     reward = arrivals.rewards_of(branches, next_state)
     order = np.lexsort((reward, next_state, branches.row))
     row, next_state, reward = branches.row[order], next_state[order], reward[order]
@@ -144,21 +134,3 @@ def _with_outcomes(
         table.reshape(-1, width)[outcomes.row, slot] = values[name]
         wide[name] = table
     return wide
-
-
-def _obstructions(
-    moves: Moves, terrain: Terrain, warps: Warps
-) -> tuple[NDArray[np.int8], NDArray[np.int32]]:
-    """Return what hinders each action, and where it leads without chance."""
-    states = np.arange(terrain.over.size)
-    obstruction = np.full((states.size, NUM_ACTIONS), FREE, np.int8)
-    target = np.empty((states.size, NUM_ACTIONS), np.int32)
-    target[:, Action.STAY] = states
-    glass = moves.glass > 0
-    moves_on = ~warps.leaves & ~terrain.over
-    obstruction[:, 1:][(moves_on & moves.refused).T] = REFUSED
-    obstruction[:, 1:][(moves_on & glass).T] = GLASS
-    goals = warps.arrive[np.where(glass, moves.through, moves.landing)]
-    target[:, 1:] = np.where(warps.leaves, warps.leave_to, goals).T
-    target[terrain.over] = states[terrain.over, None]
-    return obstruction, target

@@ -25,6 +25,7 @@ class Terrain:
         rule: where it goes then, an index into `RULES`.
         reward: the reward of standing on the cell after a step.
         exit: whether the cell is an exit.
+        ends: whether the episode is over there, exits left out: a cell that ends it, or blocked.
         over: whether the episode is over there: an exit, a cell that ends it, a blocked cell.
         distance: the squared straight-line distance to the nearest exit; None where there is no
             exit, or no reward asks for it.
@@ -34,12 +35,21 @@ class Terrain:
     rule: NDArray[np.int8]
     reward: NDArray[np.float64]
     exit: NDArray[np.bool_]
+    ends: NDArray[np.bool_]
     over: NDArray[np.bool_]
     distance: NDArray[np.int64] | None
 
 
-def build_terrain(level: LevelFields, grid: Grid) -> Terrain:
-    """Paint the level's properties: those of the whole level, then areas in order, then puddles."""
+def build_terrain(
+    level: LevelFields, grid: Grid, exits: tuple[tuple[int, int], ...] | None = None
+) -> Terrain:
+    """Paint the level's properties: those of the whole level, then areas in order, then puddles.
+
+    Args:
+        level: the level.
+        grid: its grid.
+        exits: the exits, if they are not those of the level.
+    """
     shape = (grid.height, grid.width)
     skid, rule = np.zeros(shape), np.zeros(shape, np.int8)
     reward = np.full(shape, level.rewards.step)
@@ -61,15 +71,17 @@ def build_terrain(level: LevelFields, grid: Grid) -> Terrain:
         reward[rows_, columns_] = kind.reward
         skid[rows_, columns_], rule[rows_, columns_] = _skid(kind.skid)
     shaped = level.rewards.closer is not None or level.rewards.farther is not None
-    exits = np.zeros(shape, bool)
-    exits[_index(level.exits)] = True
+    exit_cells = level.exits if exits is None else exits
+    is_exit = np.zeros(shape, bool)
+    is_exit[_index(exit_cells)] = True
     return Terrain(
         skid.ravel(),
         rule.ravel(),
         reward.ravel(),
-        exits.ravel(),
-        (ends | exits | grid.blocked).ravel(),
-        _squared_distance(exits).ravel() if level.exits and shaped else None,
+        is_exit.ravel(),
+        (ends | grid.blocked).ravel(),
+        (ends | is_exit | grid.blocked).ravel(),
+        _squared_distance(is_exit).ravel() if exit_cells and shaped else None,
     )
 
 

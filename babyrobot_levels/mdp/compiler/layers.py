@@ -1,0 +1,363 @@
+"""Which configurations occur: a search over cells, layers and movers together.
+
+A layer is a choice of the values of all things but the movers. Within a layer the robot walks among
+the cells; by taking an item or flipping a switch it comes to another layer.
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import prod
+
+import numpy as np
+
+from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.compiler.movers import Crowd
+from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
+from babyrobot_levels.mdp.compiler.outcomes import (
+    Arrivals,
+    Branches,
+    Flags,
+    Floats,
+    Ints,
+    ended,
+    plain_branches,
+    stochastic_branches,
+    stochastic_rows,
+)
+from babyrobot_levels.mdp.compiler.terrain import Terrain, build_terrain
+from babyrobot_levels.mdp.configurations import Things, Values
+from babyrobot_levels.mdp.doors import grid_with_doors
+from babyrobot_levels.mdp.grid import Grid
+
+MAX_STATES = 2_000_000
+"""The most states of a level with things."""
+
+REACHED, ON = 1, 2
+"""What the search notes of a pair: an episode can be there; and it can go on from there."""
+
+
+class TooManyStates(Exception):
+    """The level has more states than `MAX_STATES`."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What the robot's moves come to, whatever it takes or meets, while some doors are closed.
+
+    Attributes:
+        grid: the grid with walls at closed doors.
+        moves: the moves on it.
+        terrain: the terrain, in which no cell is an exit.
+        warps: the warps.
+        first: `[cells * actions + 1]`: where the branches of each cell and action begin.
+        branches: the branches, by cell and action.
+        next_cell: where each of them ends.
+        arrives: whether the robot arrives there: on another cell than before, or by a warp.
+        plain: its reward on a plain cell.
+        warp: its reward of a warp, nan where there is none.
+        follow: the cells at which a robot may arrive from each cell, one after the other.
+        begin: `[cells + 1]`: where those of each cell begin in `follow`.
+    """
+
+    grid: Grid
+    moves: Moves
+    terrain: Terrain
+    warps: Warps
+    first: Ints
+    branches: Branches
+    next_cell: Ints
+    arrives: Flags
+    plain: Floats
+    warp: Floats
+    follow: array[int]
+    begin: Sequence[int]
+
+
+@dataclass(eq=False)
+class Layer:
+    """A layer, and what the search found in it.
+
+    Attributes:
+        number: its number, in the order in which layers were found.
+        values: the values of all things but the movers.
+        closed: for each door, whether it is closed.
+        exits: the numbers of the cells that are exits.
+        is_open: whether an exit ends the episode.
+        over: for each cell, whether the episode is over there.
+        arrivals: for each cell at which something changes, the values after it, and the reward.
+        found: for each joint state of the movers and each cell, `REACHED`, `ON` or 0.
+        occurs: for each joint state, whether it occurs.
+    """
+
+    number: int
+    values: Values
+    closed: tuple[bool, ...]
+    exits: tuple[int, ...]
+    is_open: bool
+    over: bytes
+    arrivals: dict[int, tuple[Values, float | None]]
+    found: bytearray
+    occurs: bytearray
+    waiting: list[int] = field(default_factory=list)
+
+
+class Layers:
+    """All layers of a level that episodes can come to.
+
+    Attributes:
+        layers: the layers.
+        crowd: the movers.
+        count: how many configurations there are.
+
+    Raises:
+        TooManyStates: there are more states than the bound.
+    """
+
+    def __init__(self, level: LevelFields, grid: Grid, things: Things):
+        self.level, self.grid, self.things = level, grid, things
+        self.size = grid.width * grid.height
+        self._most = MAX_STATES // self.size
+        self._check_draws()
+        try:
+            self.crowd = Crowd(level, grid, self._most)
+        except OverflowError:
+            raise TooManyStates from None
+        self.layers: list[Layer] = []
+        self.count = 0
+        self._numbers: dict[Values, int] = {}
+        self._grounds: dict[tuple[tuple[bool, ...], tuple[int, ...]], Ground] = {}
+        self._overs: dict[tuple[tuple[int, ...], bool], bytes] = {}
+        self._steps: dict[tuple[bool, ...], list[list[int]]] = {}
+        self._ends = build_terrain(level, grid).ends.tobytes()
+        self._standing = [frozenset(cells) for cells in self.crowd.cells.tolist()]
+        self._cells = self.crowd.cells.tolist()
+        self.starts = self._begin()
+        self._search()
+
+    def _check_draws(self) -> None:
+        """Refuse at once what cannot be within the bound: more draws, or a change of anything."""
+        level = self.level
+        draws = prod(len(item.places) for item in level.items) * len(level.exit_one_of or " ")
+        draws *= prod(
+            len(mover.phases)
+            for mover in level.movers
+            if mover.within is not None and mover.start is None
+        )
+        if draws > self._most or (self._most < 2 and max(self.things.radices, default=1) > 1):
+            raise TooManyStates
+
+    # -- layers ----------------------------------------------------------------------------
+
+    def layer(self, values: Values) -> Layer:
+        """Return the layer of some values."""
+        number = self._numbers.get(values)
+        if number is not None:
+            return self.layers[number]
+        things, level = self.things, self.level
+        met = things.met((*values, *[0] * len(level.movers)))
+        exits = tuple(y * self.grid.width + x for x, y in things.exits(values))
+        is_open = met.issuperset(level.exit_keys)
+        over = self._overs.get((exits, is_open))
+        if over is None:
+            marked = bytearray(self._ends)
+            for cell in exits if is_open else ():
+                marked[cell] = 1
+            over = self._overs[exits, is_open] = bytes(marked)
+        joints = len(self.crowd)
+        if (len(self.layers) + 1) * joints > 4 * self._most:
+            raise TooManyStates
+        layer = Layer(
+            number=len(self.layers),
+            values=values,
+            closed=things.closed(met),
+            exits=exits,
+            is_open=is_open,
+            over=over,
+            arrivals=self._arrivals(values),
+            found=bytearray(joints * self.size),
+            occurs=bytearray(joints),
+        )
+        self._numbers[values] = layer.number
+        self.layers.append(layer)
+        return layer
+
+    def find(self, values: Values) -> Layer | None:
+        """Return the layer of some values, None where no episode comes to it."""
+        number = self._numbers.get(values)
+        return None if number is None else self.layers[number]
+
+    def _arrivals(self, values: Values) -> dict[int, tuple[Values, float | None]]:
+        width, found = self.grid.width, {}
+        for column, item in enumerate(self.level.items, self.things.items.start):
+            value = values[column]
+            if value < len(item.places):
+                x, y = item.places[value]
+                after = (*values[:column], len(item.places), *values[column + 1 :])
+                found[y * width + x] = after, item.reward
+        for column, switch in enumerate(self.level.switches, self.things.switches.start):
+            if not switch.once or values[column] == int(switch.on):
+                x, y = switch.at
+                after = (*values[:column], 1 - values[column], *values[column + 1 :])
+                found[y * width + x] = after, None
+        return found
+
+    def ground(self, layer: Layer) -> Ground:
+        """Return what moves come to in a layer."""
+        # Exits only matter to the rewards for coming closer.
+        shaped = self.level.rewards.closer is not None or self.level.rewards.farther is not None
+        key = layer.closed, layer.exits if shaped else ()
+        if key not in self._grounds:
+            self._grounds[key] = _build_ground(self.level, self.grid, layer)
+        return self._grounds[key]
+
+    def steps(self, layer: Layer) -> list[list[int]]:
+        """Return for each joint state of the movers those to which it leads."""
+        if layer.closed not in self._steps:
+            first, following, _ = self.crowd.steps(self.ground(layer).grid)
+            bounds, targets = first.tolist(), following.tolist()
+            self._steps[layer.closed] = [
+                targets[bounds[joint] : bounds[joint + 1]] for joint in range(len(self.crowd))
+            ]
+        return self._steps[layer.closed]
+
+    # -- search ----------------------------------------------------------------------------
+
+    def _begin(self) -> list[tuple[int, int, int]]:
+        """Return layer, joint state and cell of each start, and mark them."""
+        starts = []
+        for values in self.things.draws():
+            for x, y in self.level.starts:
+                held = self.things.taken_at_start(values, (x, y))
+                layer = self.layer(held[: self.things.static])
+                joint = self.crowd.joint(held[self.things.static :])
+                cell = y * self.grid.width + x
+                self._note(layer, joint, cell, ON)
+                starts.append((layer.number, joint, cell))
+        return starts
+
+    def _note(self, layer: Layer, joint: int, cell: int, what: int) -> None:
+        """Note that an episode can come to a pair."""
+        layer.found[joint * self.size + cell] = what
+        if not layer.occurs[joint]:
+            layer.occurs[joint] = 1
+            self.count += 1
+            if self.count > self._most:
+                raise TooManyStates
+        if what == ON:
+            layer.waiting.append(joint * self.size + cell)
+
+    def _search(self) -> None:
+        waiting = [layer for layer in self.layers if layer.waiting]
+        while waiting:
+            layer = waiting.pop()
+            touched = self._walk_among(layer) if self.level.movers else self._walk(layer)
+            waiting += [other for other in touched if other.waiting]
+
+    def _walk(self, layer: Layer) -> list[Layer]:
+        """Walk through a layer of a level without movers; return the layers that it leads to."""
+        ground = self.ground(layer)
+        follow, begin = ground.follow, ground.begin
+        found, over, arrivals, stack = layer.found, layer.over, layer.arrivals, layer.waiting
+        touched = {}
+        while stack:
+            cell = stack.pop()
+            for target in follow[begin[cell] : begin[cell + 1]]:
+                if target in arrivals:
+                    other = self.layer(arrivals[target][0])
+                    if not other.found[target]:
+                        self._note(other, 0, target, REACHED if other.over[target] else ON)
+                        touched[other.number] = other
+                elif not found[target]:
+                    if over[target]:
+                        found[target] = REACHED
+                    else:
+                        found[target] = ON
+                        stack.append(target)
+        return [*touched.values()]
+
+    def _walk_among(self, layer: Layer) -> list[Layer]:
+        """Walk through a layer among movers; return the layers that it leads to."""
+        ground, steps, size = self.ground(layer), self.steps(layer), self.size
+        follow, begin, stack = ground.follow, ground.begin, layer.waiting
+        hit_ends, standing, cells = self.level.hit.ends, self._standing, self._cells
+        touched = {}
+        while stack:
+            joint, cell = divmod(stack.pop(), size)
+            for number, target in enumerate((cell, *follow[begin[cell] : begin[cell + 1]])):
+                other = layer
+                if number and target in layer.arrivals:
+                    other = self.layer(layer.arrivals[target][0])
+                found = other.found
+                for after in steps[joint]:
+                    if found[after * size + target] == ON:
+                        continue
+                    ends = other.over[target] or (
+                        hit_ends
+                        and (
+                            target in standing[after]
+                            or (target != cell and _swaps(cells[joint], cells[after], cell, target))
+                        )
+                    )
+                    if not ends:
+                        self._note(other, after, target, ON)
+                        if other is not layer:
+                            touched[other.number] = other
+                    elif not found[after * size + target]:
+                        self._note(other, after, target, REACHED)
+        return [*touched.values()]
+
+
+def _swaps(before: list[int], after: list[int], cell: int, target: int) -> bool:
+    """Tell whether a mover goes from the robot's next cell to the robot's cell."""
+    return any(one == target and two == cell for one, two in zip(before, after, strict=True))
+
+
+def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
+    grid = grid_with_doors(level, open_grid, layer.closed)
+    width, count = grid.width, grid.width * grid.height
+    exits = tuple((cell % width, cell // width) for cell in layer.exits)
+    painted = build_terrain(level, grid, exits)
+    nowhere = np.zeros(count, bool)
+    terrain = Terrain(
+        painted.skid,
+        painted.rule,
+        painted.reward,
+        nowhere,
+        painted.ends,
+        painted.ends,
+        painted.distance,
+    )
+    moves, warps = build_moves(level, grid), build_warps(level, grid)
+    arrivals = Arrivals(level.rewards, terrain, warps)
+    starts = np.array([y * width + x for x, y in level.starts])
+    stochastic = stochastic_rows(moves, terrain, warps)
+    branches = plain_branches(moves, terrain, warps).select(~stochastic.ravel())
+    branches = branches.joined(*stochastic_branches(moves, terrain, stochastic))
+    branches, next_cell = ended(branches.select(branches.probability > 0), arrivals, starts)
+    order = np.argsort(branches.row, kind="stable")
+    branches, next_cell = branches.select(order), next_cell[order]
+    cell = branches.row // NUM_ACTIONS
+    arrives = arrivals.is_sent(branches) | (next_cell != cell)
+    first = np.searchsorted(branches.row, np.arange(count * NUM_ACTIONS + 1))
+    ways = arrives & ~terrain.over[cell]
+    pairs = np.unique(cell[ways] * count + next_cell[ways])
+    begin = np.searchsorted(pairs, np.arange(count + 1) * count)
+    follow = array("i", (pairs % count).astype(np.intc).tobytes())
+    return Ground(
+        grid=grid,
+        moves=moves,
+        terrain=terrain,
+        warps=warps,
+        first=first,
+        branches=branches,
+        next_cell=next_cell,
+        arrives=arrives,
+        plain=arrivals.plain_rewards(branches, next_cell),
+        warp=arrivals.warp_rewards(branches),
+        follow=follow,
+        begin=begin.tolist(),
+    )
