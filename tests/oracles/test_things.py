@@ -1,0 +1,645 @@
+"""Things that change during an episode: a slow reference, checked by hand, against the tables."""
+
+from __future__ import annotations
+
+from collections import Counter
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.random_things import MOST_OUTCOMES, random_level
+from oracles.things_reference import (
+    EAST,
+    FORWARD,
+    LEFT,
+    NORTH,
+    RIGHT,
+    SOUTH,
+    STAY,
+    WEST,
+    Cell,
+    Configuration,
+    Outcome,
+    Reference,
+    TurningReference,
+)
+from support.each import for_each
+
+import babyrobot_levels as brl
+
+Row = tuple[float, Configuration, Cell, float, bool]
+"""Probability, configuration, cell, reward and the end: an outcome, before states are numbered."""
+
+KEY_AND_DOOR: dict[str, Any] = {
+    "size": [3, 1],
+    "start": [1, 0],
+    "items": [{"name": "key", "at": [0, 0]}],
+    "doors": [{"at": [1, 0], "side": "E", "needs": "key"}],
+}
+
+
+def reference(**fields: Any) -> Reference:
+    return Reference({"version": 1, **fields})
+
+
+def rows(level: Reference, configuration: Configuration, cell: Cell, action: int) -> list[Row]:
+    """Return the outcomes of an action in words of the level."""
+    outcomes = level.outcomes(level.state((configuration, cell)), action)
+    return [
+        (probability, *level.pair(state), reward, over)
+        for probability, state, reward, over in outcomes
+    ]
+
+
+def beginnings(level: Reference) -> dict[tuple[Configuration, Cell], float]:
+    return {level.pair(state): probability for state, probability in level.start.items()}
+
+
+# The reference, checked by hand.
+
+
+def test_states_are_numbered_by_configuration_then_cell() -> None:
+    level = reference(**KEY_AND_DOOR)
+    assert level.names == ["key"]
+    assert level.radices == [2]
+    assert level.configurations == [(0,), (1,)]
+    assert (level.num_cells, level.num_states) == (3, 6)
+    assert level.start == {1: 1.0}
+    assert level.state(((1,), (2, 0))) == 5
+
+
+def test_a_door_is_a_wall_until_its_key_is_held() -> None:
+    level = reference(**KEY_AND_DOOR, rewards={"bump": -5})
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (1, 0), -5, False)]
+    assert level.allowed(level.state(((0,), (1, 0)))) == {STAY, WEST}
+    assert rows(level, (0,), (1, 0), WEST) == [(1, (1,), (0, 0), -1, False)]
+    assert rows(level, (1,), (1, 0), EAST) == [(1, (1,), (2, 0), 0, True)]
+    assert level.allowed(level.state(((1,), (1, 0)))) == {STAY, EAST, WEST}
+
+
+def test_a_closed_door_is_a_wall_for_skids() -> None:
+    level = reference(**KEY_AND_DOOR, skid=0.25)
+    # The only other open side is that to the west, so the robot does not skid through the door.
+    assert rows(level, (0,), (1, 0), WEST) == [
+        (0.25, (0,), (1, 0), -1, False),
+        (0.75, (1,), (0, 0), -1, False),
+    ]
+    assert rows(level, (1,), (1, 0), WEST) == [
+        (0.75, (1,), (0, 0), -1, False),
+        (0.25, (1,), (2, 0), 0, True),
+    ]
+
+
+def test_pairs_that_no_episode_reaches_absorb() -> None:
+    level = reference(**KEY_AND_DOOR)
+    # On the key without having it.
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (0, 0), 0, True)]
+    assert [state for state in range(6) if level.is_terminal(state)] == [0, 2, 5]
+    assert level.allowed(0) == {STAY}
+
+
+def test_levels_without_things_keep_the_rows_of_cells_that_no_episode_reaches() -> None:
+    level = reference(size=[3, 1], start=[1, 0], walls=[{"at": [0, 0], "side": "E"}])
+    assert level.configurations == [()]
+    assert rows(level, (), (0, 0), EAST) == [(1, (), (0, 0), -1, False)]
+
+
+def test_an_item_gives_its_reward_once() -> None:
+    level = reference(size=[3, 1], items=[{"name": "coin", "at": [1, 0], "reward": 5}])
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), 5, False)]
+    assert rows(level, (1,), (1, 0), STAY) == [(1, (1,), (1, 0), -1, False)]
+    assert rows(level, (1,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
+
+
+def test_an_item_without_a_reward_gives_that_of_the_cell() -> None:
+    items = [{"name": "coin", "at": [1, 0]}]
+    level = reference(size=[3, 1], items=items, puddles=[{"at": [1, 0]}])
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -2, False)]
+
+
+def test_an_item_lies_in_one_of_its_places() -> None:
+    level = reference(size=[4, 1], items=[{"name": "gem", "one_of": [[2, 0], [1, 0]]}])
+    assert level.radices == [3]
+    assert beginnings(level) == {((0,), (0, 0)): 0.5, ((1,), (0, 0)): 0.5}
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), -1, False)]
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (2,), (2, 0), -1, False)]
+    assert rows(level, (1,), (0, 0), EAST) == [(1, (2,), (1, 0), -1, False)]
+
+
+def test_an_item_that_lies_under_the_start_is_held_from_the_beginning() -> None:
+    level = reference(
+        size=[4, 1],
+        start=[[0, 0], [1, 0]],
+        items=[{"name": "gem", "one_of": [[0, 0], [2, 0]], "reward": 5}],
+    )
+    assert beginnings(level) == {
+        ((2,), (0, 0)): 0.25,
+        ((1,), (0, 0)): 0.25,
+        ((0,), (1, 0)): 0.25,
+        ((1,), (1, 0)): 0.25,
+    }
+
+
+def test_a_switch_flips_at_each_arrival() -> None:
+    level = reference(size=[3, 1], switches=[{"name": "lever", "at": [1, 0]}])
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
+    assert rows(level, (1,), (1, 0), STAY) == [(1, (1,), (1, 0), -1, False)]
+    assert rows(level, (1,), (1, 0), NORTH) == [(1, (1,), (1, 0), -1, False)]
+    assert rows(level, (1,), (0, 0), EAST) == [(1, (0,), (1, 0), -1, False)]
+
+
+@pytest.mark.parametrize("on", [False, True])
+def test_a_switch_that_flips_once_stays_flipped(on: bool) -> None:
+    switch = {"name": "lever", "at": [1, 0], "once": True, "on": on}
+    level = reference(size=[3, 1], switches=[switch])
+    before, after = (int(on),), (int(not on),)
+    assert beginnings(level) == {(before, (0, 0)): 1}
+    assert rows(level, before, (0, 0), EAST) == [(1, after, (1, 0), -1, False)]
+    assert rows(level, after, (0, 0), EAST) == [(1, after, (1, 0), -1, False)]
+
+
+def test_a_switch_under_the_start_flips_when_the_robot_comes_back() -> None:
+    level = reference(size=[3, 1], switches=[{"name": "lever", "at": [0, 0], "on": True}])
+    assert beginnings(level) == {((1,), (0, 0)): 1}
+    assert rows(level, (1,), (1, 0), WEST) == [(1, (0,), (0, 0), -1, False)]
+
+
+def test_a_door_with_unless_is_closed_while_the_switch_is_on() -> None:
+    level = reference(
+        size=[3, 1],
+        start=[1, 0],
+        switches=[{"name": "lever", "at": [0, 0]}],
+        doors=[{"at": [2, 0], "side": "W", "unless": ["lever"]}],
+    )
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (2, 0), 0, True)]
+    assert rows(level, (0,), (1, 0), WEST) == [(1, (1,), (0, 0), -1, False)]
+    assert rows(level, (1,), (1, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
+
+
+def test_a_door_needs_all_that_it_names() -> None:
+    level = reference(
+        size=[4, 1],
+        start=[1, 0],
+        items=[{"name": "key", "at": [0, 0]}, {"name": "gem", "at": [2, 0]}],
+        doors=[{"at": [2, 0], "side": "E", "needs": ["key", "gem"]}],
+    )
+    assert rows(level, (0, 1), (2, 0), EAST) == [(1, (0, 1), (2, 0), -1, False)]
+    assert rows(level, (1, 1), (2, 0), EAST) == [(1, (1, 1), (3, 0), 0, True)]
+
+
+NEEDY_EXIT: dict[str, Any] = {
+    "size": [3, 1],
+    "exit": [1, 0],
+    "exit_needs": "gem",
+    "items": [{"name": "gem", "at": [2, 0]}],
+}
+
+
+def test_an_exit_is_a_plain_cell_until_its_needs_are_met() -> None:
+    level = reference(**NEEDY_EXIT, rewards={"exit": 10})
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), -1, False)]
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (1,), (2, 0), -1, False)]
+    assert rows(level, (1,), (2, 0), WEST) == [(1, (1,), (1, 0), 10, True)]
+    assert not level.is_terminal(level.state(((0,), (1, 0))))
+    assert level.is_terminal(level.state(((1,), (1, 0))))
+
+
+def test_an_exit_whose_needs_are_not_met_counts_for_distances() -> None:
+    level = reference(**NEEDY_EXIT, rewards={"closer": 3, "farther": -4})
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), 3, False)]
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (1,), (2, 0), -4, False)]
+
+
+def test_an_area_ends_the_episode_on_an_exit_whose_needs_are_not_met() -> None:
+    areas = [{"at": [1, 0], "ends": True, "reward": 3}]
+    level = reference(**NEEDY_EXIT, areas=areas, rewards={"exit": 10})
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), 3, True)]
+    assert level.configurations == [(0,)]
+
+
+def test_one_of_the_exits_is_drawn() -> None:
+    level = reference(
+        size=[3, 1],
+        start=[1, 0],
+        exit_one_of=[[0, 0], [2, 0]],
+        rewards={"closer": 1, "farther": -2},
+    )
+    assert beginnings(level) == {((0,), (1, 0)): 0.5, ((1,), (1, 0)): 0.5}
+    assert rows(level, (0,), (1, 0), WEST) == [(1, (0,), (0, 0), 0, True)]
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (2, 0), -2, False)]
+    assert rows(level, (0,), (2, 0), WEST) == [(1, (0,), (1, 0), 1, False)]
+    assert rows(level, (1,), (1, 0), EAST) == [(1, (1,), (2, 0), 0, True)]
+
+
+def test_things_count_from_the_drawn_exit_to_the_movers() -> None:
+    level = reference(
+        size=[3, 2],
+        start=[0, 0],
+        movers=[
+            {"name": "bat", "within": {"at": [1, 0], "size": [2, 2]}, "start": [1, 1]},
+            {"path": [[2, 0], [2, 1]]},
+        ],
+        switches=[{"name": "lever", "at": [1, 1], "on": True}],
+        items=[{"name": "gem", "one_of": [[0, 1], [1, 0]]}, {"name": "key", "at": [0, 0]}],
+        exit_one_of=[[2, 0], [2, 1]],
+    )
+    assert level.names == ["exit", "gem", "key", "lever", "bat", ""]
+    assert level.radices == [2, 3, 2, 2, 4, 2]
+    assert beginnings(level) == {
+        ((exit_, gem, 1, 1, 2, 0), (0, 0)): 0.25 for exit_ in (0, 1) for gem in (0, 1)
+    }
+
+
+GUARD: dict[str, Any] = {
+    "size": [4, 1],
+    "start": [[0, 0], [1, 0]],
+    "movers": [{"name": "guard", "path": [[2, 0], [1, 0]]}],
+    "rewards": {"step": -0.5},
+}
+
+
+def test_a_robot_that_meets_a_mover_is_hit() -> None:
+    level = reference(**GUARD)
+    assert rows(level, (0,), (0, 0), STAY) == [(1, (1,), (0, 0), -0.5, False)]
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, True)]
+    assert rows(level, (0,), (1, 0), STAY) == [(1, (1,), (1, 0), -1, True)]
+    # The guard leaves the cell that the robot enters.
+    assert rows(level, (1,), (0, 0), EAST) == [(1, (0,), (1, 0), -0.5, False)]
+
+
+def test_a_robot_that_changes_places_with_a_mover_is_hit() -> None:
+    level = reference(**GUARD)
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (1,), (2, 0), -1, True)]
+    # Pairs that are only reached by being hit absorb, and their configuration is numbered.
+    assert level.configurations == [(0,), (1,)]
+    assert rows(level, (1,), (2, 0), EAST) == [(1, (1,), (2, 0), 0, True)]
+
+
+def test_nothing_is_hit_at_the_beginning() -> None:
+    level = reference(size=[3, 1], movers=[{"path": [[0, 0], [1, 0]]}])
+    assert beginnings(level) == {((0,), (0, 0)): 1}
+    assert rows(level, (0,), (0, 0), STAY) == [(1, (1,), (0, 0), -1, False)]
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, True)]
+
+
+def test_a_hit_that_does_not_end_the_episode_gives_its_reward() -> None:
+    level = reference(size=[3, 1], movers=[{"path": [[1, 0]]}], hit={"reward": -10, "ends": False})
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (1, 0), -10, False)]
+    assert rows(level, (0,), (1, 0), STAY) == [(1, (0,), (1, 0), -10, False)]
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (2, 0), 0, True)]
+
+
+def test_a_robot_that_is_hit_on_an_exit_gets_the_reward_of_the_hit_and_is_done() -> None:
+    level = reference(size=[3, 1], movers=[{"path": [[2, 0]]}], hit={"reward": -10, "ends": False})
+    assert rows(level, (0,), (1, 0), EAST) == [(1, (0,), (2, 0), -10, True)]
+
+
+def test_an_item_is_taken_in_a_step_that_hits() -> None:
+    level = reference(
+        size=[3, 1],
+        items=[{"name": "coin", "at": [1, 0], "reward": 5}],
+        movers=[{"path": [[1, 0]]}],
+        hit={"ends": False},
+        rewards={"step": -0.5},
+    )
+    assert rows(level, (0, 0), (0, 0), EAST) == [(1, (1, 0), (1, 0), -1, False)]
+
+
+def test_a_path_there_and_back_does_not_repeat_its_ends() -> None:
+    def cells(path: list[list[int]], back: bool) -> list[Cell]:
+        level = reference(size=[3, 2], start=[0, 1], movers=[{"path": path, "back": back}])
+        return level.mover_cells[0]
+
+    row = [[0, 0], [1, 0], [2, 0]]
+    assert cells(row, back=True) == [(0, 0), (1, 0), (2, 0), (1, 0)]
+    assert cells(row[:2], back=True) == [(0, 0), (1, 0)]
+    assert cells(row[:1], back=True) == [(0, 0)]
+    assert cells([[0, 0], [1, 0], [1, 0]], back=False) == [(0, 0), (1, 0), (1, 0)]
+
+
+def test_a_path_begins_again_after_its_last_phase() -> None:
+    level = reference(
+        size=[3, 2], start=[0, 1], movers=[{"path": [[0, 0], [1, 0], [2, 0]], "back": True}]
+    )
+    assert level.configurations == [(0,), (1,), (2,), (3,)]
+    assert rows(level, (3,), (0, 1), STAY) == [(1, (0,), (0, 1), -1, False)]
+
+
+def test_a_random_mover_stays_or_takes_an_open_side_of_its_region() -> None:
+    level = reference(
+        size=[3, 2],
+        start=[0, 1],
+        walls=[{"at": [1, 0], "side": "E", "pass": 0.5}],
+        movers=[{"within": {"at": [0, 0], "size": [3, 1]}, "start": [1, 0]}],
+    )
+    assert level.configurations == [(0,), (1,)]
+    assert rows(level, (1,), (0, 1), STAY) == [
+        (0.5, (0,), (0, 1), -1, False),
+        (0.5, (1,), (0, 1), -1, False),
+    ]
+
+
+def test_a_random_mover_without_a_start_begins_anywhere_in_its_region() -> None:
+    level = reference(size=[3, 2], exit=[0, 1], movers=[{"within": {"at": [1, 0], "size": [2, 2]}}])
+    assert beginnings(level) == {((value,), (0, 0)): 0.25 for value in range(4)}
+    # At [1, 0]: it stays, or goes to [2, 0] or [1, 1]; [0, 0] is outside its region.
+    assert rows(level, (0,), (0, 0), STAY) == [
+        (1 / 3, (value,), (0, 0), -1, False) for value in (0, 1, 2)
+    ]
+
+
+def test_a_mover_finds_a_door_closed_in_the_step_that_opens_it() -> None:
+    level = reference(
+        size=[3, 2],
+        start=[0, 1],
+        items=[{"name": "key", "at": [1, 1]}],
+        doors=[{"at": [0, 0], "side": "E", "needs": "key"}],
+        movers=[{"within": {"at": [0, 0], "size": [2, 1]}, "start": [0, 0]}],
+    )
+    assert rows(level, (0, 0), (0, 1), EAST) == [(1, (1, 0), (1, 1), -1, False)]
+    assert rows(level, (1, 0), (1, 1), STAY) == [
+        (0.5, (1, 0), (1, 1), -1, False),
+        (0.5, (1, 1), (1, 1), -1, False),
+    ]
+
+
+@pytest.mark.parametrize(("warp_reward", "expected"), [({}, 5), ({"reward": 2}, 2)])
+def test_a_warp_onto_an_item_takes_it(warp_reward: dict[str, int], expected: int) -> None:
+    level = reference(
+        size=[5, 1],
+        warps=[{"at": [1, 0], "to": [3, 0], **warp_reward}],
+        items=[{"name": "coin", "at": [3, 0], "reward": 5}],
+    )
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (3, 0), expected, False)]
+
+
+def test_a_warp_to_a_start_arrives_there() -> None:
+    level = reference(
+        size=[2, 3],
+        start=[[0, 0], [1, 1]],
+        exit=[0, 2],
+        warps=[{"at": [1, 0], "to": "start"}],
+        items=[{"name": "coin", "at": [1, 1], "reward": 5}],
+    )
+    assert beginnings(level) == {((0,), (0, 0)): 0.5, ((1,), (1, 1)): 0.5}
+    assert rows(level, (0,), (0, 0), EAST) == [
+        (0.5, (0,), (0, 0), -1, False),
+        (0.5, (1,), (1, 1), 5, False),
+    ]
+
+
+@pytest.mark.parametrize(
+    "warp",
+    [
+        {"at": [0, 0], "to": [0, 0], "when": "leave"},
+        {"at": [1, 0], "to": [0, 0]},
+    ],
+)
+def test_a_warp_back_to_the_same_cell_arrives_there(warp: dict[str, Any]) -> None:
+    level = reference(size=[3, 1], warps=[warp], switches=[{"name": "lever", "at": [0, 0]}])
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (0, 0), -1, False)]
+    assert rows(level, (0,), (0, 0), STAY) == [(1, (0,), (0, 0), -1, False)]
+
+
+def test_an_item_that_the_robot_flies_over_is_not_taken() -> None:
+    level = reference(size=[4, 1], wind={"east": [1]}, items=[{"name": "coin", "at": [1, 0]}])
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (0,), (2, 0), -1, False)]
+    # A move that is refused is blown to the east as well, but only by one cell.
+    assert rows(level, (0,), (0, 0), NORTH) == [(1, (1,), (1, 0), -1, False)]
+
+
+def test_wind_stops_at_a_closed_door() -> None:
+    level = reference(
+        size=[4, 1],
+        wind={"east": [1]},
+        items=[{"name": "key", "at": [1, 0]}],
+        doors=[{"at": [1, 0], "side": "E", "needs": "key"}],
+    )
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (1, 0), -1, False)]
+    assert rows(level, (1,), (1, 0), EAST) == [(1, (1,), (3, 0), 0, True)]
+
+
+def test_a_refused_move_that_the_wind_takes_to_an_item_gives_its_reward() -> None:
+    level = reference(
+        size=[1, 3],
+        wind={"south": [1]},
+        items=[{"name": "coin", "at": [0, 1], "reward": 5}],
+        rewards={"bump": -3},
+    )
+    assert rows(level, (0,), (0, 0), EAST) == [(1, (1,), (0, 1), 5, False)]
+
+
+GLASS: dict[str, Any] = {
+    "size": [3, 1],
+    "start": [1, 0],
+    "walls": [{"at": [1, 0], "side": "E", "pass": 0.25}],
+}
+
+
+def test_a_robot_that_bounces_into_a_mover_is_hit_and_pays_for_the_bounce() -> None:
+    level = reference(**GLASS, movers=[{"path": [[0, 0]]}], hit={"reward": -10})
+    assert rows(level, (0,), (1, 0), EAST) == [
+        (0.75, (0,), (0, 0), -11, True),
+        (0.25, (0,), (2, 0), 0, True),
+    ]
+
+
+def test_a_robot_that_bounces_onto_an_item_takes_it_and_pays_for_the_bounce() -> None:
+    level = reference(**GLASS, items=[{"name": "coin", "at": [0, 0], "reward": 5}])
+    assert rows(level, (0,), (1, 0), EAST) == [
+        (0.25, (0,), (2, 0), 0, True),
+        (0.75, (1,), (0, 0), 4, False),
+    ]
+
+
+def test_a_closed_door_behind_the_robot_stops_a_bounce() -> None:
+    level = reference(
+        **GLASS,
+        items=[{"name": "key", "at": [0, 0]}],
+        doors=[{"at": [0, 0], "side": "E", "needs": "key"}],
+    )
+    assert rows(level, (0,), (1, 0), EAST) == [
+        (0.75, (0,), (1, 0), -2, False),
+        (0.25, (0,), (2, 0), 0, True),
+    ]
+
+
+# Turning.
+
+
+def test_turning_stays_with_another_heading() -> None:
+    turning = TurningReference(reference(**KEY_AND_DOOR, rewards={"stay": -0.25}), "E")
+    assert turning.num_states == 24
+    # The robot stands on the middle one of three cells and looks to the east, where the door is.
+    assert turning.start == {1 * 3 + 1: 1.0}
+    assert turning.outcomes(4, LEFT) == [(1, 0 * 3 + 1, -0.25, False)]
+    assert turning.outcomes(4, RIGHT) == [(1, 2 * 3 + 1, -0.25, False)]
+    assert turning.outcomes(4, FORWARD) == [(1, 4, -1, False)]
+    assert turning.allowed(4) == {LEFT, RIGHT}
+    # To the west lies the key.
+    assert turning.outcomes(3 * 3 + 1, FORWARD) == [(1, (1 * 4 + 3) * 3 + 0, -1, False)]
+    assert turning.allowed(3 * 3 + 1) == {LEFT, RIGHT, FORWARD}
+
+
+def test_forward_keeps_the_heading_whatever_chance_does() -> None:
+    turning = TurningReference(
+        reference(start=[1, 1], skid={"probability": 0.5, "to": "sides"}), "S"
+    )
+    # The cell in the middle of nine is left to the west, the east and the south.
+    assert turning.outcomes(2 * 9 + 4, FORWARD) == [
+        (0.25, 2 * 9 + 3, -1, False),
+        (0.25, 2 * 9 + 5, -1, False),
+        (0.5, 2 * 9 + 7, -1, False),
+    ]
+
+
+def test_movers_move_while_the_robot_turns() -> None:
+    turning = TurningReference(reference(**GUARD), "E")
+    assert turning.outcomes(1 * 4 + 0, LEFT) == [(1, (1 * 4 + 0) * 4 + 0, -0.5, False)]
+    assert turning.outcomes(1 * 4 + 1, RIGHT) == [(1, (1 * 4 + 2) * 4 + 1, -1, True)]
+
+
+def test_nothing_turns_when_the_episode_is_over() -> None:
+    turning = TurningReference(reference(**KEY_AND_DOOR), "E")
+    exit_ = (1 * 4 + 2) * 3 + 2
+    assert turning.is_terminal(exit_)
+    for action in (LEFT, RIGHT, FORWARD):
+        assert turning.outcomes(exit_, action) == [(1, exit_, 0, True)]
+
+
+# Random levels.
+
+
+def test_random_levels_have_all_that_the_language_has() -> None:
+    seen: Counter[str] = Counter()
+    count = 400
+    for seed in range(count):
+        fields = random_level(Random(seed))
+        seen.update(list(fields))
+        for kind in ("items", "doors", "switches", "movers", "warps", "areas", "walls"):
+            seen.update({f"{kind} {key}" for entry in fields.get(kind, []) for key in entry})
+        seen.update(f"hit {key}" for key in fields.get("hit", {}))
+        seen.update(f"rewards {key}" for key in fields.get("rewards", {}))
+    often = """
+        size start exit exit_one_of exit_needs walls blocked puddles puddle_types areas warps wind
+        skid rewards items doors switches movers hit heading
+    """
+    for name in often.split():
+        assert seen[name] >= count // 20, name
+    details = """
+        items:at items:one_of items:reward doors:needs doors:unless doors:length switches:once
+        switches:on movers:path movers:back movers:within movers:start hit:reward hit:ends
+        warps:when warps:reward areas:reward areas:skid areas:ends walls:pass walls:length
+        rewards:bump rewards:bounce rewards:stay rewards:closer rewards:farther
+    """
+    for name in details.split():
+        assert seen[name.replace(":", " ")] >= count // 40, name
+
+
+def test_most_random_levels_have_several_configurations() -> None:
+    levels = [Reference(random_level(Random(seed))) for seed in range(100)]
+    assert sum(len(level.configurations) > 1 for level in levels) >= 80
+    assert sum(len(level.configurations) > 8 for level in levels) >= 25
+
+
+@for_each("seed", range(100))
+def test_random_levels_are_within_the_bound_of_outcomes(seed: int) -> None:
+    level = Reference(random_level(Random(seed)))
+    for results in level.results.values():
+        assert all(len(each) <= MOST_OUTCOMES for each in results)
+
+
+@for_each("seed", range(100))
+def test_probabilities_of_random_levels_sum_to_one(seed: int) -> None:
+    level = Reference(random_level(Random(seed)))
+    assert sum(level.start.values()) == pytest.approx(1)
+    for state in range(level.num_states):
+        for action in (STAY, NORTH, EAST, SOUTH, WEST):
+            outcomes = level.outcomes(state, action)
+            assert sum(probability for probability, *_ in outcomes) == pytest.approx(1)
+
+
+# The compiled tables.
+
+
+def assert_same_outcomes(found: list[Outcome], expected: list[Outcome], where: object) -> None:
+    assert [tuple(each)[1:] for each in found] == [each[1:] for each in expected], where
+    for ours, theirs in zip(found, expected, strict=True):
+        assert ours[0] == pytest.approx(theirs[0], abs=1e-12), where
+
+
+def assert_same_tables(mdp: Any, level: Reference | TurningReference, actions: int) -> None:
+    """Compare every entry of the tables, their numbering and what is told by state."""
+    assert mdp.cells == level.num_cells
+    assert mdp.configurations.dtype == np.int16
+    assert mdp.configurations.shape == (len(level.configurations), len(level.radices))
+    assert [tuple(each) for each in mdp.configurations.tolist()] == level.configurations
+    assert mdp.num_states == level.num_states
+    start = {state: float(mdp.start[state]) for state in np.flatnonzero(mdp.start).tolist()}
+    assert start == pytest.approx(level.start, abs=1e-12)
+    states = range(level.num_states)
+    assert mdp.is_terminal.tolist() == [level.is_terminal(state) for state in states]
+    assert mdp.action_mask.tolist() == [
+        [int(action in level.allowed(state)) for action in range(actions)] for state in states
+    ]
+    for state in states:
+        for action in range(actions):
+            found, expected = mdp.outcomes(state, action), level.outcomes(state, action)
+            assert_same_outcomes(found, expected, where=(state, action))
+
+
+def compare(seed: int, things: bool = True) -> None:
+    fields = random_level(Random(seed), things)
+    level = Reference(fields)
+    try:
+        mdp = brl.Level.from_fields(fields).compile()
+        assert_same_tables(mdp, level, actions=5)
+    except Exception as error:
+        error.add_note(f"the level: {fields}")
+        raise
+
+
+def compare_turning(seed: int, things: bool = True) -> None:
+    fields = random_level(Random(seed), things)
+    level = TurningReference(Reference(fields), "E")
+    try:
+        mdp: Any = brl.Level.from_fields(fields).compile()
+        assert_same_tables(mdp.turning("E"), level, actions=3)
+    except Exception as error:
+        error.add_note(f"the level: {fields}")
+        raise
+
+
+@for_each("seed", range(300))
+def test_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
+    compare(seed)
+
+
+@for_each("seed", range(100))
+def test_tables_of_random_levels_without_things_are_those_of_the_reference(seed: int) -> None:
+    compare(seed, things=False)
+
+
+@for_each("seed", range(100))
+def test_turning_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
+    compare_turning(seed)
+
+
+@for_each("seed", range(50))
+def test_turning_tables_of_levels_without_things_are_those_of_the_reference(seed: int) -> None:
+    compare_turning(seed, things=False)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(10))
+def test_tables_of_many_random_levels_are_those_of_the_reference(block: int) -> None:
+    for seed in range(1000 + 500 * block, 1500 + 500 * block):
+        compare(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(4))
+def test_turning_tables_of_many_random_levels_are_those_of_the_reference(block: int) -> None:
+    for seed in range(1000 + 500 * block, 1500 + 500 * block):
+        compare_turning(seed)
