@@ -233,8 +233,6 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
     to_a_start = intended == mdp.num_states
     target = np.where(to_a_start, over.size, headed(np.where(to_a_start, 0, intended)))
     target[over] = itself[over, None]
-    mask = table(mdp.action_mask)
-    mask[over] = 0
     obstruction = table(mdp.obstruction)
     obstruction[:, :2] = FREE
     start = np.zeros((count, HEADINGS, cells))
@@ -248,7 +246,7 @@ def _turning(mdp: Mdp, heading: str) -> Mdp:
         terminal=table(mdp.terminal),
         start=start.reshape(-1),
         is_terminal=over,
-        action_mask=mask,
+        action_mask=table(mdp.action_mask),
         intended_next_state=target.astype(np.int32),
         obstruction=obstruction,
         configurations=mdp.configurations,

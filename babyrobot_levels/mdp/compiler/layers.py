@@ -36,6 +36,9 @@ from babyrobot_levels.mdp.grid import Grid
 MAX_STATES = 2_000_000
 """The most states of a level with things."""
 
+LARGE = 50_000
+"""From so many cells on, it is worth while to look first whether the level is too large."""
+
 REACHED, ON = 1, 2
 """What the search notes of a pair: an episode can be there; and it can go on from there."""
 
@@ -132,7 +135,10 @@ class Layers:
         self._grounds: dict[tuple[tuple[bool, ...], tuple[int, ...]], Ground] = {}
         self._overs: dict[tuple[tuple[int, ...], bool], bytes] = {}
         self._steps: dict[tuple[bool, ...], list[list[int]]] = {}
-        self._ends = build_terrain(level, grid).ends.tobytes()
+        terrain = build_terrain(level, grid)
+        self._ends = terrain.ends.tobytes()
+        if self.size > LARGE and not level.movers:
+            self._check_first_items(terrain)
         self._standing = [frozenset(cells) for cells in self.crowd.cells.tolist()]
         self._cells = self.crowd.cells.tolist()
         self.starts = self._begin()
@@ -149,6 +155,34 @@ class Layers:
         )
         if draws > self._most or (self._most < 2 and max(self.things.radices, default=1) > 1):
             raise TooManyStates
+
+    def _check_first_items(self, terrain: Terrain) -> None:
+        """Refuse, before all branches are built, a level with too many things within reach.
+
+        Each item and each switch to which moves lead, without glass and warps, gives a
+        configuration of its own.
+        """
+        x, y = self.level.starts[0]
+        values = self.things.taken_at_start(next(self.things.draws()), (x, y))
+        layer = self.layer(values[: self.things.static])
+        grid = grid_with_doors(self.level, self.grid, layer.closed)
+        landing = build_moves(self.level, grid).landing.T.astype(np.intc)
+        warped = {warp.at[1] * grid.width + warp.at[0] for warp in self.level.warps}
+        sure, over = (terrain.skid < 1).tobytes(), layer.over
+        stack = [y * grid.width + x]
+        seen = bytearray(self.size)
+        changes: set[int] = set()
+        while stack:
+            for target in landing[stack.pop()].tolist():
+                if seen[target] or target in warped:
+                    continue
+                seen[target] = 1
+                if target in layer.arrivals:
+                    changes.add(target)
+                    if len(changes) + 1 > self._most:
+                        raise TooManyStates
+                elif sure[target] and not over[target]:
+                    stack.append(target)
 
     # -- layers ----------------------------------------------------------------------------
 

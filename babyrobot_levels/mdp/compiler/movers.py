@@ -17,6 +17,18 @@ from babyrobot_levels.mdp.grid import BIT, Grid
 Ints = NDArray[np.int64]
 
 
+MAX_OUTCOMES = 64
+"""The most outcomes of one state and action."""
+
+
+class TooManyWays(Exception):
+    """The movers have more ways to go than an action may have outcomes; `ways` says how many."""
+
+    def __init__(self, ways: int):
+        self.ways = ways
+        super().__init__(ways)
+
+
 class Crowd:
     """All movers of a level together.
 
@@ -108,9 +120,13 @@ class Crowd:
         Returns:
             `first` `[joint states + 1]`, where each one's begin in the other two; the next joint
             state; and its probability.
+
+        Raises:
+            TooManyWays: from some joint state the movers can go to more than `MAX_OUTCOMES`.
         """
         options: list[list[list[int]]] = []
-        for number, stride in self._strides.items():
+        # The last mover has stride 1: its choices change fastest in `product`.
+        for number, stride in reversed(self._strides.items()):
             region = {cell: value for value, cell in enumerate(self._phases[number])}
             place = {value: index for index, value in enumerate(self._choices[number])}
             options.append(
@@ -122,6 +138,9 @@ class Crowd:
                     for cell in (self._phases[number][value] for value in self._choices[number])
                 ]
             )
+        ways = prod(max(map(len, each)) for each in options)
+        if ways > MAX_OUTCOMES:
+            raise TooManyWays(ways)
         wandering: list[tuple[list[int], float]] = [
             ([sum(parts) for parts in product(*each)], 1 / prod(map(len, each)))
             for each in product(*options)
@@ -133,10 +152,6 @@ class Crowd:
         phase = (np.arange(self._period) + 1) % self._period * self._size
         following = (phase[:, None] + targets).reshape(-1)
         return first, following, np.tile(chance, self._period)
-
-    def most_ways(self, grid: Grid) -> int:
-        """Return the most joint states to which one leads."""
-        return int(np.diff(self.steps(grid)[0]).max())
 
 
 def _number(grid: Grid, cell: tuple[int, int]) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -24,6 +25,7 @@ from babyrobot_levels.mdp.compiler.layers import (
     Layers,
     TooManyStates,
 )
+from babyrobot_levels.mdp.compiler.movers import MAX_OUTCOMES, TooManyWays
 from babyrobot_levels.mdp.compiler.obstructions import obstructions
 from babyrobot_levels.mdp.compiler.outcomes import Flags, Floats, Ints
 from babyrobot_levels.mdp.configurations import Things
@@ -31,9 +33,6 @@ from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import LevelError
-
-MAX_OUTCOMES = 64
-"""The most outcomes of one state and action."""
 
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
@@ -64,8 +63,10 @@ def compile_things(level: LevelFields, grid: Grid) -> Mdp:
         layers = Layers(level, grid, things)
     except TooManyStates:
         raise _too_many_states(level, things) from None
-    if level.movers:
-        _check_outcomes(level, layers)
+    except TooManyWays as error:
+        count = sum(mover.within is not None for mover in level.movers)
+        what = f"{count} movers that walk at random have {error.ways:,} ways to go"
+        raise _too_many_outcomes(what) from None
     return _Compiler(level, layers).tables()
 
 
@@ -75,19 +76,16 @@ def _too_many_states(level: LevelFields, things: Things) -> LevelTooLarge:
     if level.exit_one_of is not None:
         count = len(level.exit_one_of)
         costs.append((count, f"`exit_one_of` with {count} cells", ("exit_one_of",)))
-    factor = 1
-    for item in level.items:
-        factor *= len(item.places) + 1
+    factor = prod(len(item.places) + 1 for item in level.items)
     items = f"{len(level.items)} item{'s' * (len(level.items) != 1)}"
     costs.append((factor, items, ("items",)))
     switches = f"{len(level.switches)} switch{'es' * (len(level.switches) != 1)}"
     costs.append((2 ** len(level.switches), switches, ("switches",)))
-    for index, (mover, radix) in enumerate(
-        zip(level.movers, things.radices[things.static :], strict=True)
-    ):
-        name = things.names[things.static + index]
-        field = "path" if mover.within is None else "within"
-        costs.append((radix, f"the mover `{name}`", ("movers", index, field)))
+    radices = things.radices[things.static :]
+    if len(radices) > 1:
+        costs.append((prod(radices), f"{len(radices)} movers", ("movers",)))
+    elif radices:
+        costs.append((radices[0], f"the mover `{things.names[-1]}`", ("movers", 0)))
     costs = sorted((cost for cost in costs if cost[0] > 1), key=lambda cost: -cost[0])
     width, height = level.size
     told = ", ".join(f"{what} ({_times(factor)})" for factor, what, _ in costs[:3])
@@ -103,14 +101,6 @@ def _times(factor: int) -> str:
     return (
         f"up to {factor:,} values" if factor < 10**9 else f"up to 10^{len(str(factor)) - 1} values"
     )
-
-
-def _check_outcomes(level: LevelFields, layers: Layers) -> None:
-    for layer in layers.layers:
-        most = max(map(len, layers.steps(layer)))
-        if most > MAX_OUTCOMES:
-            count = sum(mover.within is not None for mover in level.movers)
-            raise _too_many_outcomes(f"{count} movers that walk at random have {most} ways")
 
 
 def _too_many_outcomes(what: str) -> LevelTooLarge:
