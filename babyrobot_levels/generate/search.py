@@ -104,6 +104,7 @@ class Tally:
     tries: int = 0
     playable: int = 0
     in_split: int = 0
+    crowded: int = 0
     roomy: int = 0
     again: int = 0
     conditions: dict[str, Condition] = field(default_factory=dict)
@@ -137,6 +138,7 @@ class Tally:
         if not all(quick):
             return False
         if not candidate.has_room:
+            self.crowded += 1
             return False
         self.roomy += 1
         detour = self.conditions.get("detour")
@@ -172,17 +174,17 @@ class Tally:
         if not self.in_split:
             reason = f"none of {self.tries:,} candidates has a maze of this split"
             return UnsatisfiableError("splits", str(self.split), reason)
-        if rarest is None or not self.playable:
-            reason = (
-                f"in all of {self.tries:,} candidates it is next to the start or cuts off cells"
-            )
-            return UnsatisfiableError("exit", self.suite.exit, reason)
-        if not self.roomy:
+        if self.crowded and not self.roomy:
             reason = (
                 f"in none of {self.tries:,} candidates was there room for all keys, doors, coins "
                 "and guards"
             )
             return UnsatisfiableError(self._placed(), "", reason, 1.5)
+        if rarest is None or not self.playable:
+            reason = (
+                f"in all of {self.tries:,} candidates it is next to the start or cuts off cells"
+            )
+            return UnsatisfiableError("exit", self.suite.exit, reason)
         others = [each for each in asked_for if each is not rarest]
         met = [f"{rarest.met:,} of {self.tries:,} candidates met it"]
         met += [f"{each.met:,} met {each.name} {each.asked}" for each in others]
