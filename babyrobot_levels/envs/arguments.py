@@ -12,6 +12,8 @@ from gymnasium import error
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
+from babyrobot_levels.envs.views import DEFAULT_RADIUS, MAX_RADIUS
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.words import did_you_mean
 
@@ -50,6 +52,51 @@ def check_names(given: Iterable[str], function: Callable[..., Any], *others: str
             raise TypeError(
                 f"unexpected argument {name!r}{guess}; accepted arguments: {', '.join(accepted)}"
             )
+
+
+def checked_observation(
+    name: Any,
+    image_size: Any = None,
+    grayscale: Any = False,
+    view_radius: Any = None,
+    see_through: Any = False,
+) -> Observation:
+    """Return the observation that the arguments of an environment choose.
+
+    Raises:
+        ValueError: there is no such observation, or it does not have such an option.
+    """
+    check_choice("observation", name, OBSERVATIONS)
+    if name != "image" and (image_size is not None or grayscale):
+        raise ValueError("image_size and grayscale need observation='image'")
+    if name != "view" and (view_radius is not None or see_through):
+        raise ValueError("view_radius and see_through need observation='view'")
+    return Observation(
+        name,
+        checked_image_size(image_size),
+        bool(grayscale),
+        checked_view_radius(view_radius),
+        bool(see_through),
+    )
+
+
+def checked_view_radius(radius: Any) -> int:
+    """Return how many cells a view shows in each direction; None stands for the default.
+
+    Raises:
+        ValueError: it is not a whole number from 1 to `MAX_RADIUS`.
+    """
+    if radius is None:
+        return DEFAULT_RADIUS
+    try:
+        number = 0 if isinstance(radius, bool) else operator.index(radius)
+    except TypeError:
+        number = 0
+    if not 1 <= number <= MAX_RADIUS:
+        raise ValueError(
+            f"view_radius must be a whole number of cells, 1 to {MAX_RADIUS}, not {radius!r}"
+        )
+    return number
 
 
 def checked_image_size(image_size: Any) -> tuple[int, int] | None:

@@ -16,12 +16,12 @@ from babyrobot_levels.envs.arguments import (
     check_choice,
     check_names,
     checked_action,
-    checked_image_size,
     checked_maze_seed,
+    checked_observation,
     checked_options,
     checked_start,
 )
-from babyrobot_levels.envs.observations import OBSERVATIONS, Observer, make_observer
+from babyrobot_levels.envs.observations import Extent, Observer, make_observer
 from babyrobot_levels.envs.rendering import (
     RENDER_MODES,
     RenderedEnv,
@@ -86,6 +86,8 @@ class LevelEnv(RenderedEnv):
         render_mode: str | None = None,
         image_size: tuple[int, int] | None = None,
         grayscale: bool = False,
+        view_radius: int | None = None,
+        see_through: bool = False,
     ):
         """Make the environment of a level.
 
@@ -99,23 +101,23 @@ class LevelEnv(RenderedEnv):
                 `render`.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
+            view_radius: how many cells views show in each direction, 1 to 15; by default 3.
+            see_through: whether views show what walls, doors and blocked cells hide.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid.
             ValueError: another argument is invalid.
         """
-        check_choice("observation", observation, OBSERVATIONS)
+        self._observation = checked_observation(
+            observation, image_size, grayscale, view_radius, see_through
+        )
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, RENDER_MODES)
-        if observation != "image" and (image_size is not None or grayscale):
-            raise ValueError("image_size and grayscale need observation='image'")
         self.render_mode = render_mode
         self._given = load(level)
         self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
-        self._observation = observation
-        self._image = (checked_image_size(image_size), bool(grayscale))
         space, self._first_action = make_action_space(actions)
         self.action_space = space
         self._valid = space if isinstance(space, ValidActions) else None
@@ -139,7 +141,7 @@ class LevelEnv(RenderedEnv):
 
     def _new_observer(self, level: Level) -> Observer:
         """Return the observer of a level."""
-        return make_observer(level, self._observation, level.size, *self._image)
+        return make_observer(level, self._observation, Extent.of([self._given]))
 
     # -- episodes --------------------------------------------------------------------------
 

@@ -15,7 +15,7 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     checked_start,
 )
-from babyrobot_levels.envs.observations import Observer, make_observer
+from babyrobot_levels.envs.observations import Extent, Observer, make_observer
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.level import Level
@@ -54,7 +54,7 @@ class SuiteEnv(LevelEnv):
         self._options = ("start", "index")
 
     def _new_observer(self, level: Level) -> Observer:
-        return make_observer(level, self._observation, self.suite.largest, *self._image)
+        return make_observer(level, self._observation, Extent(self.suite.largest))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
