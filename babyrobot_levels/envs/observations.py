@@ -217,12 +217,16 @@ class ImageObserver:
     ) -> None:
         # Pictures bring Pillow; the other observations do without it.
         from babyrobot_levels.render.frames import FramePainter
+        from babyrobot_levels.render.scene.pose import STANDING
 
         self.space = image_space(extent.size, image_size, grayscale)
         height, width = self.space.shape[:2]
         right = max(1, round(width * level.size[0] / extent.size[0]))
         bottom = max(1, round(height * level.size[1] / extent.size[1]))
         self._painter = FramePainter(level, (right, bottom), grayscale)
+        self._poses = [STANDING.turned(heading) for heading in range(extent.headings)]
+        if extent.headings == 1:
+            self._poses = [STANDING]
         self._cells, self._headings = level.size[0] * level.size[1], extent.headings
         self._is_padded = (bottom, right) != (height, width)
 
@@ -231,7 +235,8 @@ class ImageObserver:
         return partial(self._padded if self._is_padded else self._frame, state)
 
     def _frame(self, state: int) -> NDArray[np.uint8]:
-        return self._painter.frame(state % self._cells)
+        heading = state // self._cells % self._headings
+        return self._painter.frame(state % self._cells, self._poses[heading])
 
     def _padded(self, state: int) -> NDArray[np.uint8]:
         frame = self._frame(state)
