@@ -14,7 +14,14 @@ from babyrobot_levels.analysis.solver.results import check_actions, check_seed
 from babyrobot_levels.envs.engine.draws import SharedDraws
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of, make_engine
 from babyrobot_levels.envs.engine.state import EnvStates, Record
-from babyrobot_levels.envs.engine.tables import ALWAYS, Flags, Floats, build_tables, info_dtype
+from babyrobot_levels.envs.engine.tables import (
+    ALWAYS,
+    Flags,
+    Floats,
+    build_tables,
+    info_dtype,
+    part_of,
+)
 from babyrobot_levels.library.catalogue import load
 
 CHUNK = 16_384
@@ -97,14 +104,15 @@ def rollout(
     if not levels:
         raise ValueError("there must be at least one level")
     mdps = [each.compile() for each in levels]
-    tables = build_tables(mdps, limits_of(levels, max_episode_steps), first)
+    parts = [part_of(each, mdp, first) for each, mdp in zip(levels, mdps, strict=True)]
+    tables = build_tables(parts, limits_of(levels, max_episode_steps))
     thresholds = np.concatenate(
         [
             _thresholds(read_policy(each, mdp, actions))
             for each, mdp in zip(_policies(policy, len(levels), several), mdps, strict=True)
         ]
     )
-    nothing = np.empty((len(tables.is_terminal), 0), np.int64)
+    nothing = np.empty((tables.state_info.size, 0), np.int64)
     stepper = make_engine(engine, tables, nothing, size)
     envs, record = EnvStates(size, len(levels)), Record.empty(steps, size)
 

@@ -125,11 +125,12 @@ class LevelVectorEnv(ChangingVectorEnv):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self._mode,
         }
-        self.single_action_space, first_action = make_action_space(actions)
-        num_actions = int(self.single_action_space.n)
+        action_set = ACTION_SETS[actions]
+        self.single_action_space, _ = make_action_space(actions)
+        num_actions = action_set.num_actions
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)
-        self._samples_valid = ACTION_SETS[actions].samples_valid
+        self._samples_valid = action_set.samples_valid
         self._engine_name = engine
         self._observer = make_batch_observer(
             played.largest,
@@ -138,14 +139,17 @@ class LevelVectorEnv(ChangingVectorEnv):
             bool(grayscale),
             self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
-        self._set_levels(played, first_action, max_episode_steps, bool(draw_levels))
+        self._set_levels(played, action_set, max_episode_steps, bool(draw_levels))
         self._most_draws = self.num_envs * (self._tables.most_draws + int(self._slots is not None))
         self._has_level_numbers = self._slots is not None or len(self.levels) > 1
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
+        self._has_items, self._has_movers = played.num_items > 0, self._tables.has_hits
         self._info_dtype = info_dtype(num_actions)
-        self._layout = Layout(self.num_envs, self._observer.table.shape[1], self._info_dtype)
+        self._layout = Layout(
+            self.num_envs, self._observer.table.shape[1], num_actions, played.num_items
+        )
         self._kept = None if self._copy else Results(self._layout)
         self._has_begun = False
 
@@ -213,7 +217,12 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
         results.words[~is_reset] = 0
-        values = {"action_mask": results.infos["mask"], **self._digests(which)}
+        results.held_words[~is_reset] = 0
+        values = {
+            "action_mask": results.infos["mask"],
+            **self._things(results),
+            **self._digests(which),
+        }
         info = self._masked(values, is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
 
@@ -264,6 +273,10 @@ class LevelVectorEnv(ChangingVectorEnv):
             "skidded": infos["skidded"],
             "_skidded": acted,
         }
+        if self._has_items or self._has_movers:
+            for key, value in self._things(results).items():
+                info[key] = value
+                info[f"_{key}"] = all_true
         if self._has_level_numbers:
             for key, numbers in self._level_numbers().items():
                 info[key] = numbers
@@ -297,7 +310,18 @@ class LevelVectorEnv(ChangingVectorEnv):
         """Write the observations and infos of environments that were reset."""
         state = self._envs.state[which]
         results.words[which] = self._tables.state_info[state]
+        results.hit[which] = False
+        results.held_words[which] = self._tables.held[state]
         results.observations[which] = self._observer.table[state]
+
+    def _things(self, results: Results) -> dict[str, NDArray[np.bool_]]:
+        """Return what infos say about things."""
+        told: dict[str, NDArray[np.bool_]] = {}
+        if self._has_items:
+            told["held"] = results.items["held"]
+        if self._has_movers:
+            told["hit"] = results.hit
+        return told
 
     def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
         """Return an info of values that hold in some environments."""
@@ -321,6 +345,9 @@ class LevelVectorEnv(ChangingVectorEnv):
             "target_reached": infos["reached"],
             "skidded": infos["skidded"],
         }
+        for key, told in self._things(results).items():
+            values[key] = np.zeros_like(told)
+            values[key][done] = told[done]
         observations = np.full(self.num_envs, None, object)
         final = self._observer.at(envs.state[done])
         for number, one in zip(done, final if final.ndim > 1 else final.tolist(), strict=True):
