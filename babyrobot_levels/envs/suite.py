@@ -13,12 +13,12 @@ from babyrobot_levels.envs.arguments import (
     check_names,
     checked_index,
     checked_options,
-    checked_start,
+    start_states,
 )
-from babyrobot_levels.envs.observations import Observer, make_observer
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import HEADINGS
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
@@ -53,8 +53,9 @@ class SuiteEnv(LevelEnv):
         super().__init__(self.suite[0], **kwargs)
         self._options = ("start", "index")
 
-    def _new_observer(self, level: Level) -> Observer:
-        return make_observer(level, self._observation, self.suite.largest, *self._image)
+    def _extent(self) -> Extent:
+        turns = self._actions.turns
+        return Extent(self.suite.largest, headings=HEADINGS if turns else 1)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -81,7 +82,8 @@ class SuiteEnv(LevelEnv):
             index = int(self.np_random.random() * len(self.suite))
         level = self.suite[index]
         # A refused reset leaves the current episode as it is.
-        checked_start(options.get("start"), level)
+        if options.get("start") is not None:
+            start_states(options["start"], level, self._actions.tables(level))
         self._enter(level)
         observation, info = super().reset(options=options)
         info["level_index"], info["level_digest"] = index, level.digest

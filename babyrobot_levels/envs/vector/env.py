@@ -15,7 +15,7 @@ from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_actions,
     checked_autoreset_mode,
-    checked_image_size,
+    checked_observation,
     checked_options,
     checked_reset_mask,
     checked_start,
@@ -24,7 +24,7 @@ from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
-from babyrobot_levels.envs.observations import OBSERVATIONS
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.rendering import RENDER_FPS
 from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
@@ -108,12 +108,10 @@ class LevelVectorEnv(ChangingVectorEnv):
             ImportError: the compiled engine is required and not installed.
             ValueError: another argument is invalid.
         """
-        check_choice("observation", observation, OBSERVATIONS)
+        chosen = checked_observation(observation, image_size, grayscale)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
-        if observation != "image" and (image_size is not None or grayscale):
-            raise ValueError("image_size and grayscale need observation='image'")
         size = None if num_envs is None else checked_count("num_envs", num_envs)
         played = checked_levels(level, levels, bool(draw_levels), size)
         self.levels, self._largest = played.levels, played.largest
@@ -133,10 +131,8 @@ class LevelVectorEnv(ChangingVectorEnv):
         self._samples_valid = action_set.samples_valid
         self._engine_name = engine
         self._observer = make_batch_observer(
-            played.largest,
-            observation,
-            checked_image_size(image_size),
-            bool(grayscale),
+            chosen,
+            Extent(played.largest),
             self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
         self._set_levels(played, action_set, max_episode_steps, bool(draw_levels))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
@@ -25,11 +25,24 @@ class Pose:
         mood: what has just happened to it.
         phase: the part of a move from cell to cell that is done, 0 to 1. The robot bobs while it
             moves; at 0 and 1 it stands.
+        heading: of a robot that turns, the direction of its next move, 0 N, 1 E, 2 S, 3 W; None
+            for one that does not turn.
     """
 
     facing: Action = Action.STAY
     mood: Mood = Mood.CALM
     phase: float = 0.0
+    heading: int | None = None
+
+    def turned(self, heading: int | None) -> Pose:
+        """Return the pose of a robot that turns, which looks where it is heading.
+
+        None gives the pose of one that does not turn: this one.
+        """
+        if heading is None:
+            return self
+        facing = self.facing if self.mood is Mood.CHEER else Action(heading + Action.NORTH)
+        return replace(self, facing=facing, heading=heading)
 
 
 _FACINGS = {move: action for action, move in DELTAS.items()}
