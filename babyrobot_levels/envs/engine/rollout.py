@@ -108,8 +108,10 @@ def rollout(
     tables = build_tables(parts, limits_of(levels, max_episode_steps))
     thresholds = np.concatenate(
         [
-            _thresholds(read_policy(each, mdp, actions))
-            for each, mdp in zip(_policies(policy, len(levels), several), mdps, strict=True)
+            _thresholds(read_policy(each, mdp, actions, one.things()))
+            for each, one, mdp in zip(
+                _policies(policy, len(levels), several), levels, mdps, strict=True
+            )
         ]
     )
     nothing = np.empty((tables.state_info.size, 0), np.int64)
