@@ -17,7 +17,7 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
-from babyrobot_levels.render.scene.things import moving_shapes, pieces
+from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 if TYPE_CHECKING:
@@ -116,7 +116,8 @@ def build_layers(
     layers["things"] = tuple(
         shape for piece in pieces(level, layout, situation) for shape in piece.shapes
     )
-    layers["movers"] = tuple(moving_shapes(level, layout, situation, cell))
+    movers = moving_pieces(level, layout, situation, cell)
+    layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
     layers |= overlay_shapes(level, overlay.at(configuration, heading), layout)._asdict()
     title = level.title or level.name or "Level"
     return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}

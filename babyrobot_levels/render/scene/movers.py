@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 Cell = tuple[int, int]
 
 _WHITE = "#ffffff"
-_CORNERS = ((0.24, -0.24), (0.24, 0.24), (-0.24, -0.24), (-0.24, 0.24))
+_CORNERS = ((0.2, -0.2), (0.2, 0.2), (-0.2, -0.2), (-0.2, 0.2))
 """Where movers are that share their cell, as shares of a cell from its centre."""
-_SMALL = 0.66
+_SMALL = 0.62
 """The scale of a mover that shares its cell."""
 
 

@@ -52,8 +52,8 @@ STANDING = Pose()
 
 
 def pose_of(
-    previous_state: int,
-    state: int,
+    previous_cell: int,
+    cell: int,
     action: int,
     width: int,
     *,
@@ -66,16 +66,16 @@ def pose_of(
     in the direction of its action. At an exit it cheers, facing the viewer.
 
     Args:
-        previous_state: the cell before the step, `y * width + x`.
-        state: the cell after the step.
+        previous_cell: the number of the cell before the step, `y * width + x`.
+        cell: that of the cell after the step.
         action: the action, a `brl.Action`.
         width: the number of columns of the level.
         skidded: whether the robot skidded to another cell than the action leads to.
-        at_exit: whether the cell after the step is an exit.
+        at_exit: whether the cell after the step is an exit that ends the episode.
     """
     if at_exit:
         return Pose(mood=Mood.CHEER)
-    before_y, before_x = divmod(previous_state, width)
-    y, x = divmod(state, width)
+    before_y, before_x = divmod(previous_cell, width)
+    y, x = divmod(cell, width)
     facing = _FACINGS.get((x - before_x, y - before_y), Action(action))
     return Pose(facing, Mood.SLIP if skidded else Mood.CALM)

@@ -42,6 +42,15 @@ def place_of(level: GridWorld, state: int) -> Place:
     return Place(configuration, x, y)
 
 
+def is_at_open_exit(level: GridWorld, state: int) -> bool:
+    """Return whether the robot is at an exit that ends the episode."""
+    place = place_of(level, state)
+    if not level.has_things:
+        return place.cell in level.exits
+    now = level.configuration(place.configuration)
+    return now.exit_is_open and place.cell in now.exits
+
+
 @dataclass(frozen=True, slots=True)
 class Situation:
     """What is where.
@@ -63,6 +72,11 @@ class Situation:
     movers: tuple[Cell, ...]
     doors: tuple[bool, ...]
     is_overview: bool = False
+
+    @property
+    def standing(self) -> tuple[object, ...]:
+        """Everything but movers: situations in which it is the same have the same pieces."""
+        return self.exits, self.is_locked, self.items, self.on, self.doors, self.is_overview
 
     @property
     def lying(self) -> frozenset[Cell]:

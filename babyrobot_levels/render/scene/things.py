@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.things import Door
@@ -51,12 +52,17 @@ class Piece:
         name: what it is and what it shows: the same name gives the same shapes in all pictures of
             one layout of a level.
         box: left, top, right and bottom of the rectangle that contains its shapes, in pixels.
-        shapes: its shapes, in painting order.
+        draw: returns its shapes.
     """
 
-    name: tuple[str | int | bool, ...]
+    name: tuple[Hashable, ...]
     box: Box
-    shapes: tuple[Shape, ...]
+    draw: Callable[[], Iterable[Shape]]
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Its shapes, in painting order."""
+        return tuple(self.draw())
 
 
 def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
@@ -69,24 +75,25 @@ def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
         return
     if situation.is_overview:
         whole = (0.0, 0.0, layout.width, layout.height)
-        yield Piece(("tracks",), whole, tuple(track_shapes(level, layout)))
+        yield Piece(("tracks",), whole, partial(track_shapes, level, layout))
     yield from _exits(level, layout, situation)
     for number, is_on in enumerate(situation.on):
         cell = level.switches[number].at
-        shapes = tuple(_switch(level, layout, number, is_on))
-        yield Piece(("switch", number, is_on), _cell_box(layout, cell), shapes)
+        draw = partial(_switch, level, layout, number, is_on)
+        yield Piece(("switch", number, is_on), _cell_box(layout, cell), draw)
     for number, cells in enumerate(situation.items):
         for cell in cells:
             faint = len(cells) > 1
-            shapes = tuple(_item(level, layout, number, cell, faint))
-            yield Piece(("item", number, *cell, faint), _cell_box(layout, cell), shapes)
+            draw = partial(_item, level, layout, number, cell, faint)
+            yield Piece(("item", number, cell, faint), _cell_box(layout, cell), draw)
     for number, closed in enumerate(situation.doors):
         door = level.doors[number]
         for x, y in sides_of(door):
             centre, is_upright = _side_centre(layout, door, x, y)
-            shapes = tuple(_door(level, door, centre, is_upright, closed))
-            box = (centre[0] - 36, centre[1] - 36, centre[0] + 36, centre[1] + 36)
-            yield Piece(("door", number, x, y, closed), box, shapes)
+            draw = partial(_door, level, door, centre, is_upright, closed)
+            reach = max(36.0, (door.width or 0.0) / 2 + 8)
+            box = centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach
+            yield Piece(("door", number, (x, y), closed), box, draw)
     yield from _held(level, layout, situation)
 
 
@@ -228,13 +235,12 @@ def _exits(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
         return
     faint = situation.is_overview and is_drawn
     for cell in situation.exits:
-        shapes: list[Shape] = []
+        box = _cell_box(layout, cell)
         if is_drawn:
-            shapes += _drawn_exit(level, layout, cell, faint)
+            draw = partial(_drawn_exit, level, layout, cell, faint)
+            yield Piece(("exit", cell, faint), box, draw)
         if situation.is_locked:
-            shapes += _lock(level, layout, cell)
-        name = ("exit", *cell, situation.is_locked, faint)
-        yield Piece(name, _cell_box(layout, cell), tuple(shapes))
+            yield Piece(("lock", cell), box, partial(_lock, level, layout, cell))
 
 
 def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> Iterator[Shape]:
@@ -274,27 +280,41 @@ def _held(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Pi
         x, y = slots.centre(number)
         half = slots.side / 2
         color = item.color or default_color(item.picture, colors)
-        shapes = item_shapes(
-            item.picture, color, Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None)
-        )
+        spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None)
         box = (x - half, y - half, x + half, y + half)
-        yield Piece(("held", number, not cells), box, tuple(shapes))
+        draw = partial(item_shapes, item.picture, color, spot)
+        yield Piece(("held", number, not cells), box, draw)
 
 
 # -- movers --------------------------------------------------------------------------------------
 
 
-def moving_shapes(
+def moving_pieces(
     level: GridWorld, layout: Layout, situation: Situation, robot: Cell | None
-) -> Iterator[Shape]:
-    """Yield the movers, in front of the robot; those that share its cell are smaller."""
-    base = level.resolved_theme.colors.base
-    for number, spot in enumerate(mover_spots(level, layout, situation, robot)):
+) -> Iterator[tuple[Cell, Piece]]:
+    """Yield the movers, in front of the robot, each with its cell.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        situation: what is where.
+        robot: the robot's cell, None without it. Who shares a cell is drawn smaller, in a corner.
+    """
+    spots = mover_spots(level, layout, situation, robot)
+    for number, (cell, spot) in enumerate(zip(situation.movers, spots, strict=True)):
         mover = level.movers[number]
-        is_drawn = mover.within is not None and mover.start is None
-        if situation.is_overview and is_drawn:
-            yield from mover_shapes(level, number, Spot(spot.x, spot.y, spot.scale, base))
-            yield from _question_mark(spot.x + 14 * spot.scale, spot.y + 13 * spot.scale)
-        else:
-            yield from mover_shapes(level, number, spot)
-        yield from _label(level, layout, situation.movers[number], mover.label)
+        faint = situation.is_overview and mover.within is not None and mover.start is None
+        draw = partial(_mover, level, layout, number, cell, spot, faint)
+        yield cell, Piece(("mover", number, cell, spot, faint), _cell_box(layout, cell), draw)
+
+
+def _mover(
+    level: GridWorld, layout: Layout, number: int, cell: Cell, spot: Spot, faint: bool
+) -> Iterator[Shape]:
+    if faint:
+        ground = level.resolved_theme.colors.base
+        yield from mover_shapes(level, number, replace(spot, faded_on=ground))
+        yield from _question_mark(spot.x + 14 * spot.scale, spot.y + 13 * spot.scale)
+    else:
+        yield from mover_shapes(level, number, spot)
+    yield from _label(level, layout, cell, level.movers[number].label)
