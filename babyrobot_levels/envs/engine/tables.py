@@ -152,10 +152,15 @@ class Tables:
         """How many draws a step takes at most, including an autoreset."""
         return int(self.first.size > 0) + self.draws_per_reset
 
-    def starting_at(self, starts: Ints) -> Tables:
-        """Return tables with one start for each level, given in the level's own numbering."""
-        first_start = np.arange(starts.size + 1)
-        return replace(self, starts=self.offset[:-1] + starts, first_start=first_start)
+    def starting_at(self, starts: Sequence[Sequence[int]]) -> Tables:
+        """Return tables with other starts, for each level one or more in its own numbering."""
+        count = [len(each) for each in starts]
+        states = np.repeat(self.offset[:-1], count) + np.concatenate(starts)
+        return replace(
+            self,
+            starts=states.astype(np.intp),
+            first_start=np.cumsum([0, *count]).astype(np.intp),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -210,9 +215,10 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
     state_info = np.zeros(mdp.num_states, info_dtype(masks.shape[1]))
     state_info["mask"] = masks
     info = state_info[next_state]
-    info["end"] = TERMINAL * mdp.terminal[rows]
+    end = TERMINAL * mdp.terminal[rows].view(np.uint8)
     if level.movers:
-        info["end"] += HIT * hits_of(level, mdp)[rows]
+        end += HIT * hits_of(level, mdp)[rows].view(np.uint8)
+    info["end"] = end
     info["reached"] = events == Event.REACHED
     info["skidded"] = events == Event.SKIDDED
     columns = {

@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import prod
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.arguments import checked_start
+from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.envs.engine.factory import limits_of, make_engine
 from babyrobot_levels.envs.engine.tables import (
     Part,
@@ -22,10 +23,13 @@ from babyrobot_levels.envs.engine.tables import (
     build_tables,
     empty_tables,
     needed,
+    num_words,
     part_of,
     write_part,
 )
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
+from babyrobot_levels.envs.suite import suite_extent
 from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
 from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
 from babyrobot_levels.generate.suites import Suite
@@ -54,7 +58,6 @@ class Family(Protocol):
         option: the name of the option of `reset` that selects a number.
         count: numbers are drawn from 0 up to but not including this.
         kept: how many levels to keep at most for later episodes.
-        largest: the largest width and height of a level, in cells.
         levels: the levels, as they were given.
     """
 
@@ -62,7 +65,6 @@ class Family(Protocol):
     option: str
     count: int
     kept: int
-    largest: tuple[int, int]
     levels: Sequence[Level]
 
     def level(self, number: int) -> Level:
@@ -77,7 +79,6 @@ class SuiteLevels:
 
     def __init__(self, suite: Suite) -> None:
         self.levels: Sequence[Level] = suite
-        self.largest = suite.largest
         self.count = self.kept = len(suite)
 
     def level(self, number: int) -> Level:
@@ -94,7 +95,6 @@ class GrownMazes:
 
     def __init__(self, level: Level) -> None:
         self.levels: Sequence[Level] = (level,)
-        self.largest = level.size
 
     def level(self, number: int) -> Level:
         """Return the level with the maze of a seed."""
@@ -107,18 +107,22 @@ class Played:
 
     Attributes:
         levels: the levels, as they were given.
-        largest: the largest width and height of one of them, in cells.
+        extent: the extent of all of them.
         num_items: the most items of one of them.
+        has_movers: whether one of them has movers.
         family: makes levels at resets; None if `levels` has all that are needed.
     """
 
     levels: Sequence[Level]
-    largest: tuple[int, int]
+    extent: Extent
     num_items: int
+    has_movers: bool
     family: Family | None = None
 
 
-def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | None) -> Played:
+def checked_levels(
+    level: Any, levels: Any, draw_levels: bool, num_envs: int | None, turns: bool
+) -> Played:
     """Return the levels that the arguments of a vector environment name.
 
     Args:
@@ -126,6 +130,7 @@ def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | N
         levels: several of them, a suite, or None.
         draw_levels: whether each episode draws its level.
         num_envs: how many environments there are, if it is given.
+        turns: whether robots turn.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -139,26 +144,28 @@ def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | N
     if levels is not None and not len(levels):
         raise ValueError("levels must have at least one level in it")
     if isinstance(levels, Suite):
-        if draw_levels:
-            return Played(levels, levels.largest, len(levels[0].items), SuiteLevels(levels))
-        # No more levels are needed, and a suite may have a billion.
-        made = tuple(levels[:num_envs])
-        return Played(made, levels.largest, _most_items(made))
+        # Without drawing, no more levels are needed, and a suite may have a billion.
+        return Played(
+            levels if draw_levels else tuple(levels[:num_envs]),
+            suite_extent(levels, turns=turns),
+            levels.most_items,
+            levels.has_guards,
+            SuiteLevels(levels) if draw_levels else None,
+        )
     loaded = tuple(load(each) for each in ([level] if levels is None else levels))
-    widths, heights = zip(*(each.size for each in loaded), strict=True)
-    largest = max(widths), max(heights)
-    if not any(each.has_random_maze for each in loaded):
-        return Played(loaded, largest, _most_items(loaded))
-    if len(loaded) > 1:
+    is_random = any(each.has_random_maze for each in loaded)
+    if is_random and len(loaded) > 1:
         raise ValueError(
             "a level with `maze: {seed: random}` must be the only one; instead, draw some of its "
             "mazes: levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
         )
-    return Played(loaded, largest, _most_items(loaded), GrownMazes(loaded[0]))
-
-
-def _most_items(levels: Iterable[Level]) -> int:
-    return max(len(level.items) for level in levels)
+    return Played(
+        loaded,
+        Extent.of(loaded, turns=turns),
+        max(len(each.items) for each in loaded),
+        any(each.movers for each in loaded),
+        GrownMazes(loaded[0]) if is_random else None,
+    )
 
 
 def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs: int) -> Any:
@@ -202,7 +209,7 @@ class Slots:
 
     def __init__(
         self,
-        family: Family,
+        played: Played,
         num_envs: int,
         actions: ActionSet,
         limit: int,
@@ -211,26 +218,25 @@ class Slots:
         """Put the level of number 0 into slot 0.
 
         Args:
-            family: makes the levels.
+            played: the levels, of which a family makes each.
             num_envs: how many environments there are; there may be as many slots at least.
             actions: the actions of the environments.
             limit: the time limit of all levels.
             observer: the observer of the levels in the slots.
         """
-        self.family, self._observer = family, observer
+        assert played.family is not None
+        self.family, self._observer = played.family, observer
         self._actions, self._limit, self._num_envs = actions, limit, num_envs
+        self._has_movers = played.has_movers
         self._slot_of: dict[int, int] = {}
         self.levels: list[Level | None] = []
         self.numbers = np.empty(0, np.int64)
         self._used_at, self._clock = np.empty(0, np.int64), 0
-        first = family.level(0)
+        first = self.family.level(0)
         part = self._part(first)
-        self._has_hits = part.has_hits
         # A level of the largest size, if it has as many configurations as the first one.
-        width, height = first.size
-        states = part.state_info.size // (width * height)
-        states *= family.largest[0] * family.largest[1]
-        self._room = Room(0, states, part.starts.size, part.held.shape[1])
+        states = part.state_info.size // prod(first.size) * played.extent.cells
+        self._room = Room(0, states, part.starts.size, num_words(played.num_items))
         self.place(np.zeros(1, np.intp), np.zeros(1, np.intp), np.zeros(1, np.int64), {0: first})
 
     def levels_of(self, numbers: Iterable[int]) -> dict[int, Level]:
@@ -324,7 +330,7 @@ class Slots:
         more = room.slots - self._room.slots
         self._room = room
         num_actions = self._actions.num_actions
-        self.tables = empty_tables(room, num_actions, self._limit, self._has_hits)
+        self.tables = empty_tables(room, num_actions, self._limit, self._has_movers)
         self._observer.grow(self.tables.offset)
         self.levels += [None] * more
         self.numbers = np.append(self.numbers, np.zeros(more, np.int64))
@@ -342,13 +348,13 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
     _observer: BatchObserver
     _engine: Engine
     _engine_name: str | None
-    _samples_valid: bool
     _slots: Slots | None = None
 
     def _set_levels(
         self, played: Played, actions: ActionSet, max_episode_steps: Any, draw_levels: bool
     ) -> None:
         """Make the tables of the levels, and an engine for them."""
+        self._actions = actions
         if played.family is None:
             limits = limits_of(self.levels, max_episode_steps)
             parts = [part_of(each, actions.tables(each), actions.first) for each in self.levels]
@@ -357,7 +363,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
             self._playing = self.levels
         else:
             limit = limits_of([played.family.level(0)], max_episode_steps)[0]
-            self._slots = Slots(played.family, self.num_envs, actions, limit, self._observer)
+            self._slots = Slots(played, self.num_envs, actions, limit, self._observer)
             tables, self._playing = self._slots.tables, self._slots.levels
         self._use(tables)
 
@@ -365,7 +371,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         """Switch to tables."""
         self._tables = tables
         self._engine = make_engine(self._engine_name, tables, self._observer.table, self.num_envs)
-        if self._samples_valid:
+        if self._actions.samples_valid:
             self.action_space.state_info = tables.state_info
 
     def _level_numbers(self) -> dict[str, NDArray[np.int64]]:
@@ -398,8 +404,9 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         else:
             wanted = numbers[which]
         levels = slots.levels_of(wanted.tolist())
-        for level in levels.values():
-            checked_start(start, level)
+        if start is not None:
+            for level in levels.values():
+                start_states(start, level, self._actions.tables(level))
         envs, before = self._envs, self._envs.level.copy()
         spans = slots.place(envs.level, which, wanted, levels)
         if spans is None:
