@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from math import prod
 from typing import Any
 
 import gymnasium
@@ -15,9 +16,10 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.observations import MAX_STATES, Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
+from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.mdp.actions import HEADINGS
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
@@ -54,8 +56,7 @@ class SuiteEnv(LevelEnv):
         self._options = ("start", "index")
 
     def _extent(self) -> Extent:
-        turns = self._actions.turns
-        return Extent(self.suite.largest, headings=HEADINGS if turns else 1)
+        return suite_extent(self.suite, turns=self._actions.turns)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -127,6 +128,18 @@ def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
     if not len(played):
         raise ValueError("the suite has no levels: the slice is empty")
     return loaded, played
+
+
+def suite_extent(suite: Suite, *, turns: bool) -> Extent:
+    """Return the extent of all levels that a suite can have, without making them.
+
+    Args:
+        suite: the suite.
+        turns: whether the robot turns.
+    """
+    smallest = prod(bounds(suite.fields.size)[0])
+    configurations = min(prod(suite.radices), MAX_STATES // smallest)
+    return Extent(suite.largest, suite.radices, configurations, HEADINGS if turns else 1)
 
 
 def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:

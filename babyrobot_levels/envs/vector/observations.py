@@ -41,11 +41,10 @@ class BatchObserver(Protocol):
     table: NDArray[np.int64]
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels.
+        """Make room for levels. Those that were set before have to be set again.
 
         Args:
-            offset: intp `[levels + 1]`: where each level's states begin. Those of the present
-                levels do not change.
+            offset: intp `[levels + 1]`: where each level's states begin.
         """
 
     def write(self, number: int, level: Level) -> None:
@@ -81,9 +80,9 @@ class BatchNumericObserver(BatchObserver):
         self.table = np.zeros((0, *(self.space.shape or (1,))), np.int64)
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels, whose states begin at `offset`."""
+        """Make room for levels, whose states begin at `offset`."""
         self._offset = offset
-        self.table = np.pad(self.table, ((0, offset[-1] - len(self.table)), (0, 0)))
+        self.table = np.zeros((offset[-1], self.table.shape[1]), np.int64)
 
     def write(self, number: int, level: Level) -> None:
         """Set the level with a number."""
@@ -119,7 +118,7 @@ class BatchImageObserver(BatchObserver):
         self._buffer: NDArray[np.uint8] | None = None
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels, whose states begin at `offset`."""
+        """Make room for levels, whose states begin at `offset`."""
         self._offset = offset
         self.table = np.empty((offset[-1], 0), np.int64)
 
