@@ -242,11 +242,6 @@ def _number_of(values: Values, configurations: NDArray[np.int16]) -> int | None:
     return first if first < last else None
 
 
-def checked_start(start: Any, level: Level) -> int | None:
-    """Return the state of a cell in which an episode of a level without things can start."""
-    return None if start is None else start_states(start, level, level.compile())[0]
-
-
 def checked_maze_seed(maze_seed: Any) -> int | None:
     """Return the maze seed of a reset, None for None.
 

@@ -84,7 +84,7 @@ class Pictures:
                     self._view.set_overlay(None)
             self._enter(level)
             if self._view is not None:
-                self._view.set_level(level, state % self._num_cells)
+                self._view.set_level(level, state)
         self._state, self._pose = state, STANDING.turned(heading)
         self._follow()
 
@@ -134,7 +134,7 @@ class Pictures:
         """Update what is on the screen."""
         self._is_up_to_date = False
         if self._view is not None:
-            self._view.move(self._cell, self._pose)
+            self._view.move(self._state, self._pose)
         if self._mode == "human":
             self.render()
 
@@ -178,7 +178,7 @@ class Pictures:
 
             self._view = LevelView(self._level)
             self._view.set_overlay(self._overlay)
-            self._view.move(self._cell, self._pose)
+            self._view.move(self._state, self._pose)
         return self._view
 
     def _frame(self) -> NDArray[np.uint8]:
@@ -186,7 +186,7 @@ class Pictures:
             from babyrobot_levels.render.frames import FramePainter
 
             self._frames = FramePainter(self._level, overlay=self._overlay)
-        return self._frames.frame(self._cell, self._pose)
+        return self._frames.frame(self._state, self._pose)
 
     def _text_painter(self, *, plain: bool) -> TextPainter:
         if plain not in self._texts:

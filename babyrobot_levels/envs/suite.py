@@ -139,7 +139,8 @@ def suite_extent(suite: Suite, *, turns: bool) -> Extent:
     """
     smallest = prod(bounds(suite.fields.size)[0])
     configurations = min(prod(suite.radices), MAX_STATES // smallest)
-    return Extent(suite.largest, suite.radices, configurations, HEADINGS if turns else 1)
+    headings, has_items = HEADINGS if turns else 1, suite.most_items > 0
+    return Extent(suite.largest, suite.radices, configurations, headings, has_items)
 
 
 def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:

@@ -111,9 +111,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             ImportError: the compiled engine is required and not installed.
             ValueError: another argument is invalid.
         """
-        chosen = checked_observation(
-            observation, image_size, grayscale, view_radius, see_through
-        )
+        chosen = checked_observation(observation, image_size, grayscale, view_radius, see_through)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
