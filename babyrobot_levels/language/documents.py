@@ -23,7 +23,7 @@ from babyrobot_levels.text.files import (
     SUFFIXES,
     is_file,
 )
-from babyrobot_levels.text.reader import MAX_NODES, open_document, read
+from babyrobot_levels.text.reader import MAX_NODES, open_document
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 from babyrobot_levels.text.words import did_you_mean
 
@@ -82,14 +82,6 @@ def check_suite(document: Document, path: Path | None = None) -> Checked[SuiteFi
         return Checked(None, diagnostics)
     _name(suite, path)
     return Checked(suite, [])
-
-
-def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
-    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
-    try:
-        return check_document(read(source), LevelSpec, path).diagnostics
-    except LevelError as error:
-        return [*error.diagnostics]
 
 
 def level_from_mapping(

@@ -10,7 +10,9 @@ from babyrobot_levels.language.share_code import NAME, decode
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -25,6 +27,14 @@ def check_document(
     """
     checked = check_any(document, Level, path)
     return _bounded(checked, document) if isinstance(checked.value, Level) else checked
+
+
+def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
+    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
+    try:
+        return check_document(read(source), path).diagnostics
+    except LevelError as error:
+        return [*error.diagnostics]
 
 
 def load_document(document: Document, path: Path | None = None) -> Level:

@@ -194,10 +194,9 @@ class _Compiler:
         pairs: list[tuple[Ints, Ints, Ints]] = []
         for index, layer in enumerate(members):
             after[index] = layer.number
-            for at, (values, reward) in layer.arrivals.items():
-                following = self.layers.find(values)
-                # What nobody arrives at is never looked up.
-                after[index, at] = layer.number if following is None else following.number
+            for at, following in layer.leads.items():
+                after[index, at] = following.number
+                reward = layer.arrivals[at].reward
                 taken[index, at] = np.nan if reward is None else reward
             joints, cells = self._on(layer)
             pairs.append((np.full(cells.size, index), joints, cells))
