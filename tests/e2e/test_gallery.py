@@ -227,8 +227,11 @@ def test_its_drawing_reads_back(name: str) -> None:
         fields: dict[str, Any] = {"version": 1, "map": drawn}
         fields |= {"legend": legend} if legend else {}
         if level.doors:
-            needed = {"items": [*level.items], "switches": [*level.switches]}
-            shown = {entry.thing for entry in legend.values()}
+            needed: dict[str, list[Any]] = {
+                "items": [*level.items],
+                "switches": [*level.switches],
+            }
+            shown = {entry.item or entry.switch for entry in legend.values()}
             for field, things in needed.items():
                 fields[field] = [thing for thing in things if thing.name not in shown]
             fields["doors"] = level.doors
