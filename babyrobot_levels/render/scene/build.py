@@ -11,7 +11,7 @@ from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
@@ -135,6 +135,7 @@ def _base_shapes(
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
     yield from puddle_shapes(level, layout)
+    yield from strip_shapes(level, layout)
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
         yield from compass_shapes(level, layout)
