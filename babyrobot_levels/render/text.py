@@ -115,7 +115,7 @@ def unicode_drawing(
 def policy_drawing(
     level: GridWorld,
     grid: Grid,
-    policy: Sequence[Sequence[int]],
+    policy: Sequence[Sequence[int]] | None,
     *,
     configuration: int | None = None,
     plain: bool,
@@ -126,6 +126,7 @@ def policy_drawing(
         level: the level.
         grid: its walls and cells.
         policy: the action of each cell, `[height][width]`, as `Action`s; -1 where there is none.
+            None shows the cells.
         configuration: what is where; None is the level as a whole.
         plain: whether to use ASCII characters only.
     """
@@ -135,9 +136,9 @@ def policy_drawing(
     return "\n".join([*with_marks(lines, marks), ""])
 
 
-def _with_arrows(policy: Sequence[Sequence[int]]) -> frozenset[tuple[int, int]]:
+def _with_arrows(policy: Sequence[Sequence[int]] | None) -> frozenset[tuple[int, int]]:
     return frozenset(
-        (x, y) for y, row in enumerate(policy) for x, action in enumerate(row) if action >= 0
+        (x, y) for y, row in enumerate(policy or ()) for x, action in enumerate(row) if action >= 0
     )
 
 
@@ -270,7 +271,7 @@ class TextPainter:
                 policy = [[max(best, default=-1) for best in row] for row in overlay.actions]
             drawn = _Drawn(
                 _plan(self._level, self._grid, policy, plain=self._plain),
-                frozenset() if policy is None else _with_arrows(policy),
+                _with_arrows(policy),
                 [printable(line) for line in _below(overlay)],
             )
             self._drawn = at_hand, drawn

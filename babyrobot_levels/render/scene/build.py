@@ -104,6 +104,7 @@ def build_layers(
         "grid": tuple(_grid_shapes(level, layout)),
         "robot": (),
     }
+    pose = pose.turned(heading)
     cell = level.starts[0] if level.display.robot.show else None
     if state is not None:
         place = place_of(level, state)
@@ -111,14 +112,14 @@ def build_layers(
     cell = cell if robot else None
     if cell is not None:
         corner = layout.corner(*cell)
-        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose.turned(heading))
+        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose)
     situation = situation_of(level, configuration)
     layers["things"] = tuple(
         shape for piece in pieces(level, layout, situation) for shape in piece.shapes
     )
     movers = moving_pieces(level, layout, situation, cell)
     layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
-    layers |= overlay_shapes(level, overlay.at(configuration, heading), layout)._asdict()
+    layers |= overlay_shapes(level, overlay.at(configuration, pose.heading), layout)._asdict()
     title = level.title or level.name or "Level"
     return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
 
