@@ -100,8 +100,10 @@ def rollout(
     tables = build_tables(mdps, limits_of(levels, max_episode_steps), first)
     thresholds = np.concatenate(
         [
-            _thresholds(read_policy(each, mdp, actions))
-            for each, mdp in zip(_policies(policy, len(levels), several), mdps, strict=True)
+            _thresholds(read_policy(each, mdp, actions, one.things()))
+            for each, one, mdp in zip(
+                _policies(policy, len(levels), several), levels, mdps, strict=True
+            )
         ]
     )
     nothing = np.empty((len(tables.is_terminal), 0), np.int64)
