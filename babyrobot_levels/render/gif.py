@@ -23,7 +23,7 @@ from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, p
 from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
-from babyrobot_levels.render.scene.situation import is_at_open_exit, place_of, situation_of
+from babyrobot_levels.render.scene.situation import Cell, is_at_open_exit, place_of, situation_of
 from babyrobot_levels.render.scene.things import held_pieces
 from babyrobot_levels.render.svg import number
 
@@ -198,7 +198,7 @@ class _Painter:
             self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
         self._changed: dict[Hashable, tuple[Patch, ...]] = {}
         self._robots: dict[Pose, Translucent] = {}
-        self._movers: dict[tuple[int, float], Translucent] = {}
+        self._movers: dict[tuple[int, float, Cell], Translucent] = {}
         self._panels: tuple[tuple[int, float, int], tuple[Patch, ...]] | None = None
 
     def figures(self, shot: _Shot) -> Iterator[Patch]:
@@ -223,9 +223,10 @@ class _Painter:
         """Yield the pictures and places of movers."""
         level, layout = self._level, self._layout
         robot = (round(shot.place[0]), round(shot.place[1])) if shot.start == shot.end else None
+        situation = situation_of(level, shot.start)
         before, after = (
-            mover_spots(level, layout, situation_of(level, configuration), robot)
-            for configuration in (shot.start, shot.end)
+            mover_spots(level, layout, each, robot)
+            for each in (situation, situation_of(level, shot.end))
         )
         share = _eased(shot.phase)
         for index, (start, end) in enumerate(zip(before, after, strict=True)):
@@ -237,9 +238,10 @@ class _Painter:
                     (start.scale, end.scale),
                 )
             )
-            name = index, round(scale, 2)
+            look = situation.looks[index]
+            name = index, round(scale, 2), look
             if name not in self._movers:
-                shapes = mover_shapes(level, index, Spot(CELL / 2, CELL / 2, scale))
+                shapes = mover_shapes(level, index, Spot(CELL / 2, CELL / 2, scale), look)
                 self._movers[name] = self._picture(tuple(shapes))
             margin = layout.margin + CELL / 2
             yield self._movers[name], ((x - margin) / CELL, (y - margin) / CELL)

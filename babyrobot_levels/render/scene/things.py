@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WHITE = "#ffffff"
-_TILE = 5.0
+_TILE = 4.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""
 
 Box = tuple[float, float, float, float]
@@ -114,6 +114,8 @@ def _item(
     item, colors = level.items[number], level.resolved_theme.colors
     color = item.color or default_color(item.picture, colors)
     x, y = _centre(layout, cell)
+    # A label needs room below.
+    y -= 5 if item.label else 0
     yield from item_shapes(item.picture, color, Spot(x, y, 1.0, colors.base if faint else None))
     if faint:
         yield from _question_mark(x + 14, y + 13)
@@ -240,6 +242,9 @@ def _exits(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
             yield Piece(("exit", cell, faint), box, draw)
         if situation.is_locked:
             yield Piece(("lock", cell), box, partial(_lock, level, layout, cell))
+        if faint:
+            x, y = _centre(layout, cell)
+            yield Piece(("perhaps", cell), box, partial(_question_mark, x + 14, y + 13))
 
 
 def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> Iterator[Shape]:
@@ -249,10 +254,9 @@ def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> It
     side = CELL - 2 * _TILE
     yield Rect(left + _TILE, top + _TILE, side, side, ground, radius=6.0)
     yield from flag_shapes(layout, cell, colors.exit_text)
-    if faint:
-        yield from _question_mark(left + 46, top + 45)
     if level.display.exit_text:
-        yield end_text("EXIT", layout, cell, colors.exit_text)
+        word = end_text("EXIT", layout, cell, colors.exit_text)
+        yield replace(word, y=word.y - _TILE + 2)
 
 
 def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
@@ -265,7 +269,7 @@ def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
 
 # -- what is held --------------------------------------------------------------------------------
 
-_SQUARE = 44.0
+_SQUARE = 50.0
 """The side of a square for something held at which its picture is as large as on the grid."""
 
 _NOT_HELD = 0.28
@@ -306,17 +310,24 @@ def moving_pieces(
     for number, (cell, spot) in enumerate(zip(situation.movers, spots, strict=True)):
         mover = level.movers[number]
         faint = situation.is_overview and mover.within is not None and mover.start is None
-        draw = partial(_mover, level, layout, number, cell, spot, faint)
-        yield cell, Piece(("mover", number, cell, spot, faint), _cell_box(layout, cell), draw)
+        look = situation.looks[number]
+        draw = partial(_mover, level, layout, number, cell, spot, look, faint)
+        yield cell, Piece(("mover", number, cell, spot, look, faint), _cell_box(layout, cell), draw)
 
 
 def _mover(
-    level: GridWorld, layout: Layout, number: int, cell: Cell, spot: Spot, faint: bool
+    level: GridWorld,
+    layout: Layout,
+    number: int,
+    cell: Cell,
+    spot: Spot,
+    look: Cell,
+    faint: bool,
 ) -> Iterator[Shape]:
     if faint:
         ground = level.resolved_theme.colors.base
-        yield from mover_shapes(level, number, replace(spot, faded_on=ground))
+        yield from mover_shapes(level, number, replace(spot, faded_on=ground), look)
         yield from _question_mark(spot.x + 14 * spot.scale, spot.y + 13 * spot.scale)
     else:
-        yield from mover_shapes(level, number, spot)
+        yield from mover_shapes(level, number, spot, look)
     yield from _label(level, layout, cell, level.movers[number].label)
