@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
@@ -55,7 +55,7 @@ class Piece:
         draw: returns its shapes.
     """
 
-    name: tuple[Hashable, ...]
+    name: tuple[Any, ...]
     box: Box
     draw: Callable[[], Iterable[Shape]]
 
