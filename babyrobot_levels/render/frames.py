@@ -78,6 +78,7 @@ class FramePainter:
         layout = layout_of(level, cells_only=cells_only, overlay=overlay)
         self.width, self.height = size or _whole_size(layout)
         self._level, self._layout = level, layout
+        self._crowded = overlay is not None and overlay.fills_cells
         self._grounds = Grounds(
             level,
             layout,
@@ -124,7 +125,8 @@ class FramePainter:
         ground = self._grounds.at(place.configuration, pose.heading)
         situation = situation_of(level, place.configuration)
         figures: dict[Cell, list[Sprite]] = {place.cell: [self._robot(place.cell, pose)]}
-        for cell, piece in moving_pieces(level, self._layout, situation, place.cell):
+        movers = moving_pieces(level, self._layout, situation, place.cell, crowded=self._crowded)
+        for cell, piece in movers:
             figures.setdefault(cell, []).append(self._grounds.sprite(piece))
         patches = [ground.patch(sprites) for sprites in figures.values()]
         remember(self._patches, (state, pose), (ground.name, patches), self._limit)

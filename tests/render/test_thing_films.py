@@ -7,6 +7,7 @@ import io
 import os
 import pickle
 import re
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -91,7 +92,7 @@ def test_a_thing_is_taken_on_arrival_and_movers_glide() -> None:
     places = [
         np.argwhere((frame[guard] == (255, 93, 115)).all(axis=2))[:, 1].mean() for frame in frames
     ]
-    assert all(later < earlier for earlier, later in zip(places, places[1:], strict=False))
+    assert all(later < earlier for earlier, later in pairwise(places))
     assert (frames[0][key] != frames[5][key]).any()
 
 

@@ -117,7 +117,8 @@ def build_layers(
     layers["things"] = tuple(
         shape for piece in pieces(level, layout, situation) for shape in piece.shapes
     )
-    movers = moving_pieces(level, layout, situation, cell)
+    crowded = overlay.fills_cells
+    movers = moving_pieces(level, layout, situation, cell, crowded=crowded)
     layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
     layers |= overlay_shapes(level, overlay.at(configuration, pose.heading), layout)._asdict()
     title = level.title or level.name or "Level"

@@ -52,7 +52,7 @@ class Spot:
     y: float
     scale: float = 1.0
     faded_on: str | None = None
-    strength: float = 0.55
+    strength: float = 0.72
 
     def moved(self, commands: Iterable[Command]) -> Commands:
         """Return a path of the figure in the picture."""

@@ -16,6 +16,7 @@ from babyrobot_levels.render.scene.shapes import (
     curve,
     polygon,
     polyline,
+    rounded,
 )
 from babyrobot_levels.render.scene.situation import Situation
 
@@ -32,7 +33,12 @@ _SMALL = 0.62
 
 
 def mover_spots(
-    level: GridWorld, layout: Layout, situation: Situation, robot: Cell | None
+    level: GridWorld,
+    layout: Layout,
+    situation: Situation,
+    robot: Cell | None,
+    *,
+    crowded: bool = False,
 ) -> tuple[Spot, ...]:
     """Return where each mover is drawn: smaller, in a corner, where it shares its cell.
 
@@ -41,13 +47,14 @@ def mover_spots(
         layout: where its cells are.
         situation: what is where.
         robot: the robot's cell, None without it.
+        crowded: whether cells show something else, beside which all movers are.
     """
     places = situation.movers
     lying = situation.lying | {switch.at for switch in level.switches}
     spots = []
     for number, cell in enumerate(places):
         centre = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-        if cell != robot and cell not in lying and places.count(cell) == 1:
+        if not crowded and cell != robot and cell not in lying and places.count(cell) == 1:
             spots.append(Spot(*centre))
             continue
         dx, dy = _CORNERS[places[:number].count(cell) % len(_CORNERS)]
@@ -147,6 +154,14 @@ def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             x, y = layout.corner(left, top)
             box = x + 5, y + 5, width * CELL - 10, height * CELL - 10
             yield Rect(*box, color, radius=12, opacity=_REGION)
+            yield Path(
+                rounded(*box, 12),
+                stroke=colors.arrows,
+                width=2.0,
+                dash=(2.0, 7.0),
+                cap="round",
+                opacity=_TRACK,
+            )
         elif track := _track(mover.path or (), is_loop=not mover.back):
             points = [layout.corner(x + 0.5, y + 0.5) for x, y in track]
             yield Path(

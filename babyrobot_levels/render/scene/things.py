@@ -296,7 +296,12 @@ def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Itera
 
 
 def moving_pieces(
-    level: GridWorld, layout: Layout, situation: Situation, robot: Cell | None
+    level: GridWorld,
+    layout: Layout,
+    situation: Situation,
+    robot: Cell | None,
+    *,
+    crowded: bool = False,
 ) -> Iterator[tuple[Cell, Piece]]:
     """Yield the movers, in front of the robot, each with its cell.
 
@@ -305,8 +310,9 @@ def moving_pieces(
         layout: where its cells are.
         situation: what is where.
         robot: the robot's cell, None without it. Who shares a cell is drawn smaller, in a corner.
+        crowded: whether cells show something else, such as arrows, beside which all movers are.
     """
-    spots = mover_spots(level, layout, situation, robot)
+    spots = mover_spots(level, layout, situation, robot, crowded=crowded)
     for number, (cell, spot) in enumerate(zip(situation.movers, spots, strict=True)):
         mover = level.movers[number]
         faint = situation.is_overview and mover.within is not None and mover.start is None
