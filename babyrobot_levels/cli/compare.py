@@ -24,7 +24,7 @@ from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.compare import Certificate
+    from babyrobot_levels.analysis.certificate import Certificate
     from babyrobot_levels.library.level import Level
 
 
