@@ -42,8 +42,8 @@ class ItemLooks(Model):
     """A text to show on it."""
 
 
-class Item(ItemLooks):
-    """Something to take: by coming to stand where it lies. It is kept to the end."""
+class ItemPlace(Model):
+    """What an item is called, and where it lies."""
 
     name: Slug
     """The name, unique among all things of the level."""
@@ -51,6 +51,10 @@ class Item(ItemLooks):
     """Where it lies."""
     one_of: Places | None = None
     """Cells of which one is drawn uniformly at each reset: it lies there."""
+
+
+class Item(ItemLooks, ItemPlace):
+    """Something to take: by coming to stand where it lies. It is kept to the end."""
 
     @property
     def places(self) -> tuple[tuple[int, int], ...]:
@@ -99,13 +103,17 @@ class SwitchTraits(Model):
     """A text to show on it."""
 
 
-class Switch(SwitchTraits):
-    """A switch, which flips whenever the robot arrives there."""
+class SwitchPlace(Model):
+    """What a switch is called, and where it is."""
 
     name: Slug
     """The name, unique among all things of the level."""
     at: Cell
     """The cell."""
+
+
+class Switch(SwitchTraits, SwitchPlace):
+    """A switch, which flips whenever the robot arrives there."""
 
 
 class Mover(Model):
