@@ -17,7 +17,9 @@ from babyrobot_levels.convert.minigrids.snapshot import (
     Task,
 )
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.compiler.movers import MAX_OUTCOMES
 
 SOURCE = (
     "M. Chevalier-Boisvert et al., Minigrid & Miniworld: Modular & Customizable Reinforcement "
@@ -26,13 +28,12 @@ SOURCE = (
 """The publication of MiniGrid's environments."""
 
 _MARKS = {"wall": d.BLOCKED, "goal": d.EXIT, "lava": LAVA}
-_NO_LEVEL = "things of a level are taken where they lie, and kept"
 
 
 def from_minigrid(env_id: str, *, seed: int = 0, kwargs: Mapping[str, Any] | None = None) -> Level:
     """Return an environment of MiniGrid as a level, with the grid that a seed gives.
 
-    What differs is given as `ConversionWarning`s. Needs the package `minigrid`.
+    What differs is told in `ConversionWarning`s. Needs the package `minigrid`.
 
     Args:
         env_id: the id of the environment, such as `MiniGrid-DoorKey-8x8-v0`.
@@ -42,28 +43,30 @@ def from_minigrid(env_id: str, *, seed: int = 0, kwargs: Mapping[str, Any] | Non
     Raises:
         ConversionError: there is no such environment, MiniGrid is not installed, or the task
             cannot be that of a level.
-        LevelError: the level would be too large.
     """
-    return level_of(read_environment(env_id, seed=seed, kwargs=kwargs), stacklevel=2)
-
-
-def read_environment(
-    env_id: str, *, seed: int = 0, kwargs: Mapping[str, Any] | None = None
-) -> World:
-    """Return the world of an environment of MiniGrid after a reset; see `from_minigrid`."""
     try:
         env = made_minigrid(env_id, seed, kwargs)
     except ComparisonError as error:
         raise ConversionError(str(error)) from error
     try:
-        return world_of_environment(env, env_id, seed)
+        return level_of(world_of_environment(env, env_id, seed), stacklevel=2)
     finally:
         env.close()
 
 
 def world_of_environment(env: Any, env_id: str, seed: int) -> World:
-    """Return the world of an environment that was reset, without its wrappers."""
-    name = env_id.rpartition(":")[2].rpartition("-v")[0] or env_id
+    """Return the world of an environment of MiniGrid that was reset, without its wrappers.
+
+    Args:
+        env: the environment.
+        env_id: its id.
+        seed: the seed of its reset.
+
+    Raises:
+        ConversionError: its task cannot be that of a level.
+    """
+    env_id = env_id.rpartition(":")[2]
+    name = env_id.rpartition("-v")[0] or env_id
     mission = str(env.mission)
     texts: dict[str, Any] = {"title": f"{name}, seed {seed}"}
     if mission:
@@ -175,7 +178,7 @@ def _going_to(env: Any) -> Task:
 
 def _remembering(env: Any) -> Task:
     shown = tuple(cell for cell, thing in _things(env) if thing.type != "wall")
-    note = "the object to remember is the same in each episode; there, it is drawn at each reset"
+    note = "what to remember is the same in each episode; in MiniGrid, it is drawn at each reset"
     return Task((_cell(env.success_pos),), (_cell(env.failure_pos),), shown=shown, note=note)
 
 
@@ -192,22 +195,35 @@ def _instruction(env: Any) -> Task:
         "OpenInstr": "it is opened",
         "PickupInstr": "it is picked up",
     }
+    if kind == "PutNextInstr":
+        return _putting(env)
     if kind not in ends:
-        return _refuse(env)
+        raise ConversionError(f"`{env.mission}` is a sequence of tasks; a level has one")
     cells = tuple(sorted(map(_cell, env.instrs.desc.obj_poss), key=lambda cell: cell[::-1]))
     where = "in the doorway" if kind == "OpenInstr" else "on the cell of what is asked for"
     return Task(cells, note=_note(where, ends[kind]))
 
 
-def _refuse(env: Any) -> Task:
-    raise ConversionError(f"the task `{env.mission}` cannot be that of a level: {_NO_LEVEL}")
+def _putting(env: Any) -> Task:
+    raise ConversionError(f"`{env.mission}`: in a level, nothing is put down")
+
+
+def _avoiding(env: Any) -> None:
+    """Refuse more obstacles than the tables of a level have room for."""
+    count, outcomes = len(env.obstacles), (1 + len(SIDES)) ** len(env.obstacles)
+    if outcomes > MAX_OUTCOMES:
+        raise ConversionError(
+            f"{count} obstacles that walk at random have {outcomes:,} ways to go in a step; a "
+            f"level has room for {MAX_OUTCOMES}",
+            "choose fewer, for example with --kwargs '{\"n_obstacles\": 2}'",
+        )
 
 
 def _note(where: str, when: str) -> str:
-    return f"the episode ends {where}; there, when {when}"
+    return f"the episode ends {where}; in MiniGrid, when {when}"
 
 
-_TASKS: dict[str, Callable[[Any], Task]] = {
+_TASKS: dict[str, Callable[[Any], Task | None]] = {
     "UnlockEnv": _opening,
     "UnlockPickupEnv": _picking_up,
     "BlockedUnlockPickupEnv": _picking_up,
@@ -218,7 +234,8 @@ _TASKS: dict[str, Callable[[Any], Task]] = {
     "GoToDoorEnv": _going_to,
     "MemoryEnv": _remembering,
     "RedBlueDoorEnv": _two_doors,
-    "PutNearEnv": _refuse,
+    "PutNearEnv": _putting,
+    "DynamicObstaclesEnv": _avoiding,
     "RoomGridLevel": _instruction,
 }
 """What the tasks of MiniGrid's classes are; others are to reach a goal."""

@@ -40,7 +40,8 @@ def world_of(found: Snapshot, origin: str, texts: Mapping[str, Any] | None = Non
         tuple(row.replace(d.EXIT, d.PLAIN).replace(d.START, d.PLAIN) for row in found.rows)
     )
     # The objects of the task are exits, or end the episode.
-    objects = [each for each in found.objects if each.at not in (*task.goals, *task.fails)]
+    taken = {*task.goals, *task.fails, *task.first}
+    objects = [each for each in found.objects if each.at not in taken]
     keys = _keys(found, objects)
     doors = _doors(found, page, keys)
     things = _end(task, found, page)
@@ -250,31 +251,33 @@ def _lost(
     elif not task.goals:
         yield Lost("goal", "none is drawn, so the level has no exit and no reward")
     if keys:
-        message = "a key is taken by stepping onto it, and kept; there, actions pick up and drop it"
-        yield Lost("pickup", message)
-        yield Lost("toggle", "a door opens while its key is held; there, an action opens it")
+        yield Lost(
+            "pickup", "a key is taken by stepping onto it, and kept; in MiniGrid, by an action"
+        )
+        yield Lost("toggle", "holding its key opens a door; in MiniGrid, an action does")
     if any(each.state == "boxed" for each in keys):
-        yield Lost("box", "its key lies open")
+        yield Lost("box", "the key in it lies open")
     colors = {key.color for key in keys}
     walls = sum(each.color not in colors for each in _locked(found))
     if walls:
-        yield Lost("doors", f"{walls} locked without a key: {'a wall' if walls == 1 else 'walls'}")
+        yield Lost("doors", f"{walls} locked, without a key: {'a wall' if walls == 1 else 'walls'}")
     closed = sum(each.state == "closed" for each in left_out)
     if closed:
-        yield Lost("doors", f"{closed} closed but not locked: open; there, an action opens it")
+        yield Lost(
+            "doors", f"{closed} closed, not locked: open; in MiniGrid, an action opens it"
+        )
     if task.shown:
-        yield Lost("objects", "stepping onto one takes it; there, they are in the way")
+        yield Lost("objects", "stepping onto one takes it; in MiniGrid, they are in the way")
     counts = Counter(each.kind for each in left_out if each.kind != "door")
     if counts:
         objects = (f"{n} {kind if n == 1 else _PLURALS[kind]}" for kind, n in counts.items())
-        message = f"{', '.join(objects)} left out; there, they are in the way until carried away"
-        yield Lost("objects", message)
+        yield Lost("objects", f"{', '.join(objects)} left out; in MiniGrid, in the way until moved")
     if obstacles:
         message = (
-            "they step to one of four neighbours, also onto each other and the goal; there, to "
-            "any of eight that is free"
+            "they step to one of four neighbours, also onto each other and the goal; in MiniGrid, "
+            "to any of eight that is free"
         )
         yield Lost("obstacles", message)
-        yield Lost("walls", "walking into one changes nothing; there, it ends the episode with -1")
+        yield Lost("walls", "walking into one changes nothing; in MiniGrid, it ends the episode")
     if found.floor:
         yield Lost("floor", "it gets the colour of the theme")
