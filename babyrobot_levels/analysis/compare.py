@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
 from babyrobot_levels.analysis.minigrid import MINIGRID, certify, is_minigrid, made_minigrid
-from babyrobot_levels.analysis.situations import situation_words
-from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.analysis.situations import told
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
@@ -308,15 +307,10 @@ class _Named:
     mdp: Mdp
 
     def state(self, state: float) -> str:
-        """Return the cell of a state, its heading, and what is special about its things."""
+        """Return a state in words, or its number if the level has no such state."""
         if state not in range(self.mdp.num_states):
             return f"state {state:g}"
-        number = int(state)
-        x, y = self.mdp.cell(number)
-        heading = f"heading {SIDES[self.mdp.heading(number)]}" if self.mdp.headings > 1 else ""
-        things = situation_words(self.level, self.mdp.configuration(number))
-        more = ", ".join(filter(None, (heading, things)))
-        return f"[{x}, {y}] ({more})" if more else f"[{x}, {y}]"
+        return told(self.level, self.mdp, int(state))
 
     def action(self, action: int) -> str:
         """Return the name of an action."""

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
+from babyrobot_levels.analysis.situations import told
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Turn
@@ -135,14 +136,14 @@ class _Step:
     def __str__(self) -> str:
         if self.ends:
             return f"ends in {'success' if self.succeeds else 'failure'}"
-        return f"{_cell(self.cell)}, heading {self.heading}"
+        return f"{_cell(self.cell)} looking {self.heading}"
 
 
 class _Pair:
     """A level and an environment, which is put into the states of the level."""
 
     def __init__(self, level: Level, mdp: Mdp, env: Any, start: int):
-        self.mdp, self.env, self.start = mdp, env, start
+        self.level, self.mdp, self.env, self.start = level, mdp, env, start
         self.exits = frozenset(level.exits)
         x, y = mdp.cell(start)
         # The level's cells may be counted from behind MiniGrid's outer walls.
@@ -154,7 +155,7 @@ class _Pair:
             return f"episodes start in {count} states in this level, in one in MiniGrid"
         ours, theirs = SIDES[self.mdp.heading(self.start)], DIRECTIONS[self.env.agent_dir]
         if ours != theirs:
-            return f"episodes start heading {ours} in this level, heading {theirs} in MiniGrid"
+            return f"episodes start looking {ours} in this level, looking {theirs} in MiniGrid"
         return None
 
     def difference_of_outcomes(self, state: int, action: int) -> str | None:
@@ -200,7 +201,7 @@ class _Pair:
         return _Step(cell, DIRECTIONS[env.agent_dir], bool(ends), reward > 0)
 
     def _where(self, state: int) -> str:
-        return f"at {_cell(self.mdp.cell(state))}, heading {SIDES[self.mdp.heading(state)]}"
+        return f"at {told(self.level, self.mdp, state)}"
 
 
 def _cell(cell: tuple[int, int]) -> str:

@@ -1,51 +1,53 @@
-"""The configurations of a level in words, and as plain data: what is held, on, and where."""
+"""States and configurations of levels with things, in words and as plain data."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.configurations import Configuration
+from babyrobot_levels.mdp.states import state_text
+from babyrobot_levels.mdp.tables import Mdp
 
 
 def situation(level: Level, number: int) -> dict[str, Any]:
     """Return what each thing of a level is in a configuration, by name.
 
-    Items are `"held"` or the cell in which they lie, switches `"on"` or `"off"`, movers and a
-    drawn exit are the cells in which they are.
+    Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
+    switches are `"on"` or `"off"`; movers and a drawn exit are the cells in which they are.
     """
     found = level.configuration(number)
     exits = [list(found.exits[0])] if level.exit_one_of is not None else []
-    items = ["held" if cell is None else list(cell) for cell in found.items]
+    items = [
+        "held" if cell is None else "lies" if len(item.places) == 1 else list(cell)
+        for item, cell in zip(level.items, found.items, strict=True)
+    ]
     switches = ["on" if is_on else "off" for is_on in found.on]
     movers = [list(cell) for cell in found.movers]
     return dict(zip(level.things().names, [*exits, *items, *switches, *movers], strict=True))
 
 
-def situation_words(level: Level, number: int) -> str:
-    """Return what distinguishes a configuration: "key held, lever on, guard at [2, 4]".
+def situation_words(things: Mapping[str, Any]) -> str:
+    """Return a situation in words, without what goes without saying: "key held, bat at [2, 4]"."""
+    states = [f"{name} {value}" for name, value in things.items() if value in ("held", "on")]
+    return ", ".join([*states, *_places(things)])
 
-    Items that lie in their only place and switches that are off go without saying.
+
+def _places(things: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{name} at [{place[0]}, {place[1]}]"
+        for name, place in things.items()
+        if isinstance(place, list)
+    ]
+
+
+def told(level: Level, mdp: Mdp, state: int) -> str:
+    """Return a state in words, with all that distinguishes it from others.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+        state: the number of the state in these tables.
     """
-    if not level.has_things:
-        return ""
-    found = level.configuration(number)
-    return ", ".join(_parts(level, found))
-
-
-def _parts(level: Level, found: Configuration) -> list[str]:
-    names = level.things().names
-    movers = names[len(names) - len(found.movers) :]
-    parts = [] if level.exit_one_of is None else [f"exit at {_cell(found.exits[0])}"]
-    for item, cell in zip(level.items, found.items, strict=True):
-        if cell is None:
-            parts.append(f"{item.name} held")
-        elif len(item.places) > 1:
-            parts.append(f"{item.name} at {_cell(cell)}")
-    parts += [s.name + " on" for s, is_on in zip(level.switches, found.on, strict=True) if is_on]
-    parts += [f"{name} at {_cell(cell)}" for name, cell in zip(movers, found.movers, strict=True)]
-    return parts
-
-
-def _cell(cell: tuple[int, int]) -> str:
-    return f"[{cell[0]}, {cell[1]}]"
+    places = _places(situation(level, mdp.configuration(state)))
+    return ", ".join([state_text(level, mdp, state), *places])

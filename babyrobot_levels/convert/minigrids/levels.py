@@ -263,9 +263,7 @@ def _lost(
         yield Lost("doors", f"{walls} locked, without a key: {'a wall' if walls == 1 else 'walls'}")
     closed = sum(each.state == "closed" for each in left_out)
     if closed:
-        yield Lost(
-            "doors", f"{closed} closed, not locked: open; in MiniGrid, an action opens it"
-        )
+        yield Lost("doors", f"{closed} closed, not locked: open; in MiniGrid, an action opens it")
     if task.shown:
         yield Lost("objects", "stepping onto one takes it; in MiniGrid, they are in the way")
     counts = Counter(each.kind for each in left_out if each.kind != "door")
