@@ -34,11 +34,8 @@ def thing_changes(before: Level, after: Level, limit: int | None) -> Changes:
     changes = Changes.of(differing, len(places), describe, limit)
     names = [list(Things(level).names) for level in (before, after)]
     if names[0] != names[1] and sorted(names[0]) == sorted(names[1]):
-        changes = Changes(
-            changes.count + 1,
-            changes.total + 1,
-            (*changes.first, Change(names[0], names[1], name="things")),
-        )
+        order = Change(names[0], names[1], name="things")
+        return Changes(changes.count + 1, changes.total + 1, (*changes.first, order))
     return changes
 
 

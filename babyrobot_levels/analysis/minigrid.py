@@ -11,7 +11,6 @@ import contextlib
 import importlib
 import io
 import warnings
-from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -103,8 +102,8 @@ def certify(level: Level, env: Any) -> Certificate:
 
 
 def _refuse_objects(env: Any) -> None:
-    kinds = Counter(each.type for each in env.grid.grid if each is not None)
-    objects = ", ".join(f"{n} {kind}" for kind, n in kinds.items() if kind not in _GROUND)
+    kinds = dict.fromkeys(each.type for each in env.grid.grid if each is not None)
+    objects = ", ".join(kind for kind in kinds if kind not in _GROUND)
     if objects:
         raise ComparisonError(
             f"the grid has objects ({objects}), which MiniGrid's own actions carry and open; only "

@@ -20,16 +20,18 @@ def thing_lines(change: Change) -> list[str]:
     if kind == "things":
         orders = [", ".join(names) for names in (change.before, change.after)]
         return [f"they count in another order: {' -> '.join(orders)}"]
-    subject = f"the door {_SIDES[name]} of {_cell(change.cell)}" if kind == "doors" else name
+    is_door = kind == "doors"
+    subject = f"the door {_SIDES[name]} of {_cell(change.cell)}" if is_door else f"the {name}"
     before, after = (dict(_said(kind, each)) for each in (change.before, change.after))
     if not before or not after:
         state, said = ("removed", before) if before else ("new", after)
         usual = _USUAL.get(kind, {})
         told = [f"{verb} {text}" for verb, text in said.items() if usual.get(verb) != text]
-        return [one_line(f"{state}: {_the(kind, subject)} {' and '.join(told)}")]
-    where = f" {after['lies']}" if before.get("lies") == after.get("lies", "") else ""
+        return [one_line(f"{state}: {subject}, which {' and '.join(told)}")]
+    stays = "lies" in after and after["lies"] == before["lies"]
+    where = f" {after['lies']}" if stays else ""
     return [
-        one_line(f"{_the(kind, subject)}{where} {verb} {text} instead of {before[verb]}")
+        one_line(f"{subject}{where} {verb} {text} instead of {before[verb]}")
         for verb, text in after.items()
         if before[verb] != text
     ]
@@ -41,10 +43,6 @@ _USUAL = {
     "doors": {"is closed by": "nothing"},
 }
 """What goes without saying of a new thing."""
-
-
-def _the(kind: str, subject: str) -> str:
-    return subject if kind == "doors" else f"the {subject}"
 
 
 def _said(kind: str, fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]:

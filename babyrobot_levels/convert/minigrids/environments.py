@@ -173,7 +173,9 @@ def _fetching(env: Any) -> Task:
 def _going_to(env: Any) -> Task:
     what = env.grid.get(*env.target_pos)
     where = f"on the cell of the {what.color} {what.type}"
-    return Task((_cell(env.target_pos),), note=_note(where, "`done` is chosen next to it"))
+    return Task(
+        (_cell(env.target_pos),), beside=True, note=_note(where, "`done` is chosen next to it")
+    )
 
 
 def _remembering(env: Any) -> Task:
@@ -201,7 +203,7 @@ def _instruction(env: Any) -> Task:
         raise ConversionError(f"`{env.mission}` is a sequence of tasks; a level has one")
     cells = tuple(sorted(map(_cell, env.instrs.desc.obj_poss), key=lambda cell: cell[::-1]))
     where = "in the doorway" if kind == "OpenInstr" else "on the cell of what is asked for"
-    return Task(cells, note=_note(where, ends[kind]))
+    return Task(cells, beside=kind == "GoToInstr", note=_note(where, ends[kind]))
 
 
 def _putting(env: Any) -> Task:

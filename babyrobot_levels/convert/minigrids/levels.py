@@ -95,10 +95,13 @@ def moved(found: Snapshot, rows: Rows, left: int, top: int) -> Snapshot:
 
     task = found.task
     if task is not None:
-        goals, fails, first, shown = (
-            tuple(map(cell, cells)) for cells in (task.goals, task.fails, task.first, task.shown)
+        task = replace(
+            task,
+            goals=tuple(map(cell, task.goals)),
+            fails=tuple(map(cell, task.fails)),
+            first=tuple(map(cell, task.first)),
+            shown=tuple(map(cell, task.shown)),
         )
-        task = Task(goals, fails, first, shown, task.note)
     objects = tuple(replace(each, at=cell(each.at)) for each in found.objects)
     return replace(
         found, rows=rows, objects=objects, agents=tuple(map(cell, found.agents)), task=task
@@ -201,7 +204,9 @@ def _color(each: Object) -> str:
 
 
 def _locked(found: Snapshot) -> list[Object]:
-    return [each for each in found.objects if each.state == "locked"]
+    """Return the locked doors that have to be opened to enter their cells."""
+    goals = found.task.goals if found.task is not None and found.task.beside else ()
+    return [each for each in found.objects if each.state == "locked" and each.at not in goals]
 
 
 def _keys(found: Snapshot, objects: Sequence[Object]) -> list[Object]:

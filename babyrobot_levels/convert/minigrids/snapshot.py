@@ -38,6 +38,7 @@ class Task:
         fails: the cells at which it fails; one that is a goal as well fails before `first`.
         first: the cells that the robot has to come to before a goal counts.
         shown: the cells whose objects are kept for being looked at.
+        beside: whether it is enough to come next to a goal, so that its door may stay locked.
         note: how this differs from the task in MiniGrid; empty if it does not.
     """
 
@@ -45,6 +46,7 @@ class Task:
     fails: tuple[Cell, ...] = ()
     first: tuple[Cell, ...] = ()
     shown: tuple[Cell, ...] = ()
+    beside: bool = False
     note: str = ""
 
 

@@ -71,7 +71,8 @@ def read_minigrid(source: SourceFile) -> World:
 
 def write_minigrid(level: Level) -> Conversion:
     """Return a level as a MiniGrid text, with a ring of walls."""
-    rows, lost = block_map(level, "a MiniGrid text", REWARDS, ends=None, many="E")
+    carried = frozenset({"heading"})
+    rows, lost = block_map(level, "a MiniGrid text", REWARDS, ends=None, many="E", carried=carried)
     agent = next(pair for pair, heading in _AGENTS.items() if heading == level.heading)
     pairs = {d.BLOCKED: "WG", d.PLAIN: "  ", d.START: agent, d.EXIT: "GG", ENDS: "VR"}
     text = "\n".join("".join(map(pairs.__getitem__, row)) for row in rows)
