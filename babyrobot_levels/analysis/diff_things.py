@@ -60,14 +60,10 @@ def _things(level: LevelFields) -> dict[Place, dict[str, Any]]:
 
 
 def _doors(level: LevelFields) -> Iterator[tuple[Place, dict[str, Any]]]:
-    """Yield the sides with doors, and what opens and closes them, together where there are two."""
-    sides: dict[Place, dict[str, set[str]]] = {}
+    """Yield the sides with doors, and what opens and closes them."""
     for door in level.doors:
         for x, y in sides_of(door):
-            left, up = (x - (door.side == "W"), y - (door.side == "N"))
-            place: Place = f"doors.{'E' if door.side in ('E', 'W') else 'S'}", (left, up)
-            both = sides.setdefault(place, {"needs": set(), "unless": set()})
-            both["needs"].update(door.keys)
-            both["unless"].update(door.locks)
-    for place, both in sides.items():
-        yield place, {name: sorted(names) for name, names in both.items()}
+            cell = (x - (door.side == "W"), y - (door.side == "N"))
+            side = "E" if door.side in ("E", "W") else "S"
+            fields = {"needs": sorted(door.keys), "unless": sorted(door.locks)}
+            yield (f"doors.{side}", cell), fields

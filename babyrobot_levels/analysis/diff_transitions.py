@@ -12,6 +12,7 @@ from babyrobot_levels.analysis.situations import situation
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.reachability import transitions
 from babyrobot_levels.mdp.tables import Mdp
 
 Ints = NDArray[np.intp]
@@ -25,6 +26,8 @@ def transition_changes(
 ) -> Changes:
     """Return the states and actions that have other outcomes.
 
+    With things, only states that an episode reaches in both levels are compared.
+
     Args:
         before: a level.
         after: another one.
@@ -36,13 +39,16 @@ def transition_changes(
     numbers, codes = _common_configurations(before, after)
     count = len(cells[0])
     per_block = max(1, _BLOCK // count)
+    reached = [_reached(level, mdp) for level, mdp in zip(levels, mdps, strict=True)]
     differ = [np.zeros((0, 2), np.intp)]
     for first in range(0, len(numbers[0]), per_block):
-        rows = [
-            _rows(mdp, _states(mdp, some[first : first + per_block], where), code)
-            for mdp, some, where, code in zip(mdps, numbers, cells, codes, strict=True)
+        states = [
+            _states(mdp, some[first : first + per_block], where)
+            for mdp, some, where in zip(mdps, numbers, cells, strict=True)
         ]
-        found = np.argwhere(_differ(*rows))
+        rows = map(_rows, mdps, states, codes)
+        both = reached[0][states[0]] & reached[1][states[1]]
+        found = np.argwhere(_differ(*rows) & both[:, None])
         found[:, 0] += first * count
         differ.append(found)
     width = min(before.size[0], after.size[0])
@@ -93,6 +99,17 @@ def _common_configurations(before: Level, after: Level) -> tuple[tuple[Ints, Int
     ]
     _, one, two = np.intersect1d(codes[0], codes[1], assume_unique=True, return_indices=True)
     return (one, two), codes
+
+
+def _reached(level: Level, mdp: Mdp) -> NDArray[np.bool_]:
+    """Return which states an episode reaches, `[states]`: without things, all count as reached.
+
+    Pairs of configuration and cell that none reaches say nothing about the level.
+    """
+    if not level.has_things:
+        return np.ones(mdp.num_states, np.bool_)
+    reached: NDArray[np.bool_] = transitions(mdp).distances(np.flatnonzero(mdp.start > 0)) >= 0
+    return reached
 
 
 def _states(mdp: Mdp, numbers: Ints, cells: Ints) -> Ints:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.states import state_text
 from babyrobot_levels.mdp.tables import Mdp
 
 
@@ -49,5 +49,9 @@ def told(level: Level, mdp: Mdp, state: int) -> str:
         mdp: its tables, or those of a robot that turns.
         state: the number of the state in these tables.
     """
-    places = _places(situation(level, mdp.configuration(state)))
-    return ", ".join([state_text(level, mdp, state), *places])
+    x, y = mdp.cell(state)
+    number = mdp.configuration(state)
+    heading = f" looking {SIDES[mdp.heading(state)]}" if mdp.headings > 1 else ""
+    condition = level.things().condition(mdp.configurations[number].tolist())
+    text = f"[{x}, {y}]{heading}{condition and ' ' + condition}"
+    return ", ".join([text, *_places(situation(level, number))])

@@ -99,7 +99,7 @@ map: |
   |                ###  E |
   +---+---+---+---+---+---+
 legend:
-  k: {item: yellow-key, shape: key, color: gold}
+  k: {color: gold, item: yellow-key, shape: key}
 heading: N
 doors:
   - {at: [4, 4], side: W, needs: yellow-key, color: gold}
