@@ -118,6 +118,14 @@ class Things:
         places = self.level.exit_one_of
         return self.level.exits if places is None else (places[values[0]],)
 
+    def exit_is_open(self, values: Sequence[int]) -> bool:
+        """Return whether an exit ends the episode: what it needs is held, or on.
+
+        Args:
+            values: the values of the things; those of movers may be missing.
+        """
+        return self.met(values).issuperset(self.level.exit_keys)
+
     def at(self, values: Sequence[int]) -> Configuration:
         """Return what is where while the things have these values, `[things]`."""
         values = tuple(int(value) for value in values)
@@ -126,7 +134,7 @@ class Things:
         return Configuration(
             values=values,
             exits=self.exits(values),
-            exit_is_open=met.issuperset(self.level.exit_keys),
+            exit_is_open=self.exit_is_open(values),
             items=tuple(
                 (*item.places, None)[value]
                 for item, value in zip(items, values[self.items], strict=True)

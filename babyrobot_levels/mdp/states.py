@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from functools import cache
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.mdp.configurations import Things, listed
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean
@@ -46,13 +46,13 @@ def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
             raise ValueError(f"the level has no {name!r}: it has no items and no switches")
         hint = did_you_mean(name, known) or f"; it has {listed(known)}"
         raise ValueError(f"the level has no item or switch {name!r}{hint}")
-    over = mdp.is_terminal.reshape(mdp.num_configurations, -1).all(axis=1).tolist()
+    over = np.all(mdp.is_terminal.reshape(mdp.num_configurations, -1), axis=1)
     begins = things.begins()[things.static :]
     met_with = cache(lambda *static: things.met(static))
     found: dict[frozenset[str], tuple[bool, bool, int]] = {}
     for number, values in enumerate(mdp.configurations.tolist()):
         movers = zip(values[things.static :], begins, strict=True)
-        key = over[number], not all(at in first for at, first in movers), number
+        key = bool(over[number]), not all(at in first for at, first in movers), number
         met = met_with(*values[: things.static])
         found[met] = min(found.get(met, key), key)
     if wanted not in found:
@@ -70,15 +70,15 @@ def configuration_with(level: GridWorld, names: Iterable[str]) -> int:
     return found[wanted][2]
 
 
-def state_text(level: GridWorld, mdp: Mdp, state: int) -> str:
+def state_text(things: Things, mdp: Mdp, state: int) -> str:
     """Return a state as words: its cell, and what is held and on: `[3, 1] while key is held`.
 
     Args:
-        level: the level.
+        things: the things of the level.
         mdp: its tables, or those of a robot that turns.
         state: the number of the state in these tables.
     """
     x, y = mdp.cell(state)
     heading = f" looking {SIDES[mdp.heading(state)]}" if mdp.headings > 1 else ""
-    condition = level.things().condition(mdp.configurations[mdp.configuration(state)].tolist())
+    condition = things.condition(mdp.configurations[mdp.configuration(state)].tolist())
     return f"[{x}, {y}]{heading}{condition and ' ' + condition}"

@@ -108,13 +108,15 @@ def test_states_in_words() -> None:
     mdp = level.compile()
 
     def told(names: list[str]) -> str:
-        return state_text(level, mdp, configuration_with(level, names) * mdp.cells + 8)
+        return state_text(level.things(), mdp, configuration_with(level, names) * mdp.cells + 8)
 
     assert told([]) == "[3, 1] while nothing is held or on"
     assert told(["key"]) == "[3, 1] while key is held"
     assert told(["lever"]) == "[3, 1] while lever is on"
     assert told(["key", "gem", "lever"]) == "[3, 1] while key and gem are held and lever is on"
     turning = mdp.turning("E")
-    assert state_text(level, turning, 1 * mdp.cells + 8).startswith("[3, 1] looking E while ")
+    assert state_text(level.things(), turning, 1 * mdp.cells + 8).startswith(
+        "[3, 1] looking E while "
+    )
     plain = brl.load("final-maze")
-    assert state_text(plain, plain.compile(), 9) == "[1, 1]"
+    assert state_text(plain.things(), plain.compile(), 9) == "[1, 1]"
