@@ -145,6 +145,11 @@ class LevelVectorEnv(ChangingVectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
         self._num_items, self._has_movers = played.num_items, played.has_movers
+        fixed = self.levels if isinstance(self.levels, tuple) else ()
+        self._all_tell = (
+            bool(fixed) and all(each.items for each in fixed),
+            bool(fixed) and all(each.movers for each in fixed),
+        )
         self._info_dtype = info_dtype(num_actions)
         self._layout = Layout(
             self.num_envs, self._observer.table.shape[1], num_actions, played.num_items
@@ -217,12 +222,8 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset[which] = True
         results.words[~is_reset] = 0
         results.held_words[~is_reset] = 0
-        values = {
-            "action_mask": results.infos["mask"],
-            **self._things(results),
-            **self._digests(which),
-        }
-        info = self._masked(values, is_reset)
+        values = {"action_mask": results.infos["mask"], **self._digests(which)}
+        info = self._masked(values, is_reset) | self._things(results, is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
@@ -273,9 +274,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             "_skidded": acted,
         }
         if self._num_items or self._has_movers:
-            for key, value in self._things(results).items():
-                info[key] = value
-                info[f"_{key}"] = all_true
+            info |= self._things(results, all_true)
         if self._has_level_numbers:
             for key, numbers in self._level_numbers().items():
                 info[key] = numbers
@@ -315,13 +314,26 @@ class LevelVectorEnv(ChangingVectorEnv):
         results.held_words[which] = self._tables.held[state]
         results.observations[which] = self._observer.table[state]
 
-    def _things(self, results: Results) -> dict[str, NDArray[np.bool_]]:
-        """Return what infos say about things."""
-        told: dict[str, NDArray[np.bool_]] = {}
+    def _things(
+        self, results: Results, where: NDArray[np.bool_], *, copy: bool = False
+    ) -> dict[str, NDArray[np.bool_]]:
+        """Return what infos say about things in some environments.
+
+        Args:
+            results: what an engine wrote.
+            where: the environments, bool `[num_envs]`.
+            copy: whether to return new arrays, which are False for other environments.
+        """
+        told, level = {}, self._envs.level
         if self._num_items:
-            told["held"] = results.items["held"]
+            held = results.items["held"]
+            told["held"] = held & where[:, None] if copy else held
+            has = self._tables.has_items
+            told["_held"] = where if self._all_tell[0] else where & has.take(level)
         if self._has_movers:
-            told["hit"] = results.hit
+            told["hit"] = results.hit & where if copy else results.hit
+            has = self._tables.has_movers
+            told["_hit"] = where if self._all_tell[1] else where & has.take(level)
         return told
 
     def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
@@ -346,9 +358,6 @@ class LevelVectorEnv(ChangingVectorEnv):
             "target_reached": infos["reached"],
             "skidded": infos["skidded"],
         }
-        for key, told in self._things(results).items():
-            values[key] = np.zeros_like(told)
-            values[key][done] = told[done]
         observations = np.full(self.num_envs, None, object)
         final = self._observer.at(envs.state[done])
         for number, one in zip(done, final if final.ndim > 1 else final.tolist(), strict=True):
@@ -356,7 +365,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         info = {
             "final_obs": observations,
             "_final_obs": where,
-            "final_info": self._masked(values, where),
+            "final_info": self._masked(values, where) | self._things(results, where, copy=True),
             "_final_info": where,
         }
         if self._slots is not None:
