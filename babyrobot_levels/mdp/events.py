@@ -27,27 +27,34 @@ class Event(IntEnum):
     """A wall of glass does not let it through."""
 
 
-def events_of(mdp: Mdp) -> NDArray[np.int8]:
+ALL = slice(None)
+
+
+def events_of(mdp: Mdp, states: slice = ALL) -> NDArray[np.int8]:
     """Return the `Event` of each outcome, int8 `[states, actions, outcomes]`.
 
     Only the robot's cell counts, not what happens to things. The events of padding, outcomes of
     probability 0, mean nothing.
+
+    Args:
+        mdp: the tables.
+        states: the states whose outcomes are told.
     """
-    target = mdp.intended_next_state[..., None]
+    target = mdp.intended_next_state[states, :, None]
     to_a_start = target == mdp.num_states
     starts: NDArray[np.bool_] = mdp.start > 0
-    next_cell = mdp.next_state
+    next_cell = mdp.next_state[states]
     if mdp.num_states > mdp.cells:
         starts = np.logical_or.reduce(starts.reshape(-1, mdp.cells))
         next_cell, target = next_cell % mdp.cells, target % mdp.cells
     at_target = next_cell == target
     if to_a_start.any():
         at_target = np.where(to_a_start, starts[next_cell], at_target)
-    events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.obstruction[..., None])
+    events: NDArray[np.int8] = _EVENTS.take(at_target * _ROW + mdp.obstruction[states, :, None])
     return events
 
 
-def hits_of(world: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
+def hits_of(world: GridWorld, mdp: Mdp, states: slice = ALL) -> NDArray[np.bool_]:
     """Return which outcomes are hits, bool `[states, actions, outcomes]`.
 
     A mover hits the robot if they stand in one cell after the step, or have changed places in it.
@@ -56,20 +63,21 @@ def hits_of(world: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
     Args:
         world: the level.
         mdp: its tables, with or without turning.
+        states: the states whose outcomes are told.
     """
-    hits = np.zeros(mdp.next_state.shape, np.bool_)
+    next_state = mdp.next_state[states]
+    hits = np.zeros(next_state.shape, np.bool_)
     if not world.movers:
         return hits
-    here = (np.arange(mdp.num_states) % mdp.cells)[:, None, None]
-    there = mdp.next_state % mdp.cells
-    before = (np.arange(mdp.num_states) // (mdp.cells * mdp.headings))[:, None, None]
-    after = mdp.next_state // (mdp.cells * mdp.headings)
+    state = np.arange(mdp.num_states)[states, None, None]
+    here, there = state % mdp.cells, next_state % mdp.cells
+    before, after = (number // (mdp.cells * mdp.headings) for number in (state, next_state))
     values = mdp.configurations[:, world.things().static :]
     for mover, phase in zip(world.movers, values.T, strict=True):
         cells = np.array([y * mdp.width + x for x, y in mover.phases])[phase]
         was, now = cells[before], cells[after]
         hits |= (now == there) | ((now == here) & (was == there) & (here != there))
-    hits[mdp.is_terminal] = False
+    hits[mdp.is_terminal[states]] = False
     return hits
 
 
