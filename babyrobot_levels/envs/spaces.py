@@ -9,11 +9,13 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.tables import masks_at
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, Turn
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.state import EnvStates
     from babyrobot_levels.envs.engine.tables import Words
+    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.tables import Mdp
 
 
 class ActionSet(NamedTuple):
@@ -22,10 +24,22 @@ class ActionSet(NamedTuple):
     Attributes:
         first: the action that is number 0 of the space.
         samples_valid: whether `sample()` gives only actions that the action mask allows.
+        turns: whether the robot turns: the actions are those of `Turn`, in the tables of
+            `Mdp.turning`, whose states have a heading.
     """
 
-    first: Action
+    first: int
     samples_valid: bool
+    turns: bool = False
+
+    @property
+    def num_actions(self) -> int:
+        """The number of actions."""
+        return len(Turn) if self.turns else NUM_ACTIONS - self.first
+
+    def tables(self, level: Level) -> Mdp:
+        """Return the tables of a level for a robot with these actions, which begin at `first`."""
+        return level.compile().turning(level.heading) if self.turns else level.compile()
 
 
 ACTION_SETS = {
@@ -33,6 +47,7 @@ ACTION_SETS = {
     "all": ActionSet(Action.STAY, False),
     "moves": ActionSet(Action.NORTH, False),
     "valid_moves": ActionSet(Action.NORTH, True),
+    "turns": ActionSet(Turn.LEFT, False, turns=True),
 }
 """The values of `actions`. From the first action of each set, all further ones belong to it."""
 
@@ -66,9 +81,9 @@ def make_action_space(actions: str) -> tuple[spaces.Discrete[Any], int]:
     Args:
         actions: one of `ACTION_SETS`.
     """
-    first, samples_valid = ACTION_SETS[actions]
-    count = NUM_ACTIONS - first
-    return ValidActions(count) if samples_valid else spaces.Discrete(count), first
+    chosen = ACTION_SETS[actions]
+    make = ValidActions if chosen.samples_valid else spaces.Discrete
+    return make(chosen.num_actions), chosen.first
 
 
 class BatchActions(spaces.MultiDiscrete[Any]):

@@ -111,6 +111,18 @@ def level_from_mapping(
     return level
 
 
+def error_in_mapping(data: Mapping[str, Any], issues: Sequence[Issue]) -> LevelError:
+    """Return the error of a mapping whose fields are valid by themselves.
+
+    Its diagnostics point into the mapping as it would be written in a file.
+    """
+    fields = plain(data, most=MAX_VALUES)
+    if not _fits(fields):
+        return LevelError(message="; ".join(issue.message for issue in issues[:_MOST]))
+    document = read(SourceFile("<mapping>", emit(fields) or "{}"))
+    return LevelError([document.diagnostic(issue) for issue in issues])
+
+
 def suite_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
     """Return the fields of a suite that a mapping gives.
 

@@ -118,6 +118,14 @@ class Things:
         places = self.level.exit_one_of
         return self.level.exits if places is None else (places[values[0]],)
 
+    def exit_is_open(self, values: Sequence[int]) -> bool:
+        """Return whether an exit ends the episode: what it needs is held, or on.
+
+        Args:
+            values: the values of the things; those of movers may be missing.
+        """
+        return self.met(values).issuperset(self.level.exit_keys)
+
     def at(self, values: Sequence[int]) -> Configuration:
         """Return what is where while the things have these values, `[things]`."""
         values = tuple(int(value) for value in values)
@@ -126,7 +134,7 @@ class Things:
         return Configuration(
             values=values,
             exits=self.exits(values),
-            exit_is_open=met.issuperset(self.level.exit_keys),
+            exit_is_open=self.exit_is_open(values),
             items=tuple(
                 (*item.places, None)[value]
                 for item, value in zip(items, values[self.items], strict=True)
@@ -140,9 +148,27 @@ class Things:
             doors=self.closed(met),
         )
 
-    def draws(self) -> Iterator[Values]:
-        """Yield the values with which episodes may begin, before the robot takes anything."""
-        begins: list[range | tuple[int, ...]] = []
+    def condition(self, values: Sequence[int]) -> str:
+        """Return what is held and on, as words: `while key is held and lever is on`.
+
+        It is empty where there is nothing that could be held or on.
+        """
+        met = self.met(values)
+        items = [item.name for item in self.level.items]
+        switches = [switch.name for switch in self.level.switches]
+        if not items and not switches:
+            return ""
+        told = [
+            f"{listed(names)} {'is' if len(names) == 1 else 'are'} {state}"
+            for state, all_names in (("held", items), ("on", switches))
+            if (names := [name for name in all_names if name in met])
+        ]
+        states = ["held"] * bool(items) + ["on"] * bool(switches)
+        return "while " + (" and ".join(told) or f"nothing is {' or '.join(states)}")
+
+    def begins(self) -> list[Sequence[int]]:
+        """Return for each thing its values at reset, before the robot takes anything."""
+        begins: list[Sequence[int]] = []
         if self.level.exit_one_of is not None:
             begins.append(range(len(self.level.exit_one_of)))
         begins += [range(len(item.places)) for item in self.level.items]
@@ -154,7 +180,11 @@ class Things:
                 begins.append(range(len(phases)))
             else:
                 begins.append((phases.index(mover.start),))
-        yield from product(*begins)
+        return begins
+
+    def draws(self) -> Iterator[Values]:
+        """Yield the values with which episodes may begin, before the robot takes anything."""
+        yield from product(*self.begins())
 
     def taken_at_start(self, values: Values, cell: Cell) -> Values:
         """Return the values at reset: an item that lies under the start is held."""
@@ -163,3 +193,8 @@ class Things:
             if cell in item.places and item.places[values[column]] == cell:
                 taken[column] = len(item.places)
         return tuple(taken)
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names as a list in words: `a, b and c`."""
+    return " and ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.mdp.graph import Graph, Successors
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -20,8 +21,9 @@ class Reach:
         steps: the fewest steps in which a state can be reached, -1 where it never is.
         on: 1 where an episode can be and goes on: reached, and not terminal.
         to_exit: the fewest steps in which an exit can be reached from there, -1 where none can.
-        to_end: the same for exits and cells that end the episode.
-        graph: the other states to which one step can lead, with any probability.
+        to_end: the same for all ways to end the episode: exits, cells that end it, and hits.
+        graph: the other states to which one step can lead, with any probability. A step that
+            ends the episode in a state in which others go on is not part of it.
     """
 
     steps: list[int]
@@ -50,29 +52,68 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
 
     Args:
         level: the level.
-        mdp: its tables, or those of a variant with the same grid and exits.
+        mdp: its tables, those of a robot that turns, or those of a variant with the same grid,
+            things and exits.
     """
-    width = mdp.width
     graph = transitions(mdp)
     backwards = graph.reversed()
     steps = graph.distances(np.flatnonzero(mdp.start)).tolist()
-    over, blocked = mdp.is_terminal.tolist(), level.grid().blocked_cells
-    exits = sorted(y * width + x for x, y in level.exits)
-    ends = [state for state, ended in enumerate(over) if ended and not blocked[state]]
+    over = mdp.is_terminal.tolist()
+    exits = np.flatnonzero(exit_states(level, mdp))
+    blocked = np.tile(level.grid().blocked.ravel(), mdp.num_configurations * mdp.headings)
+    ends = np.flatnonzero(mdp.is_terminal & ~blocked)
+    hits = np.flatnonzero(ends_by_hit(mdp).any(axis=(1, 2))) if level.movers else exits[:0]
     to_exit = backwards.distances(exits).tolist()
+    to_end = to_exit
+    if hits.size:
+        # One more node, to which every hit that ends an episode leads.
+        source = np.append(graph.source, hits)
+        target = np.append(graph.target, np.full(hits.size, mdp.num_states))
+        more = Graph(mdp.num_states + 1, target, source)
+        to_end = more.distances(np.append(ends, mdp.num_states)).tolist()[:-1]
+    elif not np.array_equal(ends, exits):
+        to_end = backwards.distances(ends).tolist()
     return Reach(
         steps,
         bytes(count >= 0 and not ended for count, ended in zip(steps, over, strict=True)),
         to_exit,
-        to_exit if ends == exits else backwards.distances(ends).tolist(),
+        to_end,
         graph,
     )
+
+
+def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
+    """Return in which states the robot stands on an exit that is open, `[states]`.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+    """
+    things = level.things()
+    # Movers change nothing about exits.
+    static, which = np.unique(mdp.configurations[:, : things.static], axis=0, return_inverse=True)
+    cells = np.zeros((len(static), mdp.cells), bool)
+    for row, values in zip(cells, static.tolist(), strict=True):
+        if things.exit_is_open(values):
+            row[[y * mdp.width + x for x, y in things.exits(values)]] = True
+    return np.repeat(cells[which.ravel()], mdp.headings, axis=0).ravel()
+
+
+def ends_by_hit(mdp: Mdp) -> NDArray[np.bool_]:
+    """Return which outcomes end the episode in a state in which others go on.
+
+    They are hits, `[states, actions, outcomes]`.
+    """
+    happens = mdp.terminal & (mdp.probability > 0)
+    return happens & ~mdp.is_terminal[mdp.next_state]
 
 
 def transitions(mdp: Mdp) -> Graph:
     """Return the graph of all transitions from one state to another, each pair once."""
     states = np.arange(mdp.num_states, dtype=np.int32)[:, None]
     happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
+    if mdp.configurations.shape[1]:
+        happens &= ~ends_by_hit(mdp)
     targets = np.where(happens, mdp.next_state, states[:, :, None]).reshape(mdp.num_states, -1)
     targets.sort(axis=1)
     moves = targets != states

@@ -49,7 +49,7 @@ def monte_carlo(
         policy: as `evaluate` takes it.
         episodes: the number of episodes, at least 1.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
         seed: the random seed. The same arguments give the same sweeps.
         first_visit: whether only an episode's first visit to a cell counts, or every one.
         every: the number of episodes from one `Sweep` to the next; the last may come sooner.
@@ -91,15 +91,15 @@ class _Sampler:
 
     def __init__(self, problem: Problem, weights: Floats, rng: np.random.Generator):
         """Prepare to follow a policy, `[n, actions]`."""
-        model, mdp = problem.model, problem.level.compile()
+        model, space = problem.model, problem.space
         self._rng = rng
         self._max_steps = problem.max_steps
         self._end = model.size
-        self._start = _cumulated(mdp.start[model.states])
+        self._start = _cumulated(space.mdp.start[model.states])
         self._action = _cumulated(weights)
         self._outcome = _cumulated(model.probability)
         self._next_state = model.next_state
-        self._reward = mdp.reward[model.states, -weights.shape[1] :]
+        self._reward = space.mdp.reward[model.states, space.first_action :]
 
     def episode(self) -> tuple[list[int], list[float]]:
         """Return the states of an episode, without its end, and the reward that followed each."""
@@ -152,7 +152,8 @@ def q_learning(
         step_size: how far an estimate moves towards the target of a step, above 0 and at most 1.
         epsilon: the probability of an action drawn evenly from all of them, 0 to 1.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"moves"`, or `"all"` with stay. Actions that a wall refuses can be taken too.
+        actions: `"moves"`, `"all"` with stay, or `"turns"`: turn left, turn right, forward.
+            Actions that a wall refuses can be taken too.
         seed: the random seed. The same arguments give the same trials.
         every: the number of episodes from one `Trials` to the next; the last may come sooner.
 
@@ -188,7 +189,8 @@ def sarsa(
         step_size: how far an estimate moves towards the target of a step, above 0 and at most 1.
         epsilon: the probability of an action drawn evenly from all of them, 0 to 1.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"moves"`, or `"all"` with stay. Actions that a wall refuses can be taken too.
+        actions: `"moves"`, `"all"` with stay, or `"turns"`: turn left, turn right, forward.
+            Actions that a wall refuses can be taken too.
         seed: the random seed. The same arguments give the same trials.
         every: the number of episodes from one `Trials` to the next; the last may come sooner.
 
@@ -223,7 +225,7 @@ def _trials(
 class _Agent:
     """Acts in a level's environment and learns action values, `[states, actions]`.
 
-    Those of terminal states stay 0.
+    What follows the end of an episode is worth 0.
     """
 
     def __init__(self, problem: Problem, step_size: float, epsilon: float, seed: int):
@@ -232,10 +234,10 @@ class _Agent:
         if not 0 <= epsilon <= 1:
             raise ValueError(f"epsilon must be from 0 to 1, not {epsilon!r}")
         self.problem, self._step_size, self._epsilon = problem, step_size, epsilon
-        width, height = problem.level.size
-        self.values = np.zeros((width * height, num_actions(problem.actions)))
+        space = problem.space
+        self.values = np.zeros((space.mdp.num_states, num_actions(space.actions)))
         self._rng = np.random.default_rng(check_seed(seed))
-        made = problem.level.make(observation="index", actions=problem.actions)
+        made = space.level.make(observation="index", actions=space.actions)
         self._env = made.unwrapped
         self._env.reset(seed=int(self._rng.integers(2**31)))
 
@@ -246,7 +248,8 @@ class _Agent:
         for _ in range(self.problem.max_steps):
             action = self._choose(state)
             following, reward, over, _, _ = self._env.step(action)
-            self._learn(state, action, float(reward), self.values[following].max())
+            ahead = 0.0 if over else self.values[following].max()
+            self._learn(state, action, float(reward), ahead)
             total, factor = total + factor * float(reward), factor * self.problem.discount
             if over:
                 break
@@ -261,7 +264,8 @@ class _Agent:
         for _ in range(self.problem.max_steps):
             following, reward, over, _, _ = self._env.step(action)
             next_action = self._choose(following)
-            self._learn(state, action, float(reward), self.values[following, next_action])
+            ahead = 0.0 if over else self.values[following, next_action]
+            self._learn(state, action, float(reward), ahead)
             total, factor = total + factor * float(reward), factor * self.problem.discount
             if over:
                 break

@@ -7,18 +7,21 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, model_of, on_the_grid
+from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS
 from babyrobot_levels.analysis.solver.model import Floats, Ints, Model
 from babyrobot_levels.analysis.solver.optimum import TOLERANCE
 from babyrobot_levels.analysis.solver.policies import Policy, read_policy
-from babyrobot_levels.analysis.solver.results import Result, check_actions, check_discount
+from babyrobot_levels.analysis.solver.results import StateResult, check_actions, check_discount
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep(Result):
+class Sweep(StateResult):
     """The estimates after a sweep, a round or some episodes. All arrays are read-only copies.
+
+    In a level with things, arrays have an axis of configurations before height, and `at` gives the
+    part of one; with `actions="turns"`, an axis of the 4 headings comes before height.
 
     Attributes:
         number: the number of sweeps, rounds or episodes so far.
@@ -29,7 +32,7 @@ class Sweep(Result):
             the same `actions`; the array carries this set, which `evaluate` and everything
             else that takes a policy respects.
         delta: the largest change of an estimate since the sweep before; inf for number 0.
-        actions: `"all"` or `"moves"`.
+        actions: `"all"`, `"moves"` or `"turns"`.
     """
 
     __module__ = "babyrobot_levels"
@@ -42,7 +45,10 @@ class Sweep(Result):
 
     @property
     def first_action(self) -> int:
-        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
+        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`.
+
+        With `"turns"`, it is the `brl.Turn` 0.
+        """
         return check_actions(self.actions)
 
     def __repr__(self) -> str:
@@ -67,17 +73,16 @@ class Trials(Sweep):
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """A level to learn: its model, the discount, and the set of actions."""
+    """A level to learn: its states for a set of actions, their model, and the discount."""
 
-    level: Level
+    space: StateSpace
     model: Model
     discount: float
-    actions: str
 
     @property
     def max_steps(self) -> int:
         """The number of steps after which an episode is truncated."""
-        return self.level.max_steps or MAX_STEPS
+        return self.space.level.max_steps or MAX_STEPS
 
     def weights(self, policy: Policy) -> Floats:
         """Return a policy as probabilities, `[n, actions]`.
@@ -85,7 +90,9 @@ class Problem:
         Raises:
             ValueError: it is no policy, or does not fit the level.
         """
-        return read_policy(policy, self.level.compile(), self.actions)[self.model.states]
+        space = self.space
+        weights = read_policy(policy, space.mdp, space.actions, space.level.things())
+        return weights[self.model.states]
 
     def greedy(self, ahead: Floats) -> Ints:
         """Return the greedy actions, `[n]`: the first of those that differ by rounding only."""
@@ -105,21 +112,21 @@ class Problem:
         """
         if policy is None:
             policy = self.greedy(self.model.action_values(values, self.discount))
-        none = np.zeros((values.size, 1))
-        cells, _ = on_the_grid(self.level, self.model, values, none)
-        return Sweep(number, cells, self._policy(policy), delta, self.actions)
+        states = self.space.spread(self.model, values)
+        return Sweep(number, states, self._policy(policy), delta, self.space.actions)
 
     def trials(self, number: int, ahead: Floats, delta: float, returns: list[float]) -> Trials:
         """Return the `Trials` of some action values, `[n, actions]`."""
-        cells, rows = on_the_grid(self.level, self.model, ahead.max(axis=1), ahead)
-        policy = self._policy(self.greedy(ahead))
-        return Trials(number, cells, policy, delta, self.actions, rows, np.array(returns))
+        states = self.space.spread(self.model, ahead.max(axis=1))
+        rows = self.space.spread(self.model, ahead)
+        policy, actions = self._policy(self.greedy(ahead)), self.space.actions
+        return Trials(number, states, policy, delta, actions, rows, np.array(returns))
 
     def _policy(self, policy: Ints) -> Ints:
-        width, height = self.level.size
-        cells = np.full(width * height, -1)
-        cells[self.model.states] = policy
-        return cells.reshape(height, width)
+        mdp = self.space.mdp
+        states = np.full(mdp.num_states, -1)
+        states[self.model.states] = policy
+        return states.reshape(mdp.shape)
 
 
 def read_problem(level: Any, discount: float | None, actions: str) -> Problem:
@@ -131,8 +138,8 @@ def read_problem(level: Any, discount: float | None, actions: str) -> Problem:
         ValueError: another argument has an invalid value.
     """
     level = load(level)
-    model = model_of(level, check_actions(actions))
-    return Problem(level, model, check_discount(discount, level.discount), actions)
+    space = space_of(level, actions)
+    return Problem(space, space.model(), check_discount(discount, level.discount))
 
 
 def check_counts(**counts: int) -> None:

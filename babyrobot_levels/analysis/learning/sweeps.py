@@ -42,7 +42,8 @@ def value_iteration(
     Args:
         level: a name, a path, a mapping or a `Level`.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay. Actions that a wall refuses can be taken too.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
+            Actions that a wall refuses can be taken too.
         tolerance: the last sweep is the first one whose `delta` is not above this.
         max_sweeps: the number of sweeps after which it ends in any case, at least 1.
 
@@ -74,7 +75,7 @@ def policy_evaluation(
         level: a name, a path, a mapping or a `Level`.
         policy: as `evaluate` takes it; `"uniform"` is what the book calls equiprobable.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
         tolerance: the last sweep is the first one whose `delta` is not above this.
         max_sweeps: the number of sweeps after which it ends in any case, at least 1.
 
@@ -108,7 +109,7 @@ def policy_iteration(
     Args:
         level: a name, a path, a mapping or a `Level`.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
         max_sweeps: the number of rounds after which it ends in any case, at least 1.
 
     Raises:
@@ -151,7 +152,7 @@ def _rounds(problem: Problem, max_sweeps: int) -> Iterator[Sweep]:
     values = np.zeros(model.size)
     for number in range(1, max_sweeps + 1):
         chain = model.mixed(weights)
-        before, values = values, chain_values(chain, discount, problem.level.size[0])
+        before, values = values, chain_values(chain, discount, problem.space)
         ahead = action_values(model, values, discount)
         size = np.where(np.isfinite(values), np.abs(values), 0.0)
         better = ahead.max(axis=1) > values + TOLERANCE * np.maximum(1.0, size)

@@ -16,20 +16,17 @@ from babyrobot_levels.analysis.solver.model import (
     Ints,
     Model,
     attractor,
-    build_model,
 )
 from babyrobot_levels.analysis.solver.policies import Policy, looks_like_moves, read_policy
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Evaluation,
     Simulation,
-    check_actions,
     check_discount,
     check_seed,
 )
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.tables import Mdp
 
 MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
@@ -51,11 +48,14 @@ def evaluate(
             `"uniform"` (evenly all actions, also those that a wall refuses), an array of actions
             `[height, width]`, an array of probabilities `[height, width, actions]` or
             `[states, actions]`, a function `(x, y) -> action`, a `Solution` or a `Sweep`. Its
-            entries for blocked and terminal cells are ignored.
+            entries for blocked and terminal cells are ignored. In a level with things, arrays are
+            `[configurations, height, width]` and so on, and a function is called with the
+            `Configuration` as well; with `actions="turns"`, arrays have an axis of the 4 headings
+            (N, E, S, W) before height, and a function is called with the heading at last.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay: the actions of `"random"` and `"uniform"`, and
-            how a policy's actions are numbered. Results of this package and the `policy` of one
-            carry their own numbering.
+        actions: `"all"`, `"moves"` without stay, or `"turns"` (left, right, forward): the actions
+            of `"random"` and `"uniform"`, and how a policy's actions are numbered. Results of this
+            package and the `policy` of one carry their own numbering.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -68,7 +68,7 @@ def evaluate(
     found = evaluation_of(level, policy, discount, actions)
     if found.explanation:
         message = f"with this policy, {found.explanation}"
-        if actions == "all" and looks_like_moves(policy):
+        if actions == "all" and looks_like_moves(policy, found.values.ndim):
             message += "; if its action 0 is north, give actions='moves'"
         warnings.warn(message, RuntimeWarning, stacklevel=2)
     return found
@@ -80,33 +80,27 @@ def evaluation_of(
     """Do what `evaluate` does, without a warning where the expected return is infinite."""
     level = load(level)
     discount = check_discount(discount, level.discount)
-    model, mdp = model_of(level, check_actions(actions)), level.compile()
-    weights = read_policy(policy, mdp, actions)[model.states]
-    chain = model.mixed(weights)
-    values = chain_values(chain, discount, mdp.width)
-    ahead = action_values(model, values, discount)
-    cells, rows = on_the_grid(level, model, values, ahead)
-    expected = at_start(values, model, mdp)
-    steps, success = episode(chain, mdp)
+    space = space_of(level, actions)
+    model = space.model()
+    chain = model.mixed(_weights(policy, space)[model.states])
+    values = chain_values(chain, discount, space)
+    expected = space.at_start(model, values)
+    steps, success = episode(chain, space)
+    diverging = diverging_states(chain, expected, space)
     return Evaluation(
-        values=cells,
-        action_values=rows,
+        values=space.spread(model, values),
+        action_values=space.spread(model, action_values(model, values, discount)),
         expected_return=expected,
         expected_steps=steps,
         exit_probability=success,
         discount=discount,
         actions=actions,
-        diverging_cells=diverging_cells(chain, expected, mdp),
+        diverging_cells=space.cells(diverging),
+        diverging_condition=space.condition(diverging),
     )
 
 
-def model_of(level: Level, first_action: int) -> Model:
-    """Return the model of a level."""
-    exits = np.array([y * level.size[0] + x for x, y in level.exits], np.intp)
-    return build_model(level.compile(), exits, first_action)
-
-
-def chain_values(chain: Model, discount: float, width: int) -> Floats:
+def chain_values(chain: Model, discount: float, space: StateSpace) -> Floats:
     """Return the values of a chain's states, `[n]`.
 
     Raises:
@@ -114,7 +108,7 @@ def chain_values(chain: Model, discount: float, width: int) -> Floats:
     """
     if discount < 1:
         return expected_sums(chain, chain.reward[:, 0], discount)
-    sign, closed = long_run(chain, width)
+    sign, closed = long_run(chain, space)
     values = np.zeros(chain.size)
     values[~closed] = expected_sums(chain.restrict(~closed), chain.reward[~closed, 0], 1.0)
     for extreme in (-1, 1):
@@ -122,13 +116,12 @@ def chain_values(chain: Model, discount: float, width: int) -> Floats:
     return values
 
 
-def diverging_cells(chain: Model, expected_return: float, mdp: Mdp) -> tuple[tuple[int, int], ...]:
-    """Return the cells `(x, y)` of a loop that makes a chain's return infinite; none if finite."""
+def diverging_states(chain: Model, expected_return: float, space: StateSpace) -> Ints:
+    """Return the states of a loop that makes a chain's return infinite; none if it is finite."""
     if math.isfinite(expected_return):
-        return ()
-    starts = np.flatnonzero(mdp.start[chain.states] > 0)
-    found = chain.states[diverging_class(chain, starts, np.sign(expected_return))]
-    return tuple((state % mdp.width, state // mdp.width) for state in found.tolist())
+        return chain.states[:0]
+    starts = np.flatnonzero(space.mdp.start[chain.states] > 0)
+    return chain.states[diverging_class(chain, starts, np.sign(expected_return))]
 
 
 def action_values(model: Model, values: Floats, discount: float) -> Floats:
@@ -139,7 +132,7 @@ def action_values(model: Model, values: Floats, discount: float) -> Floats:
     return ahead
 
 
-def episode(chain: Model, mdp: Mdp) -> tuple[float, float]:
+def episode(chain: Model, space: StateSpace) -> tuple[float, float]:
     """Return the expected length of a chain's episodes and the probability to reach an exit.
 
     Episodes that are too long for floating point have the length inf and the probability nan.
@@ -152,32 +145,12 @@ def episode(chain: Model, mdp: Mdp) -> tuple[float, float]:
     except EpisodeTooLongError:
         return float("inf"), float("nan")
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
-    return at_start(steps, chain, mdp), min(1.0, at_start(success, chain, mdp))
+    return space.at_start(chain, steps), min(1.0, space.at_start(chain, success))
 
 
 def _may_reach(chain: Model, goals: Flags) -> Flags:
     """Return from which states a chain may come to one of the goals (`[n + 1]`), `[n]`."""
     return attractor(chain, goals, chain.allowed)[0]
-
-
-def at_start(values: Floats, model: Model, mdp: Mdp) -> float:
-    """Return the expectation over the starts; inf wins over -inf."""
-    chances = mdp.start[model.states]
-    expected = values[chances > 0]
-    if np.isposinf(expected).any():
-        return float("inf")
-    return float(chances[chances > 0] @ expected)
-
-
-def on_the_grid(level: Level, model: Model, values: Floats, ahead: Floats) -> tuple[Floats, Floats]:
-    """Return values and action values as arrays over the level's cells."""
-    mdp = level.compile()
-    shape = (mdp.height, mdp.width)
-    blocked = level.grid().blocked.ravel()
-    cells = np.where(blocked, np.nan, 0.0)
-    rows = np.repeat(cells[:, None], ahead.shape[1], axis=1)
-    cells[model.states], rows[model.states] = values, ahead
-    return cells.reshape(shape), rows.reshape(*shape, -1)
 
 
 # -- simulated episodes, and limits of steps -------------------------------------------------
@@ -206,7 +179,7 @@ def simulate(
         discount: above 0 and at most 1; by default, the level's.
         max_steps: episodes that are longer are truncated. By default, the level's `max_steps`, or
             10,000 where it has none.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -218,11 +191,12 @@ def simulate(
     limit = max_steps if max_steps is not None else level.max_steps or MAX_STEPS
     if episodes < 1 or limit < 1:
         raise ValueError("episodes and max_steps must be at least 1")
-    chain = _chain(level, policy, actions)
-    mdp = level.compile()
+    space = space_of(level, actions)
+    mdp, chain = space.mdp, _chain(space, policy)
     rng = np.random.default_rng(check_seed(seed))
     state = rng.choice(mdp.num_states, size=episodes, p=mdp.start)
     returns, steps = np.zeros(episodes), np.zeros(episodes, np.int64)
+    ended = np.zeros(episodes, bool)
     going = np.arange(episodes)
     factor = 1.0
     for _ in range(limit):
@@ -231,15 +205,16 @@ def simulate(
         returns[going] += factor * chain.reward[here, which]
         steps[going] += 1
         state[going] = chain.next_state[here, which]
+        ended[going] = chain.terminal[here, which]
         factor *= discount
-        going = going[~mdp.is_terminal[state[going]]]
+        going = going[~ended[going]]
         if not going.size:
             break
     return Simulation(
         returns=returns,
         steps=steps,
-        at_exit=_exits(level)[state],
-        cut=~mdp.is_terminal[state],
+        at_exit=space.exits[state] & ended,
+        cut=~ended,
         max_steps=limit,
         discount=discount,
     )
@@ -254,7 +229,7 @@ def success_within(
         level: a name, a path, a mapping or a `Level`.
         policy: as `evaluate` takes it.
         steps: how many steps there are; by default, the level's `max_steps`.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -266,8 +241,9 @@ def success_within(
     steps = level.max_steps if steps is None else steps
     if steps is None or steps < 0:
         raise ValueError("steps must be 0 or more; the level has no max_steps of its own")
-    model, mdp = model_of(level, check_actions(actions)), level.compile()
-    chain = model.mixed(read_policy(policy, mdp, actions)[model.states])
+    space = space_of(level, actions)
+    model = space.model()
+    chain = model.mixed(_weights(policy, space)[model.states])
     success = np.zeros(chain.size)
     for _ in range(steps):
         following = np.append(success, 0.0)[chain.next_state[:, 0]]
@@ -276,7 +252,7 @@ def success_within(
         if np.array_equal(ahead, success):
             break
         success = ahead
-    return min(1.0, at_start(success, chain, mdp))
+    return min(1.0, space.at_start(chain, success))
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,12 +262,13 @@ class _Chain:
     cumulated: Floats
     next_state: Ints
     reward: Floats
+    terminal: Flags
 
 
-def _chain(level: Level, policy: Policy, actions: str) -> _Chain:
+def _chain(space: StateSpace, policy: Policy) -> _Chain:
     """Return the outcomes of a policy's steps, the possible ones first."""
-    first, mdp = check_actions(actions), level.compile()
-    weights = read_policy(policy, mdp, actions)
+    first, mdp = space.first_action, space.mdp
+    weights = _weights(policy, space)
     count = mdp.num_states
     probability = (weights[:, :, None] * mdp.probability[:, first:]).reshape(count, -1)
     order = np.argsort(probability == 0, axis=1, kind="stable")
@@ -299,6 +276,7 @@ def _chain(level: Level, policy: Policy, actions: str) -> _Chain:
     probability = np.take_along_axis(probability, order, axis=1)
     next_state = mdp.next_state[:, first:].reshape(count, -1)
     reward = mdp.reward[:, first:].reshape(count, -1)
+    terminal = mdp.terminal[:, first:].reshape(count, -1)
     cumulated = np.cumsum(probability, axis=1)
     # Rounding must not leave a gap at the top: the last possible outcome takes what is left.
     last = np.maximum((probability > 0).sum(axis=1) - 1, 0)
@@ -307,12 +285,10 @@ def _chain(level: Level, policy: Policy, actions: str) -> _Chain:
         cumulated,
         np.take_along_axis(next_state, order, axis=1).astype(np.intp),
         np.take_along_axis(reward, order, axis=1),
+        np.take_along_axis(terminal, order, axis=1),
     )
 
 
-def _exits(level: Level) -> Flags:
-    """Return which states are exits, `[states]`."""
-    width, height = level.size
-    flags = np.zeros(width * height, bool)
-    flags[[y * width + x for x, y in level.exits]] = True
-    return flags
+def _weights(policy: Policy, space: StateSpace) -> Floats:
+    """Return a policy as probabilities, `[states, actions]`."""
+    return read_policy(policy, space.mdp, space.actions, space.level.things())

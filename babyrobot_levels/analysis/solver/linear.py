@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model, closed_classes
-from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, undefined_return
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+from babyrobot_levels.analysis.solver.space import StateSpace
 from babyrobot_levels.mdp.graph import Graph
 
 MAX_STEPS = 1e10
@@ -126,7 +127,7 @@ def class_averages(chain: Model) -> Floats:
     return found
 
 
-def long_run(chain: Model, width: int) -> tuple[Floats, Flags]:
+def long_run(chain: Model, space: StateSpace) -> tuple[Floats, Flags]:
     """Return the sign of the long-run average reward of each state of a chain.
 
     Returns:
@@ -144,7 +145,7 @@ def long_run(chain: Model, width: int) -> tuple[Floats, Flags]:
     sign = np.where(np.abs(average) <= ZERO * scale, 0.0, np.sign(average))
     unclear = (sign == 0) & (chain.reward[:, 0] != 0)
     if unclear.any():
-        raise undefined_return(chain, unclear, width)
+        raise space.undefined_return(chain, unclear)
     return sign, closed
 
 

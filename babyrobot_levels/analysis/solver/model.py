@@ -137,12 +137,12 @@ class Model:
         )
 
 
-def build_model(mdp: Mdp, exits: Ints, first_action: int) -> Model:
+def build_model(mdp: Mdp, exits: Flags, first_action: int) -> Model:
     """Return the model of a level's tables.
 
     Args:
         mdp: the tables.
-        exits: the states that are exits.
+        exits: in which states the robot stands on an open exit, `[states]`.
         first_action: the action that becomes number 0: 1 leaves `stay` out.
     """
     states = np.flatnonzero(~mdp.is_terminal)
@@ -153,14 +153,13 @@ def build_model(mdp: Mdp, exits: Ints, first_action: int) -> Model:
     rows = slice(states[0], states[-1] + 1) if is_whole else states
     probability = mdp.probability[rows, first_action:]
     following = mdp.next_state[rows, first_action:]
-    is_exit = np.zeros(mdp.num_states, bool)
-    is_exit[exits] = True
+    ends = mdp.terminal[rows, first_action:]
     return Model(
         states,
         probability,
-        np.where(probability > 0, number[following], np.int32(states.size)),
+        np.where((probability > 0) & ~ends, number[following], np.int32(states.size)),
         np.einsum("sao,sao->sa", probability, mdp.reward[rows, first_action:]),
-        np.einsum("sao,sao->sa", probability, is_exit[following].astype(np.float64)),
+        np.einsum("sao,sao->sa", probability, (exits[following] & ends).astype(np.float64)),
     )
 
 

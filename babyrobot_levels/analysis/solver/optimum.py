@@ -14,11 +14,8 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.evaluation import (
     action_values,
-    at_start,
-    diverging_cells,
+    diverging_states,
     episode,
-    model_of,
-    on_the_grid,
 )
 from babyrobot_levels.analysis.solver.iteration import in_good_time, iterate_policies, prefer_ending
 from babyrobot_levels.analysis.solver.linear import ZERO, class_averages, cycles
@@ -34,10 +31,9 @@ from babyrobot_levels.analysis.solver.model import (
 )
 from babyrobot_levels.analysis.solver.results import (
     Solution,
-    check_actions,
     check_discount,
-    undefined_return,
 )
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.library.catalogue import load
 
 TOLERANCE = 1e-9
@@ -59,7 +55,8 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
     Args:
         level: a name, a path, a mapping or a `Level`.
         discount: above 0 and at most 1; by default, the level's.
-        actions: `"all"`, or `"moves"` without stay. Actions that a wall refuses can be taken too.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
+            Actions that a wall refuses can be taken too.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -73,8 +70,9 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
-    model, mdp = model_of(level, check_actions(actions)), level.compile()
-    found = _discounted(model, discount) if discount < 1 else _undiscounted(model, mdp.width)
+    space = space_of(level, actions)
+    model, mdp = space.model(), space.mdp
+    found = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
     ahead = action_values(model, found.values, discount)
     best = ahead.max(axis=1, initial=-np.inf)
     greedy = np.zeros((mdp.num_states, ahead.shape[1]), bool)
@@ -82,20 +80,21 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
     policy = np.full(mdp.num_states, -1)
     policy[model.states] = found.policy
     finite = np.isfinite(found.values)
-    cells, rows = on_the_grid(level, model, found.values, ahead)
-    chain, expected = model.under(found.policy), at_start(found.values, model, mdp)
-    steps, success = episode(chain, mdp)
+    chain, expected = model.under(found.policy), space.at_start(model, found.values)
+    steps, success = episode(chain, space)
+    diverging = diverging_states(chain, expected, space)
     return Solution(
-        values=cells,
-        action_values=rows,
+        values=space.spread(model, found.values),
+        action_values=space.spread(model, ahead),
         expected_return=expected,
         expected_steps=steps,
         exit_probability=success,
         discount=discount,
         actions=actions,
-        diverging_cells=diverging_cells(chain, expected, mdp),
-        greedy=greedy.reshape(mdp.height, mdp.width, -1),
-        policy=policy.reshape(mdp.height, mdp.width),
+        diverging_cells=space.cells(diverging),
+        diverging_condition=space.condition(diverging),
+        greedy=greedy.reshape(*mdp.shape, -1),
+        policy=policy.reshape(mdp.shape),
         method="policy iteration",
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
@@ -116,7 +115,7 @@ def _discounted(model: Model, discount: float) -> _Optimum:
     return _Optimum(values, prefer_ending(model, values, policy, discount), rounds)
 
 
-def _undiscounted(model: Model, width: int) -> _Optimum:
+def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
     loops = find_loops(model)
     unbounded, towards = attractor(model, np.append(loops.positive, False), model.allowed)
     policy = np.where(loops.positive, loops.action, towards)
@@ -142,7 +141,7 @@ def _undiscounted(model: Model, width: int) -> _Optimum:
     values[inside] = core_values
     unclear = values < loops.ceiling - TOLERANCE * np.maximum(1.0, np.abs(loops.ceiling))
     if unclear.any():
-        raise undefined_return(model, unclear, width)
+        raise space.undefined_return(model, unclear)
     return _Optimum(values, policy, rounds)
 
 

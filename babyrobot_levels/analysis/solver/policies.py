@@ -4,32 +4,46 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats
-from babyrobot_levels.analysis.solver.results import num_actions
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, HasPolicy, unwrapped_policy
+from babyrobot_levels.analysis.solver.results import (
+    TURNS,
+    action_names,
+    check_actions,
+    num_actions,
+)
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, HasPolicy, unwrapped_policy
+from babyrobot_levels.mdp.configurations import Things
+from babyrobot_levels.mdp.states import state_text
 from babyrobot_levels.mdp.tables import Mdp
 from babyrobot_levels.text.words import did_you_mean
 
-Policy = str | ArrayLike | Callable[[int, int], int] | HasPolicy
+Policy = str | ArrayLike | Callable[..., int] | HasPolicy
 """The forms of a policy; see `read_policy`."""
 
 NAMED = ("random", "uniform")
 
 
-def looks_like_moves(policy: Any) -> bool:
-    """Return whether a policy is a plain array of actions that could be meant without stay."""
+def looks_like_moves(policy: Any, axes: int) -> bool:
+    """Return whether a policy is a plain array of actions that could be meant without stay.
+
+    Args:
+        policy: the policy.
+        axes: how many axes an array over states has.
+    """
     if isinstance(policy, str) or callable(policy) or hasattr(policy, "first_action"):
         return False
     table = np.asarray(policy)
-    return table.ndim == 2 and table.dtype.kind in "iu" and bool((table < NUM_MOVES).all())
+    return table.ndim == axes and table.dtype.kind in "iu" and bool((table < NUM_MOVES).all())
 
 
-def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
+def read_policy(policy: Any, mdp: Mdp, actions: str, things: Things) -> Floats:
     """Return a policy as probabilities, `[states, actions]`; zeros at terminal states.
 
     Args:
@@ -43,9 +57,14 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
             - an array `[height, width, actions]` or `[states, actions]` of probabilities;
             - a function that is called with `x, y` and returns an action;
             - a `Solution`, or a `Sweep` of learning, or the `policy` of one.
-        mdp: the level's tables.
-        actions: the set of actions, `"all"` or `"moves"`. It also numbers the actions of a policy
-            that does not carry its own set.
+
+            In a level with things, arrays have an axis of configurations before height, and a
+            function is called with the `Configuration` as well. A robot that turns has an axis of
+            headings before height, and its function is called with the heading at last.
+        mdp: the level's tables; with `actions="turns"`, those of a robot that turns.
+        actions: the set of actions, `"all"`, `"moves"` or `"turns"`. It also numbers the actions
+            of a policy that does not carry its own set.
+        things: the level's things.
 
     Raises:
         ValueError: it is none of these, or does not fit the level.
@@ -53,23 +72,26 @@ def read_policy(policy: Any, mdp: Mdp, actions: str) -> Floats:
     count = num_actions(actions)
     if isinstance(policy, str):
         return _named(policy, mdp, count)
+    own = getattr(policy, "actions", None)
     policy, first_action = unwrapped_policy(policy)
-    first = NUM_ACTIONS - count if first_action is None else first_action
+    first = check_actions(actions) if first_action is None else first_action
+    if first_action is not None and (own == TURNS) != (actions == TURNS):
+        raise ValueError(f"the policy is one for actions={own!r}, not for actions={actions!r}")
     if callable(policy):
-        policy = _called(policy, mdp)
+        policy = _called(policy, mdp, things)
     table = np.asarray(policy)
-    shape = (mdp.height, mdp.width)
+    shape = mdp.shape
     if table.shape == shape:
-        return _chosen(table.ravel(), mdp, actions, first)
+        return _chosen(table.ravel(), mdp, actions, first, things)
     if table.shape in ((*shape, count), (mdp.num_states, count)):
-        return _weighed(table.reshape(-1, count), mdp)
+        return _weighed(table.reshape(-1, count), mdp, things)
     message = (
         f"a policy for this level and actions={actions!r} is an array {list(shape)} of actions, or "
         f"an array {[*shape, count]} or {[mdp.num_states, count]} of probabilities, "
         f"not one of shape {list(table.shape)}"
     )
     other, others = ("moves", NUM_MOVES) if actions == "all" else ("all", NUM_ACTIONS)
-    if table.shape in ((*shape, others), (mdp.num_states, others)):
+    if actions != TURNS and table.shape in ((*shape, others), (mdp.num_states, others)):
         message += f"; {others} probabilities for each cell need actions={other!r}"
     raise ValueError(message)
 
@@ -90,36 +112,42 @@ def _named(name: str, mdp: Mdp, count: int) -> Floats:
     return even
 
 
-def _called(function: Callable[[int, int], Any], mdp: Mdp) -> Any:
-    table = np.zeros((mdp.height, mdp.width), np.int64)
+def _called(function: Callable[..., Any], mdp: Mdp, things: Things) -> Any:
+    table = np.zeros(mdp.num_states, np.int64)
+    rows = mdp.configurations.tolist()
+    configuration = cache(lambda number: things.at(rows[number]))
     for state in np.flatnonzero(~mdp.is_terminal).tolist():
-        y, x = divmod(state, mdp.width)
-        action = function(x, y)
+        now = [configuration(mdp.configuration(state))] if things.names else []
+        heading = [SIDES[mdp.heading(state)]] if mdp.headings > 1 else []
+        action = function(*mdp.cell(state), *now, *heading)
         try:
-            table[y, x] = operator.index(action)
+            table[state] = operator.index(action)
         except TypeError:
-            raise ValueError(f"the policy's action at [{x}, {y}] is {action!r}") from None
-    return table
+            place = state_text(things, mdp, state)
+            raise ValueError(f"the policy's action at {place} is {action!r}") from None
+    return table.reshape(mdp.shape)
 
 
-def _chosen(table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int) -> Floats:
+def _chosen(
+    table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int, things: Things
+) -> Floats:
     """Return the probabilities of a policy given by actions, of which `first` is number 0."""
     if not np.issubdtype(table.dtype, np.integer):
-        raise ValueError("a policy [height, width] is an array of integers, the actions")
-    count = num_actions(actions)
+        axes = ["configurations"] * bool(things.names) + ["headings"] * (mdp.headings > 1)
+        shape = ", ".join([*axes, "height", "width"])
+        raise ValueError(f"a policy [{shape}] is an array of integers, the actions")
+    count, names = num_actions(actions), action_names(actions)
     states = np.flatnonzero(~mdp.is_terminal)
-    chosen = table[states].astype(np.int64) + first - (NUM_ACTIONS - count)
+    chosen = table[states].astype(np.int64) + first - check_actions(actions)
     wrong = (chosen < 0) | (chosen >= count)
     if wrong.any():
-        number, cell = int(table[states][wrong][0]), _cell(states, wrong, mdp)
-        if number >= 0 and number + first < NUM_ACTIONS:
-            name = Action(number + first).name.lower()
+        number, cell = int(table[states][wrong][0]), _place(states, wrong, mdp, things)
+        if number >= 0 and number + first < len(names):
             raise ValueError(
-                f"the policy's action at {cell} is {name}, which actions={actions!r} does not have"
+                f"the policy's action at {cell} is {names[number + first]}, which "
+                f"actions={actions!r} does not have"
             )
-        known = ", ".join(
-            f"{action - first} {action.name.lower()}" for action in Action if action >= first
-        )
+        known = ", ".join(f"{action} {name}" for action, name in enumerate(names[first:]))
         message = f"the policy's action at {cell} is {number}; actions={actions!r} has {known}"
         if actions == "moves" and 0 <= number < NUM_ACTIONS:
             message += "; if its action 0 is stay, give actions='all'"
@@ -129,7 +157,7 @@ def _chosen(table: np.ndarray[Any, Any], mdp: Mdp, actions: str, first: int) -> 
     return weights
 
 
-def _weighed(table: np.ndarray[Any, Any], mdp: Mdp) -> Floats:
+def _weighed(table: np.ndarray[Any, Any], mdp: Mdp, things: Things) -> Floats:
     states = np.flatnonzero(~mdp.is_terminal)
     weights = np.zeros(table.shape)
     weights[states] = table[states]
@@ -137,13 +165,13 @@ def _weighed(table: np.ndarray[Any, Any], mdp: Mdp) -> Floats:
     wrong = ~((weights[states] >= 0).all(axis=1) & (np.abs(total - 1) < 1e-6))
     if wrong.any():
         raise ValueError(
-            f"the policy's probabilities at {_cell(states, wrong, mdp)} are "
+            f"the policy's probabilities at {_place(states, wrong, mdp, things)} are "
             f"{table[states][wrong][0].tolist()}; they must not be negative and add up to 1"
         )
     weights[states] /= total[:, None]
     return weights
 
 
-def _cell(states: Any, wrong: Flags, mdp: Mdp) -> str:
-    y, x = divmod(int(states[wrong][0]), mdp.width)
-    return f"[{x}, {y}]"
+def _place(states: Any, wrong: Flags, mdp: Mdp, things: Things) -> str:
+    """Return the first of the wrong states as words."""
+    return state_text(things, mdp, int(states[wrong][0]))

@@ -5,18 +5,25 @@ from __future__ import annotations
 import math
 import operator
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.text.errors import BabyRobotError
 
-ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH}
+TURNS = "turns"
+"""The set of actions of a robot that turns, which are `Turn`s and not `Action`s."""
+
+ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH, TURNS: Turn.LEFT}
 """The sets of actions, and the action that is number 0 of each."""
+
+OVER_STATES = ("values", "action_values", "greedy", "policy")
+"""The arrays over states of all results."""
 
 MAX_LISTED = 5
 """How many cells an explanation lists."""
@@ -29,20 +36,20 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError):
     """The undiscounted return of a level or of a policy is undefined.
 
     Raised where rewards that differ from zero cancel out in a loop without end: +1, -1, +1, …
-    `cell` is a cell `(x, y)` of such a loop.
+    `cell` is a cell `(x, y)` of such a loop; `where` is that cell and what is held there, as words.
     """
 
     __module__ = "babyrobot_levels"
 
-    def __init__(self, cell: tuple[int, int]):
+    def __init__(self, cell: tuple[int, int], where: str | None = None):
         self.cell = cell
-        super().__init__(cell)
+        self.where = f"[{cell[0]}, {cell[1]}]" if where is None else where
+        super().__init__(cell, where)
 
     def __str__(self) -> str:
-        x, y = self.cell
         return (
-            f"around [{x}, {y}] an episode can go on for ever while rewards and costs cancel out, "
-            "so that its return is undefined; give a discount below 1"
+            f"around {self.where} an episode can go on for ever while rewards and costs cancel "
+            "out, so that its return is undefined; give a discount below 1"
         )
 
 
@@ -62,12 +69,6 @@ class EpisodeTooLongError(BabyRobotError, ArithmeticError):
 NoTotalError, TooLongError = UndefinedReturnError, EpisodeTooLongError
 
 
-def undefined_return(model: Model, unclear: Flags, width: int) -> UndefinedReturnError:
-    """Return the error that names the first of the unclear states, `[n]`, of a model."""
-    y, x = divmod(int(model.states[unclear.argmax()]), width)
-    return UndefinedReturnError((x, y))
-
-
 # -- results -------------------------------------------------------------------------------
 
 
@@ -79,7 +80,7 @@ class PolicyArray(np.ndarray[Any, np.dtype[np.int64]]):
 
     Args:
         table: the actions, integers of any shape.
-        actions: `"all"` or `"moves"`.
+        actions: `"all"`, `"moves"` or `"turns"`.
     """
 
     actions: str | None
@@ -92,7 +93,10 @@ class PolicyArray(np.ndarray[Any, np.dtype[np.int64]]):
 
     @property
     def first_action(self) -> int:
-        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
+        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`.
+
+        With `"turns"`, it is the `brl.Turn` 0.
+        """
         if self.actions is None:
             raise AttributeError("this array has no set of actions")
         return check_actions(self.actions)
@@ -136,17 +140,55 @@ class Result:
             values["policy"] = PolicyArray(values["policy"], values["actions"])
 
 
+class StateResult(Result):
+    """A result with arrays over states."""
+
+    def at(self, configuration: int, heading: str | None = None) -> Self:
+        """Return the part of one configuration, of arrays `[height, width]`, as pictures show it.
+
+        What is not an array over states is the same as in the whole.
+
+        Args:
+            configuration: its number in the tables; 0 in a level without things.
+            heading: where a robot that turns looks: N, E, S or W; by default, all 4 are kept.
+
+        Raises:
+            IndexError: there is no such configuration.
+            ValueError: there is no such heading.
+        """
+        turns = vars(self)["actions"] == TURNS
+        axes = vars(self)["values"].ndim
+        index: tuple[Any, ...] = ()
+        if axes == (4 if turns else 3):
+            index = (operator.index(configuration),)
+        elif configuration != 0:
+            raise IndexError(f"a level without things has no configuration {configuration}")
+        if heading is not None:
+            if not turns or heading not in SIDES:
+                known = ", ".join(SIDES) if turns else "for actions='turns'"
+                raise ValueError(f"heading must be {known}, not {heading!r}")
+            index = (*index, SIDES.index(heading))
+        parts = {name: array[index] for name, array in vars(self).items() if name in OVER_STATES}
+        return replace(self, **parts)  # type: ignore[type-var]
+
+
 @dataclass(frozen=True, eq=False)
-class Evaluation(Result):
+class Evaluation(StateResult):
     """The values of a policy. All arrays are read-only.
 
     Actions are numbered as in an environment made with the same `actions`: 0 stay, 1 north,
     2 east, 3 south, 4 west with `"all"`, and 0 north, 1 east, 2 south, 3 west with `"moves"`.
-    Adding `first_action` makes either a `brl.Action`.
+    Adding `first_action` makes either a `brl.Action`. With `"turns"` they are `brl.Turn`s: 0 left,
+    1 right, 2 forward.
+
+    Arrays over states have the shape of the tables, which is `[height, width]` in what follows. A
+    level with things has an axis of configurations before that, and `at` gives the part of one;
+    with `"turns"`, an axis of the 4 headings (N, E, S, W) comes before height.
 
     Attributes:
         values: the expected return from each cell, float64 `[height, width]`: 0 at terminal
-            cells, nan at blocked cells. Without a discount it may be inf or -inf.
+            cells, nan at blocked cells and, in a configuration, where no episode can come.
+            Without a discount it may be inf or -inf.
         action_values: the same if an action is taken first, float64 `[height, width, actions]`.
         expected_return: the expected return from the level's starts.
         expected_steps: the expected number of steps from the starts to the end of the episode;
@@ -155,9 +197,11 @@ class Evaluation(Result):
         exit_probability: the probability of reaching an exit from the starts; nan where episodes
             are too long to compute it (more than 10^10 steps on average).
         discount: the factor by which each further reward counts less.
-        actions: `"all"` or `"moves"`.
+        actions: `"all"`, `"moves"` or `"turns"`.
         diverging_cells: where the expected return is infinite, the cells `(x, y)` of a loop in
             which an episode may go on for ever, so that the sum of its rewards diverges.
+        diverging_condition: what is held and on in that loop, as words: `while key is held`;
+            empty where nothing can be, or where it changes.
     """
 
     __module__ = "babyrobot_levels"
@@ -170,10 +214,14 @@ class Evaluation(Result):
     discount: float
     actions: str
     diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
+    diverging_condition: str = field(default="", kw_only=True)
 
     @property
     def first_action(self) -> int:
-        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`."""
+        """The `brl.Action` that is number 0 here: 0 with `"all"`, 1 with `"moves"`.
+
+        With `"turns"`, it is the `brl.Turn` 0.
+        """
         return int(ACTION_SETS[self.actions])
 
     @property
@@ -193,12 +241,13 @@ class Evaluation(Result):
             return None
         cells = [f"[{x}, {y}]" for x, y in self.diverging_cells[:MAX_LISTED]]
         cells += ["…"] if len(self.diverging_cells) > MAX_LISTED else []
+        condition = self.diverging_condition and f" {self.diverging_condition}"
         sums = "costs add up without bound"
         if self.expected_return > 0:
             sums = "rewards add up without bound (rule BR504, unbounded-return)"
         return (
             f"the expected return is {self.expected_return}, because an episode may go on for ever "
-            f"around {', '.join(cells)}, where {sums}; "
+            f"around {', '.join(cells)}{condition}, where {sums}; "
             "a discount below 1, such as 0.99, makes it finite"
         )
 
@@ -299,13 +348,18 @@ def check_actions(actions: str) -> int:
         ValueError: there is no such set.
     """
     if actions not in ACTION_SETS:
-        raise ValueError(f"actions must be 'all' or 'moves', not {actions!r}")
+        raise ValueError(f"actions must be 'all', 'moves' or 'turns', not {actions!r}")
     return int(ACTION_SETS[actions])
 
 
 def num_actions(actions: str) -> int:
     """Return the size of a set of actions."""
-    return NUM_ACTIONS - check_actions(actions)
+    return len(action_names(actions)) - check_actions(actions)
+
+
+def action_names(actions: str) -> list[str]:
+    """Return the names of the actions of the tables, of which a set leaves out the first ones."""
+    return [action.name.lower() for action in (Turn if actions == TURNS else Action)]
 
 
 def check_discount(discount: float | None, default: float) -> float:

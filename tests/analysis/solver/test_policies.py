@@ -238,9 +238,9 @@ def test_arguments_that_cannot_be() -> None:
             solve(CORNER, wrong)
         with pytest.raises(ValueError, match="discount must be above 0"):
             evaluate(CORNER, "random", wrong)
-    with pytest.raises(ValueError, match="'all' or 'moves'"):
+    with pytest.raises(ValueError, match="'all', 'moves' or 'turns'"):
         solve(CORNER, actions="valid")
-    with pytest.raises(ValueError, match="'all' or 'moves'"):
+    with pytest.raises(ValueError, match="'all', 'moves' or 'turns'"):
         evaluate(CORNER, "random", actions="some")
     with pytest.raises(brl.LevelNotFoundError):
         solve("no-such-level")
@@ -269,4 +269,6 @@ def test_results_are_read_only_and_can_be_copied() -> None:
 def test_probabilities_that_almost_add_up_to_one_are_normalised() -> None:
     level = brl.load("final-maze")
     table = np.full((40, 5), 0.2 + 1e-8)
-    assert read_policy(table, level.compile(), "all").sum(axis=1)[0] == pytest.approx(1, abs=1e-15)
+    assert read_policy(table, level.compile(), "all", level.things()).sum(axis=1)[
+        0
+    ] == pytest.approx(1, abs=1e-15)

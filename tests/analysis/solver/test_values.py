@@ -32,18 +32,26 @@ FIRST = {"all": 0, "moves": 1}
 
 def assert_sound(level: Any, solution: Solution) -> None:
     """Check what each solution promises of itself."""
-    mdp, blocked = level.compile(), level.grid().blocked
-    over = mdp.is_terminal.reshape(blocked.shape)
-    assert (np.isnan(solution.values) == blocked).all()
-    assert (solution.values[over & ~blocked] == 0).all()
+    mdp = level.compile()
+    if solution.actions == "turns":
+        mdp = mdp.turning(level.heading)
+    shape, over = mdp.shape, mdp.is_terminal.reshape(mdp.shape)
+    assert solution.values.shape == solution.policy.shape == shape
+    blocked = np.broadcast_to(level.grid().blocked, shape)
+    has_value = ~np.isnan(solution.values)
+    if not level.has_things:
+        assert (has_value == ~blocked).all()
+    assert not (has_value & blocked).any()
+    assert has_value[~over].all()
+    assert (solution.values[over & has_value] == 0).all()
     assert (solution.policy[over] == -1).all()
     assert not solution.greedy[over].any()
-    rows, columns = np.unravel_index(states_of(mdp), blocked.shape)
-    assert solution.greedy[rows, columns, solution.policy[rows, columns]].all()
+    states = np.unravel_index(states_of(mdp), shape)
+    assert solution.greedy[(*states, solution.policy[states])].all()
     finite = solution.values[np.isfinite(solution.values)]
     assert solution.residual <= 1e-11 * (1 + np.abs(finite).max(initial=0))
-    best = solution.action_values[rows, columns].max(axis=1)
-    np.testing.assert_allclose(best, solution.values[rows, columns], rtol=1e-9, atol=1e-10)
+    best = solution.action_values[states].max(axis=1)
+    np.testing.assert_allclose(best, solution.values[states], rtol=1e-9, atol=1e-10)
     found = evaluation_of(level, solution, solution.discount, solution.actions)
     np.testing.assert_allclose(found.values, solution.values, rtol=1e-8, atol=1e-8)
     assert found.expected_steps == pytest.approx(solution.expected_steps)

@@ -182,7 +182,7 @@ def test_seeds() -> None:
         ({"max_episode_steps": 0}, "max_episode_steps must be at least 1, or -1"),
         ({"seed": [1, 2]}, "seed must be a whole number from 0 on, not \\[1, 2\\]"),
         ({"seed": -1}, "seed must be a whole number from 0 on"),
-        ({"actions": "valid"}, "'all' or 'moves'"),
+        ({"actions": "valid"}, "'all', 'moves' or 'turns'"),
         ({"engine": "gpu"}, "engine must be"),
         ({"policy": "clever"}, "'random' or 'uniform'"),
         ({"level": []}, "at least one level"),
