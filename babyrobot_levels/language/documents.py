@@ -23,7 +23,7 @@ from babyrobot_levels.text.files import (
     SUFFIXES,
     is_file,
 )
-from babyrobot_levels.text.reader import MAX_NODES, open_document
+from babyrobot_levels.text.reader import MAX_NODES, open_document, read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 from babyrobot_levels.text.words import did_you_mean
 

@@ -29,26 +29,8 @@ def as_names(value: Any) -> tuple[str, ...]:
     return (value,) if isinstance(value, str) else tuple(value)
 
 
-<<<<<<< HEAD
 class Item(Model):
     """Something to take: by coming to stand where it lies. It is kept to the end."""
-=======
-class ItemLooks(Model):
-    """What an item gives, and how it is shown."""
-
-    reward: Number | None = None
-    """The reward of the step that takes it, which replaces that of the cell."""
-    shape: Shape | None = None
-    """Its picture; by default its name if that is a shape, else `star`."""
-    color: Color | None = None
-    """The colour, if it is not the theme's."""
-    label: Text | None = None
-    """A text to show on it."""
-
-
-class ItemPlace(Model):
-    """What an item is called, and where it lies."""
->>>>>>> main
 
     name: Slug
     """The name, unique among all things of the level."""
@@ -64,10 +46,6 @@ class ItemPlace(Model):
     """The colour, if it is not the theme's."""
     label: Text | None = None
     """A text to show on it."""
-
-
-class Item(ItemLooks, ItemPlace):
-    """Something to take: by coming to stand where it lies. It is kept to the end."""
 
     @property
     def places(self) -> tuple[tuple[int, int], ...]:
@@ -120,22 +98,6 @@ class Switch(Model):
     """A text to show on it."""
 
 
-<<<<<<< HEAD
-=======
-class SwitchPlace(Model):
-    """What a switch is called, and where it is."""
-
-    name: Slug
-    """The name, unique among all things of the level."""
-    at: Cell
-    """The cell."""
-
-
-class Switch(SwitchTraits, SwitchPlace):
-    """A switch, which flips whenever the robot arrives there."""
-
-
->>>>>>> main
 class Mover(Model):
     """A guard that walks a path, or a wanderer that walks at random in a rectangle."""
 

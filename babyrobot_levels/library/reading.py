@@ -12,11 +12,7 @@ from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
-<<<<<<< HEAD
-from babyrobot_levels.text.errors import LevelError
-=======
 from babyrobot_levels.text.errors import LevelError, UnplayableError
->>>>>>> main
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -31,14 +27,6 @@ def check_document(
     """
     checked = check_any(document, Level, path)
     return _playable(checked, document) if isinstance(checked.value, Level) else checked
-
-
-def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
-    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
-    try:
-        return check_document(read(source), path).diagnostics
-    except LevelError as error:
-        return [*error.diagnostics]
 
 
 def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
@@ -67,7 +55,8 @@ def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
     try:
         level.compile()
     except UnplayableError as error:
-        return Checked(None, [document.diagnostic(issue) for issue in error.issues])
+        found = map(document.diagnostic, error.issues)
+        return Checked(None, sorted(found, key=lambda each: (each.line, each.column)))
     return checked
 
 

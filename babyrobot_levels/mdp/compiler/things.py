@@ -32,13 +32,8 @@ from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.placement import placement_issues
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
-<<<<<<< HEAD
 from babyrobot_levels.text.diagnostics import Issue, Key
-from babyrobot_levels.text.errors import LevelError
-=======
-from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import UnplayableError
->>>>>>> main
 
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
@@ -83,22 +78,14 @@ def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
         f"the level has more than {MAX_STATES:,} states: "
         f"{level.size[0] * level.size[1]:,} cells, times the combinations of {told}"
     )
-<<<<<<< HEAD
     help_text = "use fewer of them, fewer cells for them, or a smaller level"
-    return LevelTooLarge(Issue("BR404", Key((costs[0][2],)), message, help_text))
-=======
-    help_text = "use fewer of them, or a smaller level"
-    return UnplayableError(
-        [Issue("BR404", costs[0][2] if costs else ("size",), message, help_text)]
-    )
->>>>>>> main
+    return UnplayableError([Issue("BR404", Key((costs[0][2],)), message, help_text)])
 
 
 def _field_of(level: LevelFields, field: str) -> str:
     return "legend" if level._drawn.get(field) else field
 
 
-<<<<<<< HEAD
 def _counted(count: int, one: str, several: str) -> str:
     return f"{count} {one if count == 1 else several}"
 
@@ -107,7 +94,7 @@ def _up_to(factor: int) -> str:
     return f"up to {factor:,}" if factor < 10**9 else f"up to 10^{int(log10(factor))}"
 
 
-def _too_many_outcomes(level: LevelFields, ways: int = 0) -> LevelTooLarge:
+def _too_many_outcomes(level: LevelFields, ways: int = 0) -> UnplayableError:
     """Return the error that says why. `ways` is how many ways the movers alone have."""
     count = sum(mover.within is not None for mover in level.movers)
     wanderers = f"{_counted(count, 'mover', 'movers')} in a rectangle"
@@ -120,13 +107,7 @@ def _too_many_outcomes(level: LevelFields, ways: int = 0) -> LevelTooLarge:
         what = f"a warp leads to one of {len(level.starts)} starts"
         field, help_text = "start", "use fewer starts, or let the warp lead to a cell"
     message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
-    return LevelTooLarge(Issue("BR405", Key((field,)), message, help_text))
-=======
-def _too_many_outcomes(what: str) -> UnplayableError:
-    message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
-    help_text = "use fewer movers, or let them walk a path"
-    return UnplayableError([Issue("BR405", ("movers",), message, help_text)])
->>>>>>> main
+    return UnplayableError([Issue("BR405", Key((field,)), message, help_text)])
 
 
 class _Compiler:
