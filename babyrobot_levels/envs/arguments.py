@@ -193,8 +193,8 @@ def checked_cell(cell: Any, level: Level) -> tuple[int, int]:
     return x, y
 
 
-def start_states(start: Any, level: Level, mdp: Mdp) -> tuple[int, ...] | None:
-    """Return the states in which an episode can start in a cell `[x, y]`, None for None.
+def start_states(start: Any, level: Level, mdp: Mdp) -> tuple[int, ...]:
+    """Return the states in which an episode can start in a cell `[x, y]`.
 
     In a level with things there is one for each way in which these can lie at the beginning. The
     robot holds the item that lies in the cell; a switch there is not flipped.
@@ -208,8 +208,6 @@ def start_states(start: Any, level: Level, mdp: Mdp) -> tuple[int, ...] | None:
         ValueError: it is not a cell; the robot cannot stand there or would be done there; or no
             episode comes there while all things are as at its beginning.
     """
-    if start is None:
-        return None
     x, y = checked_cell(start, level)
     cell = y * mdp.width + x
     size = mdp.headings * mdp.cells
@@ -242,12 +240,6 @@ def _number_of(values: Values, configurations: NDArray[np.int16]) -> int | None:
         begin, end = np.searchsorted(part, value), np.searchsorted(part, value, "right")
         first, last = first + int(begin), first + int(end)
     return first if first < last else None
-
-
-def checked_start(start: Any, level: Level) -> int | None:
-    """Return the state of a cell in which an episode of a level without things can start."""
-    states = start_states(start, level, level.compile())
-    return None if states is None else states[0]
 
 
 def checked_maze_seed(maze_seed: Any) -> int | None:

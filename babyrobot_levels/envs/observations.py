@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.views import DEFAULT_RADIUS, VIEW_PLANES, ViewPainter
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 Ints = NDArray[np.int64]
 Size = tuple[int, int]
@@ -29,9 +30,6 @@ NUMERIC = ("position", "index", "walls")
 
 OBSERVATIONS = ("position", "index", "image", "walls", "view")
 """The names of all observations."""
-
-MAX_STATES = 2_000_000
-"""No level with things has more states."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +61,15 @@ class Extent:
             level, for as many columns as the level with the most things has.
         configurations: the most configurations of a level.
         headings: 4 with `actions="turns"`, where states have a heading, else 1.
+        has_items: whether a level has items: pictures then have a row below the cells for what is
+            held.
     """
 
     size: Size
     radices: tuple[int, ...] = ()
     configurations: int = 1
     headings: int = 1
+    has_items: bool = False
 
     @classmethod
     def of(cls, levels: Iterable[Level], *, turns: bool = False) -> Self:
@@ -81,14 +82,20 @@ class Extent:
             levels: the levels.
             turns: whether the robot turns.
         """
-        size, configurations = (0, 0), 1
+        size, configurations, has_items = (0, 0), 1, False
         radices: tuple[int, ...] = ()
         for level in levels:
             size = max(size[0], level.size[0]), max(size[1], level.size[1])
+            has_items = has_items or bool(level.items)
             if level.has_things:
                 radices = _larger(radices, level.things().radices)
                 configurations = max(configurations, _configurations(level))
-        return cls(size, radices, configurations, HEADINGS if turns else 1)
+        return cls(size, radices, configurations, HEADINGS if turns else 1, has_items)
+
+    @property
+    def picture(self) -> Size:
+        """The width and height of the largest picture, in cells."""
+        return self.size[0], self.size[1] + self.has_items
 
     @property
     def cells(self) -> int:
@@ -209,7 +216,7 @@ class ImageObserver:
     """Paints one level, uint8 `[height, width, 3]`, or `[height, width, 1]` in grey.
 
     Cells are as large as those of the largest level; where a smaller one has none, the picture is
-    black.
+    black. In a level with items, a row below the cells shows what is held.
     """
 
     def __init__(
@@ -219,14 +226,14 @@ class ImageObserver:
         from babyrobot_levels.render.frames import FramePainter
         from babyrobot_levels.render.scene.pose import STANDING
 
-        self.space = image_space(extent.size, image_size, grayscale)
+        self.space = image_space(extent, image_size, grayscale)
         height, width = self.space.shape[:2]
-        right = max(1, round(width * level.size[0] / extent.size[0]))
-        bottom = max(1, round(height * level.size[1] / extent.size[1]))
+        columns, rows = extent.picture
+        right = max(1, round(width * level.size[0] / columns))
+        bottom = max(1, round(height * (level.size[1] + bool(level.items)) / rows))
         self._painter = FramePainter(level, (right, bottom), grayscale)
-        self._poses = [STANDING.turned(heading) for heading in range(extent.headings)]
-        if extent.headings == 1:
-            self._poses = [STANDING]
+        turns = extent.headings > 1
+        self._poses = [STANDING.turned(each if turns else None) for each in range(extent.headings)]
         self._cells, self._headings = level.size[0] * level.size[1], extent.headings
         self._is_padded = (bottom, right) != (height, width)
 
@@ -235,8 +242,9 @@ class ImageObserver:
         return partial(self._padded if self._is_padded else self._frame, state)
 
     def _frame(self, state: int) -> NDArray[np.uint8]:
-        heading = state // self._cells % self._headings
-        return self._painter.frame(state % self._cells, self._poses[heading])
+        rest, cell = divmod(state, self._cells)
+        configuration, heading = divmod(rest, self._headings)
+        return self._painter.frame(configuration * self._cells + cell, self._poses[heading])
 
     def _padded(self, state: int) -> NDArray[np.uint8]:
         frame = self._frame(state)
@@ -245,17 +253,17 @@ class ImageObserver:
         return picture
 
 
-def image_space(largest: Size, image_size: tuple[int, int] | None, grayscale: bool) -> spaces.Box:
-    """Return the space of pictures of levels up to a size.
+def image_space(extent: Extent, image_size: tuple[int, int] | None, grayscale: bool) -> spaces.Box:
+    """Return the space of pictures.
 
     Args:
-        largest: the largest width and height, in cells.
+        extent: that of the levels.
         image_size: `(height, width)` in pixels, None for the default.
         grayscale: whether the pictures are grey.
     """
     from babyrobot_levels.render.frames import default_image_size
 
-    height, width = image_size or default_image_size(*largest)
+    height, width = image_size or default_image_size(*extent.picture)
     return spaces.Box(0, 255, (height, width, 1 if grayscale else 3), np.uint8)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -12,6 +12,7 @@ from gymnasium import error
 from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
     check_names,
@@ -27,7 +28,7 @@ from babyrobot_levels.envs.rendering import (
     RenderedEnv,
     show_wrapped_environments,
 )
-from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
+from babyrobot_levels.envs.spaces import ValidActions, make_action_space
 from babyrobot_levels.envs.views import VIEW_PLANES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -138,7 +139,7 @@ class LevelEnv(RenderedEnv):
         self._given = load(level)
         self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
         self._actions = ACTION_SETS[actions]
-        space, _ = make_action_space(actions)
+        space = make_action_space(self._actions)
         self.action_space = space
         self._valid = space if isinstance(space, ValidActions) else None
         self._spec: EnvSpec | None = None
@@ -188,26 +189,27 @@ class LevelEnv(RenderedEnv):
         options = checked_options(options, *self._options)
         # All options are checked before anything changes: a refused reset leaves the current
         # episode as it is.
-        start = options.get("start")
-        # Where episodes can start depends on the maze only if there are things.
-        later = self._given.has_random_maze and self._given.has_things
-        starts = None if later else start_states(start, self.level, self._mdp)
+        start, is_grown = options.get("start"), self._given.has_random_maze
+        starts: Sequence[int] | None = None
+        # Where an episode can start depends on the maze only if there are things.
+        if start is not None and not (is_grown and self._given.has_things):
+            starts = start_states(start, self.level, self._mdp)
         maze_seed = checked_maze_seed(options.get("maze_seed"))
         super().reset(seed=seed)
         rng = self.np_random
         info: dict[str, Any] = {}
-        if self._given.has_random_maze:
+        if is_grown:
             if maze_seed is None:
                 maze_seed = int(rng.random() * MAX_MAZE_SEED)
             level = self._given.with_maze_seed(maze_seed)
-            if later and start is not None:
+            if start is not None and starts is None:
                 starts = start_states(start, level, self._actions.tables(level))
             self._enter(level)
             info["maze_seed"] = maze_seed
         else:
             info["level_digest"] = self.level.digest
-        states = starts or self._starts
-        self._state = states[0 if len(states) == 1 else int(rng.integers(len(states)))]
+        starts = starts or self._starts
+        self._state = starts[0 if len(starts) == 1 else int(rng.integers(len(starts)))]
         _, observe, copy_mask, mask, held = self._states[self._state] or self._look_up(self._state)
         if self._valid is not None:
             self._valid.mask = mask

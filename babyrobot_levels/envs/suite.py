@@ -16,11 +16,12 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import MAX_STATES, Extent
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
@@ -139,7 +140,8 @@ def suite_extent(suite: Suite, *, turns: bool) -> Extent:
     """
     smallest = prod(bounds(suite.fields.size)[0])
     configurations = min(prod(suite.radices), MAX_STATES // smallest)
-    return Extent(suite.largest, suite.radices, configurations, HEADINGS if turns else 1)
+    headings, has_items = HEADINGS if turns else 1, suite.most_items > 0
+    return Extent(suite.largest, suite.radices, configurations, headings, has_items)
 
 
 def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:

@@ -104,7 +104,8 @@ def where(envs: LevelVectorEnv, number: int) -> tuple[int, int]:
     """Return the cell `[x, y]` in which a robot stands."""
     level = envs.call("level")[number]
     state = int(envs._envs.state[number] - envs._tables.offset[envs._envs.level[number]])
-    y, x = divmod(state, level.size[0])
+    width, height = level.size
+    y, x = divmod(state % (width * height), width)
     return x, y
 
 

@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_actions,
@@ -25,7 +26,7 @@ from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
 from babyrobot_levels.envs.rendering import RENDER_FPS
-from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
+from babyrobot_levels.envs.spaces import BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
     ChangingVectorEnv,
     checked_levels,
@@ -127,7 +128,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self._mode,
         }
-        self.single_action_space, _ = make_action_space(actions)
+        self.single_action_space = make_action_space(action_set)
         num_actions = action_set.num_actions
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)

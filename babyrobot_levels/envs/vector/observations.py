@@ -109,7 +109,7 @@ class BatchImageObserver(BatchObserver):
     def __init__(
         self, extent: Extent, image_size: tuple[int, int] | None, grayscale: bool, most: int
     ) -> None:
-        self.space: spaces.Space[Any] = image_space(extent.size, image_size, grayscale)
+        self.space: spaces.Space[Any] = image_space(extent, image_size, grayscale)
         self.table = np.empty((0, 0), np.int64)
         self._offset: Ints = np.zeros(1, np.intp)
         self._levels: dict[int, Level] = {}

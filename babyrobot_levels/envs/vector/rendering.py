@@ -43,7 +43,6 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
     levels: Sequence[Level]
     _playing: Sequence[Level | None]
     _extent: Extent
-    _num_items: int
     _envs: EnvStates
     _tables: Tables
     _mode: AutoresetMode
@@ -99,10 +98,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
             logger.warn("render() needs render_mode='rgb_array', given to make the environment")
             return None
         if self._tiles is None:
-            width, height = self._extent.size
-            # What is held is shown in a row below the cells.
-            size = width, height + int(self._num_items > 0)
-            self._tiles = Tiles(size, self._extent.headings, self.num_envs)
+            self._tiles = Tiles(self._extent.picture, self._extent.headings, self.num_envs)
         tables = self._tables
         level = self._envs.level[: self._tiles.count]
         state = self._envs.state[: self._tiles.count]

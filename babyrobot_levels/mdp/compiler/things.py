@@ -30,34 +30,25 @@ from babyrobot_levels.mdp.compiler.obstructions import obstructions
 from babyrobot_levels.mdp.compiler.outcomes import Flags, Floats, Ints
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid
+from babyrobot_levels.mdp.placement import placement_issues
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
 from babyrobot_levels.text.diagnostics import Issue
-from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.errors import UnplayableError
 
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
-
-
-class LevelTooLarge(LevelError):
-    """The tables of a level with things would be too large. `issue` says what costs most."""
-
-    __module__ = "babyrobot_levels"
-
-    def __init__(self, issue: Issue):
-        self.issue = issue
-        super().__init__(message=f"{issue.code}: {issue.message}")
-
-    def __reduce__(self) -> tuple[type[LevelTooLarge], tuple[Issue]]:  # type: ignore[override]
-        return type(self), (self.issue,)
 
 
 def compile_things(level: LevelFields, grid: Grid) -> Mdp:
     """Compile a level with things.
 
     Raises:
-        LevelTooLarge: it has more than `MAX_STATES` states, or a row more than `MAX_OUTCOMES`
-            outcomes.
+        UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
+            or a row has more than `MAX_OUTCOMES` outcomes.
     """
+    issues = placement_issues(level, grid) if level.stands_on_grid else []
+    if issues:
+        raise UnplayableError(issues)
     things = Things(level)
     try:
         layers = Layers(level, grid, things)
@@ -70,7 +61,7 @@ def compile_things(level: LevelFields, grid: Grid) -> Mdp:
     return _Compiler(level, layers).tables()
 
 
-def _too_many_states(level: LevelFields, things: Things) -> LevelTooLarge:
+def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
     """Return the error that names what costs most."""
     costs: list[tuple[int, str, tuple[str | int, ...]]] = []
     if level.exit_one_of is not None:
@@ -94,7 +85,9 @@ def _too_many_states(level: LevelFields, things: Things) -> LevelTooLarge:
         f"times what things can be; most of it from {told}"
     )
     help_text = "use fewer of them, or a smaller level"
-    return LevelTooLarge(Issue("BR404", costs[0][2] if costs else ("size",), message, help_text))
+    return UnplayableError(
+        [Issue("BR404", costs[0][2] if costs else ("size",), message, help_text)]
+    )
 
 
 def _times(factor: int) -> str:
@@ -103,11 +96,10 @@ def _times(factor: int) -> str:
     )
 
 
-def _too_many_outcomes(what: str) -> LevelTooLarge:
+def _too_many_outcomes(what: str) -> UnplayableError:
     message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
-    return LevelTooLarge(
-        Issue("BR405", ("movers",), message, "use fewer movers, or let them walk a path")
-    )
+    help_text = "use fewer movers, or let them walk a path"
+    return UnplayableError([Issue("BR405", ("movers",), message, help_text)])
 
 
 class _Compiler:

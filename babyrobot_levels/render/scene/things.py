@@ -94,7 +94,7 @@ def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
             reach = max(36.0, (door.width or 0.0) / 2 + 8)
             box = centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach
             yield Piece(("door", number, (x, y), closed), box, draw)
-    yield from _held(level, layout, situation)
+    yield from held_pieces(level, layout, situation)
 
 
 def _cell_box(layout: Layout, cell: Cell) -> Box:
@@ -142,25 +142,24 @@ def _label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> I
 
 # -- switches ------------------------------------------------------------------------------------
 
-_OFF = "#5d6875"
-
 
 def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Iterator[Shape]:
-    """Yield a plate in the floor: dark with an empty ring while off, bright while on.
+    """Yield a plate in the floor: an empty frame with a ring while off, filled while on.
 
     It is larger than the robot, which may stand on it.
     """
     switch = level.switches[number]
     spot = Spot(*_centre(layout, switch.at))
-    bright = switch.color or default_color("switch", level.resolved_theme.colors)
-    plate = rounded(-23, -23, 46, 46, 9)
-    yield from spot.body(plate, bright if is_on else _OFF)
+    color = switch.color or default_color("switch", level.resolved_theme.colors)
+    plate = rounded(-22.5, -22.5, 45, 45, 9)
     if is_on:
-        yield spot.fill(rounded(-17, -17, 34, 34, 5), _WHITE, 0.35)
+        yield from spot.body(plate, color)
+        yield spot.fill(rounded(-16.5, -16.5, 33, 33, 5), _WHITE, 0.35)
         yield spot.line(polyline([(0, -8), (0, 8)]), INK, 6.0)
     else:
-        yield spot.fill(rounded(-17, -17, 34, 34, 5), "#000000", 0.3)
-        yield spot.line(circle(0, 0, 7.5), bright, 4.0)
+        yield from spot.wire(plate, color, 3.0)
+        for ink, width in ((INK, 5.6), (color, 3.0)):
+            yield spot.line(circle(0, 0, 7.5), ink, width)
     yield from _label(level, layout, switch.at, switch.label)
 
 
@@ -269,8 +268,11 @@ def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
 _SQUARE = 44.0
 """The side of a square for something held at which its picture is as large as on the grid."""
 
+_NOT_HELD = 0.28
+"""How strong what is not held looks."""
 
-def _held(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+
+def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
     """Yield the squares for what is held; what is not held is seen faintly in its own."""
     slots = layout.slots
     if slots is None:
@@ -280,7 +282,7 @@ def _held(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Pi
         x, y = slots.centre(number)
         half = slots.side / 2
         color = item.color or default_color(item.picture, colors)
-        spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None)
+        spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None, _NOT_HELD)
         box = (x - half, y - half, x + half, y + half)
         draw = partial(item_shapes, item.picture, color, spot)
         yield Piece(("held", number, not cells), box, draw)
