@@ -55,6 +55,7 @@ class LevelVectorEnv(ChangingVectorEnv):
     Attributes:
         levels: the levels, as they were given. `call("level")` returns the current level of each
             environment.
+        num_items: the most items of a level.
     """
 
     __module__ = "babyrobot_levels"
@@ -144,7 +145,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
-        self._num_items, self._has_movers = played.num_items, played.has_movers
+        self.num_items, self._has_movers = played.num_items, played.has_movers
         # Of a suite, levels are not known in advance.
         fixed = self.levels if isinstance(self.levels, tuple) else ()
         self._all_have_items = bool(fixed) and all(each.items for each in fixed)
@@ -192,6 +193,8 @@ class LevelVectorEnv(ChangingVectorEnv):
             The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
             `level_digest` and, for several levels, `level_index` (int64 `[num_envs]`). For a level
             with `maze: {seed: random}`, `maze_seed` (int64 `[num_envs]`) takes the place of both.
+            Levels with items add `held` (bool `[num_envs, num_items]`), in the order of the level
+            file, and levels with movers `hit` (bool `[num_envs]`).
 
         Raises:
             ValueError: the robot cannot start in that cell, there is no level with that number or
@@ -224,7 +227,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
         results.words[~is_reset] = 0
-        if self._num_items:
+        if self.num_items:
             results.held[~is_reset] = False
         values = {"action_mask": results.infos["mask"], **self._digests(which)}
         info = self._masked(values, is_reset) | self._things(results, is_reset)
@@ -239,9 +242,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         Returns:
             Observations, rewards (float64 `[num_envs]`), terminated and truncated (bool
             `[num_envs]`), and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `target_reached`, `skidded` (bool `[num_envs]`), `level_index` or `maze_seed` if
-            `reset` has it, and for each key another one with `_` before it: in which environments
-            the value holds.
+            `target_reached`, `skidded` (bool `[num_envs]`), `held`, `hit`, `level_index` or
+            `maze_seed` if `reset` has it, and for each key another one with `_` before it: in which
+            environments the value holds.
 
         Raises:
             ResetNeeded: there was no reset yet, or an episode is over and there is no autoreset.
@@ -277,7 +280,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             "skidded": infos["skidded"],
             "_skidded": acted,
         }
-        if self._num_items:
+        if self.num_items:
             info["held"] = results.held
             info["_held"] = all_true if self._all_have_items else self._with_items(all_true)
         if self._has_movers:
@@ -318,7 +321,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         """Write the observations and infos of environments that were reset."""
         state = self._envs.state[which]
         results.words[which] = self._tables.state_info[state]
-        if self._num_items:
+        if self.num_items:
             results.record["held_words"][which] = self._tables.held[state]
         if self._has_movers:
             results.hit[which] = False
@@ -327,7 +330,7 @@ class LevelVectorEnv(ChangingVectorEnv):
     def _things(self, results: Results, where: Flags) -> dict[str, Flags]:
         """Return what infos say about things in some environments, as new arrays."""
         told: dict[str, Flags] = {}
-        if self._num_items:
+        if self.num_items:
             told |= {"held": results.held & where[:, None], "_held": self._with_items(where)}
         if self._has_movers:
             told |= {"hit": results.hit & where, "_hit": self._with_movers(where)}
