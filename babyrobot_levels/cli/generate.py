@@ -85,11 +85,43 @@ def generate(
         str | None,
         typer.Option(metavar="A..B", help="Number of puddles: 3, 0..4.", show_default=False),
     ] = None,
+    keys: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B", help="Number of keys, all needed: 1, 1..3.", show_default=False
+        ),
+    ] = None,
+    doors: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B",
+            help="Number of locked doors.  [default: one for each key]",
+            show_default=False,
+        ),
+    ] = None,
+    coins: Annotated[
+        str | None,
+        typer.Option(metavar="A..B", help="Number of coins: 3, 0..4.", show_default=False),
+    ] = None,
+    guards: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B", help="Number of guards on patrol: 1, 0..2.", show_default=False
+        ),
+    ] = None,
+    detour: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B",
+            help="Steps that doors and guards add to the shortest path: 10.., 6..12.",
+            show_default=False,
+        ),
+    ] = None,
     path_length: Annotated[
         str | None,
         typer.Option(
             metavar="A..B",
-            help="Length of the shortest path to the exit: 20..30, 20.., 18.",
+            help="Length of the shortest path to the exit, with open doors: 20..30, 20.., 18.",
             show_default=False,
         ),
     ] = None,
@@ -197,6 +229,8 @@ def generate(
 
       babyrobot generate --count 100 --size 6x6..9x9 --path-length 20.. --seed 7 -o long-ways
 
+      babyrobot generate --count 50 --size 9x9 --keys 2 --coins 3 --detour 12.. -o locked
+
       babyrobot generate --count 200 --split train=0.8,test=0.2 -o data
 
       babyrobot generate small-mazes --count 100 -o data
@@ -209,6 +243,11 @@ def generate(
         algorithm=tuple(map(str, algorithm or ())),
         loops=loops,
         puddles=puddles,
+        keys=keys,
+        doors=doors,
+        coins=coins,
+        guards=guards,
+        detour=detour,
         path_length=path_length,
         dead_ends=dead_ends,
         difficulty=difficulty,
@@ -377,6 +416,20 @@ _SIZE = re.compile(r"([0-9]{1,5})[xX×,]([0-9]{1,5})")
 _RANGE = re.compile(rf"({_NUMBER})?\.\.({_NUMBER})?")
 
 
+_RANGES = (
+    "puddles",
+    "keys",
+    "doors",
+    "coins",
+    "guards",
+    "detour",
+    "path_length",
+    "dead_ends",
+    "difficulty",
+)
+"""The options that take a number or a range."""
+
+
 @dataclass(frozen=True, slots=True)
 class Options:
     """The options that state conditions, as they were typed; None for those not given."""
@@ -386,6 +439,11 @@ class Options:
     algorithm: tuple[str, ...] = ()
     loops: str | None = None
     puddles: str | None = None
+    keys: str | None = None
+    doors: str | None = None
+    coins: str | None = None
+    guards: str | None = None
+    detour: str | None = None
     path_length: str | None = None
     dead_ends: str | None = None
     difficulty: str | None = None
@@ -436,7 +494,7 @@ def suite_of(options: Options) -> SuiteFields:
         data["size"] = _sizes(options.size)
     if options.split is not None:
         data["splits"] = _splits(options.split)
-    for name in ("puddles", "path_length", "dead_ends", "difficulty"):
+    for name in _RANGES:
         text = getattr(options, name)
         if text is not None:
             data[name] = _range(name, text)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+import json
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -49,6 +50,17 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
     if one == other == str(STANDARD_INPUT):
         fail("only one of the two levels can be standard input")
     return load_level(one), load_level(other)
+
+
+def json_mapping(text: str) -> dict[str, Any]:
+    """Return the keyword arguments of an environment, which `--kwargs` gives."""
+    try:
+        keywords = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        fail(f"--kwargs is not JSON: {error}", "for example '{\"is_slippery\": false}'")
+    if not isinstance(keywords, dict):
+        fail("--kwargs must be a JSON object", "for example '{\"is_slippery\": false}'")
+    return keywords
 
 
 def _read_level() -> Level:

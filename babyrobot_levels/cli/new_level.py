@@ -51,6 +51,12 @@ def new_level(
         typer.Option(metavar="R", help="Share of the maze's dead ends to open, from 0 to 1."),
     ] = 0.0,
     puddles: Annotated[int, typer.Option(metavar="N", help="Number of puddles.")] = 0,
+    key: Annotated[
+        bool, typer.Option("--key", help="Add a locked door on the way to the exit, and its key.")
+    ] = False,
+    coins: Annotated[
+        int, typer.Option(min=0, max=10, metavar="N", help="Number of coins to take.")
+    ] = 0,
     theme: Annotated[
         str,
         typer.Option(
@@ -84,6 +90,8 @@ def new_level(
 
       babyrobot new-level wet-maze --size 10x6 --maze-seed 7 --puddles 4
 
+      babyrobot new-level vault --maze-seed 7 --key --coins 3
+
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
     from babyrobot_levels.generate.starter import StarterOptions, starter
@@ -109,12 +117,22 @@ def new_level(
         fail(f"--puddles must be from 0 to {MAX_PUDDLES:,}, not {puddles:,}")
     path = output or Path("levels", f"{name}.yaml")
     options = StarterOptions(
-        name, str(template), _size(size), maze_seed, str(algorithm), loops, puddles, theme
+        name,
+        str(template),
+        _size(size),
+        maze_seed,
+        str(algorithm),
+        loops,
+        puddles,
+        theme,
+        key,
+        coins,
     )
     try:
         text = starter(options, schema_for(path))
     except ValueError as error:
-        fail(str(error), "use fewer --puddles or a larger --size")
+        things = "fewer --puddles" if not options.has_things else "fewer --puddles or --coins"
+        fail(str(error), f"use {things} or a larger --size")
     _check(text, path)
     save(path, text, force=force)
     if any(path.stem == name for path in yaml_files(gallery_folder())):
@@ -172,7 +190,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def _check(text: str, path: Path) -> None:
     """Check that the file is valid before it is written: a theme may be unknown."""
-    from babyrobot_levels.language.documents import errors_of
+    from babyrobot_levels.library.reading import errors_of
     from babyrobot_levels.text.files import source_of
 
     try:

@@ -5,15 +5,23 @@ from __future__ import annotations
 import inspect
 import operator
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import error
 from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
+from babyrobot_levels.envs.views import DEFAULT_RADIUS, MAX_RADIUS
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.compiler.terrain import build_terrain
 from babyrobot_levels.text.words import did_you_mean
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.configurations import Values
+    from babyrobot_levels.mdp.tables import Mdp
 
 MAX_IMAGE_SIDE = 4096
 
@@ -50,6 +58,51 @@ def check_names(given: Iterable[str], function: Callable[..., Any], *others: str
             raise TypeError(
                 f"unexpected argument {name!r}{guess}; accepted arguments: {', '.join(accepted)}"
             )
+
+
+def checked_observation(
+    name: Any,
+    image_size: Any = None,
+    grayscale: Any = False,
+    view_radius: Any = None,
+    see_through: Any = False,
+) -> Observation:
+    """Return the observation that the arguments of an environment choose.
+
+    Raises:
+        ValueError: there is no such observation, or it does not have such an option.
+    """
+    check_choice("observation", name, OBSERVATIONS)
+    if name != "image" and (image_size is not None or grayscale):
+        raise ValueError("image_size and grayscale need observation='image'")
+    if name != "view" and (view_radius is not None or see_through):
+        raise ValueError("view_radius and see_through need observation='view'")
+    return Observation(
+        name,
+        checked_image_size(image_size),
+        bool(grayscale),
+        checked_view_radius(view_radius),
+        bool(see_through),
+    )
+
+
+def checked_view_radius(radius: Any) -> int:
+    """Return how many cells a view shows in each direction; None stands for the default.
+
+    Raises:
+        ValueError: it is not a whole number from 1 to `MAX_RADIUS`.
+    """
+    if radius is None:
+        return DEFAULT_RADIUS
+    try:
+        number = 0 if isinstance(radius, bool) else operator.index(radius)
+    except TypeError:
+        number = 0
+    if not 1 <= number <= MAX_RADIUS:
+        raise ValueError(
+            f"view_radius must be a whole number of cells, 1 to {MAX_RADIUS}, not {radius!r}"
+        )
+    return number
 
 
 def checked_image_size(image_size: Any) -> tuple[int, int] | None:
@@ -122,34 +175,71 @@ def checked_options(options: Any, *known: str) -> dict[str, Any]:
     return {**options}
 
 
-def checked_start(start: Any, level: Level) -> int | None:
-    """Return the state of a cell `[x, y]` in which an episode can start, None for None.
-
-    Whether an episode can start in a cell does not depend on the maze.
+def checked_cell(cell: Any, level: Level) -> tuple[int, int]:
+    """Return a cell `[x, y]` of a level in which an episode is to start.
 
     Raises:
-        ValueError: it is not a cell, or the robot cannot stand there or would be done there.
+        ValueError: it is not a cell, or not one of the level.
     """
-    if start is None:
-        return None
     try:
-        x, y = (operator.index(number) for number in start)
+        x, y = (operator.index(number) for number in cell)
     except (TypeError, ValueError):
-        raise ValueError(f"options['start'] must be a cell, [x, y], not {start!r}") from None
+        raise ValueError(f"options['start'] must be a cell, [x, y], not {cell!r}") from None
     width, height = level.size
     if not (0 <= x < width and 0 <= y < height):
         raise ValueError(
             f"the start [{x}, {y}] is off the grid, which is {width} wide and {height} high"
         )
-    state = y * width + x
-    if level.compile().is_terminal[state]:
+    return x, y
+
+
+def start_states(start: Any, level: Level, mdp: Mdp) -> tuple[int, ...]:
+    """Return the states in which an episode can start in a cell `[x, y]`.
+
+    In a level with things there is one for each way in which these can lie at the beginning. The
+    robot holds the item that lies in the cell; a switch there is not flipped.
+
+    Args:
+        start: the cell.
+        level: the level, whose maze has a seed.
+        mdp: its tables, with or without turning.
+
+    Raises:
+        ValueError: it is not a cell; the robot cannot stand there or would be done there; or no
+            episode comes there while all things are as at its beginning.
+    """
+    x, y = checked_cell(start, level)
+    cell = y * mdp.width + x
+    size = mdp.headings * mdp.cells
+    place = cell + (SIDES.index(level.heading) * mdp.cells if mdp.headings > 1 else 0)
+    things = level.things()
+    begins = (things.taken_at_start(values, (x, y)) for values in things.draws())
+    numbers = (_number_of(values, mdp.configurations) for values in begins)
+    states = [number * size + place for number in numbers if number is not None]
+    states = [state for state in states if not mdp.is_terminal[state]]
+    if not states and build_terrain(level, level.grid()).over[cell]:
         raise ValueError(
             f"at the start [{x}, {y}] the episode would be over: "
             "it is an exit, blocked, or ends the episode"
         )
     if any(warp.at == (x, y) and warp.when == "enter" for warp in level.warps):
         raise ValueError(f"the start [{x}, {y}] is a warp, in which the robot cannot stand")
-    return state
+    if not states:
+        raise ValueError(
+            f"no episode comes to the start [{x}, {y}] while all things are as at its beginning"
+        )
+    return tuple(states)
+
+
+def _number_of(values: Values, configurations: NDArray[np.int16]) -> int | None:
+    """Return the number of the configuration with some values, None where there is none."""
+    first, last = 0, len(configurations)
+    # Configurations are in rising order, the first value counting most.
+    for column, value in enumerate(values):
+        part = configurations[first:last, column]
+        begin, end = np.searchsorted(part, value), np.searchsorted(part, value, "right")
+        first, last = first + int(begin), first + int(end)
+    return first if first < last else None
 
 
 def checked_maze_seed(maze_seed: Any) -> int | None:

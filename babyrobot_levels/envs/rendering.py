@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 from gymnasium import logger
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
 from babyrobot_levels.text.words import did_you_mean
 
@@ -19,7 +19,9 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.tables import Mdp
     from babyrobot_levels.render.frames import FramePainter
     from babyrobot_levels.render.notebook.view import LevelView
     from babyrobot_levels.render.scene.overlay import Overlay
@@ -41,12 +43,13 @@ class Pictures:
     Args:
         mode: the environment's `render_mode`.
         level: the level that is played; its maze has a seed.
-        state: the robot's state.
+        state: the robot's state, in the numbering of the level's tables.
+        heading: where a robot that turns looks, 0 north to 3 west.
     """
 
-    def __init__(self, mode: str | None, level: Level, state: int) -> None:
+    def __init__(self, mode: str | None, level: Level, state: int, heading: int | None) -> None:
         self._mode = mode
-        self._state, self._pose = state, STANDING
+        self._state, self._pose = state, STANDING.turned(heading)
         self._overlay: Overlay | None = None
         self._is_up_to_date = False
         self._enter(level)
@@ -60,7 +63,7 @@ class Pictures:
     def _enter(self, level: Level) -> None:
         """Switch to a level."""
         self._level = level
-        self._exits = frozenset(y * level.size[0] + x for x, y in level.exits)
+        self._num_cells = level.size[0] * level.size[1]
         self._forget_painters()
 
     def _forget_painters(self) -> None:
@@ -69,7 +72,7 @@ class Pictures:
 
     # -- changes ---------------------------------------------------------------------------
 
-    def reset(self, level: Level, state: int) -> None:
+    def reset(self, level: Level, state: int, heading: int | None) -> None:
         """Show the start of an episode, perhaps in another level.
 
         Overlays stay if the level is as large as the one before.
@@ -82,21 +85,30 @@ class Pictures:
             self._enter(level)
             if self._view is not None:
                 self._view.set_level(level, state)
-        self._state, self._pose = state, STANDING
+        self._state, self._pose = state, STANDING.turned(heading)
         self._follow()
 
-    def step(self, action: int, state: int, skidded: bool) -> None:
-        """Show the robot after an action, a `brl.Action`, that leads to a state."""
-        self._pose = pose_of(
-            self._state,
-            state,
-            action,
-            self._level.size[0],
-            skidded=skidded,
-            at_exit=state in self._exits,
-        )
-        self._state = state
+    def step(self, action: int, state: int, heading: int | None, skidded: bool) -> None:
+        """Show the robot after a step.
+
+        Args:
+            action: the `brl.Action` that it took; for a robot that turns, the one that this
+                comes to.
+            state: where the action led, in the numbering of the level's tables.
+            heading: where a robot that turns looks now.
+            skidded: whether chance took it somewhere else.
+        """
+        before, cell = self._state % self._num_cells, state % self._num_cells
+        width, at_exit = self._level.size[0], self._is_at_exit(state)
+        pose = pose_of(before, cell, action, width, skidded=skidded, at_exit=at_exit)
+        self._state, self._pose = state, pose.turned(heading)
         self._follow()
+
+    def _is_at_exit(self, state: int) -> bool:
+        """Tell whether the robot stands on an exit that ends the episode."""
+        number, cell = divmod(state, self._num_cells)
+        now, width = self._level.configuration(number), self._level.size[0]
+        return now.exit_is_open and (cell % width, cell // width) in now.exits
 
     def show_info(self, info: Mapping[str, Any] | None) -> None:
         """Replace the overlay; None removes it.
@@ -153,7 +165,12 @@ class Pictures:
             self._terminal = Terminal()
         terminal = self._terminal
         painter = self._text_painter(plain=not terminal.takes_unicode)
-        lines = painter.lines(self._state, color=terminal.takes_color, room=terminal.room)
+        lines = painter.lines(
+            self._state,
+            heading=self._pose.heading,
+            color=terminal.takes_color,
+            room=terminal.room,
+        )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))
 
     def _canvas(self) -> LevelView:
@@ -182,7 +199,13 @@ class Pictures:
     def _scene(self) -> Scene:
         from babyrobot_levels.render.scene.build import build_scene
 
-        return build_scene(self._level, state=self._state, pose=self._pose, overlay=self._overlay)
+        return build_scene(
+            self._level,
+            state=self._state,
+            heading=self._pose.heading,
+            pose=self._pose,
+            overlay=self._overlay,
+        )
 
     def svg(self) -> str:
         """Return the picture as an SVG document."""
@@ -192,7 +215,8 @@ class Pictures:
 
     def text(self) -> str:
         """Return the picture as a text; each line ends with a newline."""
-        return "\n".join([*self._text_painter(plain=False).lines(self._state), ""])
+        lines = self._text_painter(plain=False).lines(self._state, heading=self._pose.heading)
+        return "\n".join([*lines, ""])
 
     def mimebundle(self) -> dict[str, Any]:
         """Return the representations for the last line of a notebook cell."""
@@ -255,7 +279,8 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
     level: Level
     _state: int
     _starts: list[int]
-    _first_action: int
+    _actions: ActionSet
+    _mdp: Mdp
     _pictures: Pictures | None
 
     def render(self) -> Any:
@@ -310,7 +335,7 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
 
     def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
         """Return the action of each key for `gymnasium.utils.play.play`: arrows, W, A, S, D."""
-        return _keys_of_actions(self._first_action)
+        return _keys_of_actions(self._actions)
 
     def _repr_mimebundle_(self, **_: Any) -> dict[str, Any]:
         return self._picture().mimebundle()
@@ -323,7 +348,31 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
 
     def _new_pictures(self) -> Pictures:
         state = self._state if self._state >= 0 else self._starts[0]
-        return Pictures(self.render_mode, self.level, state)
+        return Pictures(self.render_mode, self.level, *self._shown(state))
+
+    def _shown(self, state: int) -> tuple[int, int | None]:
+        """Return a state in the numbering of the level's tables, and the heading if it turns."""
+        mdp = self._mdp
+        if mdp.headings == 1:
+            return state, None
+        return mdp.configuration(state) * mdp.cells + state % mdp.cells, mdp.heading(state)
+
+    def _show_step(self, pictures: Pictures, action: int, before: int, skidded: bool) -> None:
+        """Show a step to the current state.
+
+        Args:
+            pictures: the pictures.
+            action: the action, as the action space numbers it.
+            before: the state before the step.
+            skidded: whether chance took the robot somewhere else.
+        """
+        if not self._actions.turns:
+            taken = action + self._actions.first
+        else:
+            taken = Action.STAY
+            if action == Turn.FORWARD:
+                taken = Action.NORTH + self._mdp.heading(before)
+        pictures.step(taken, *self._shown(self._state), skidded)
 
 
 _KEYS = {
@@ -336,13 +385,21 @@ _KEYS = {
 """The keys of actions: a character, and pygame's number of the arrow key (it is SDL's)."""
 
 
-def _keys_of_actions(first_action: int) -> dict[tuple[int, ...], int]:
+_TURNS = {Action.WEST: Turn.LEFT, Action.EAST: Turn.RIGHT, Action.NORTH: Turn.FORWARD}
+"""Whose keys turn the robot, and let it go."""
+
+
+def _keys_of_actions(actions: ActionSet) -> dict[tuple[int, ...], int]:
     """Return the number of the action of each key, by pygame's number of the key."""
+    if actions.turns:
+        numbers: dict[Action, int] = {action: int(turn) for action, turn in _TURNS.items()}
+    else:
+        numbers = {action: action - actions.first for action in _KEYS if action >= actions.first}
     return {
-        (key,): action - first_action
-        for action, (character, arrow) in _KEYS.items()
-        for key in (ord(character), arrow)
-        if key is not None and action >= first_action
+        (key,): number
+        for action, number in numbers.items()
+        for key in (ord(_KEYS[action][0]), _KEYS[action][1])
+        if key is not None
     }
 
 

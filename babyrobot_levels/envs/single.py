@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
@@ -12,25 +12,27 @@ from gymnasium import error
 from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
     check_names,
     checked_action,
-    checked_image_size,
     checked_maze_seed,
+    checked_observation,
     checked_options,
-    checked_start,
+    start_states,
 )
-from babyrobot_levels.envs.observations import OBSERVATIONS, Observer, make_observer
+from babyrobot_levels.envs.observations import Extent, make_observer
 from babyrobot_levels.envs.rendering import (
     RENDER_MODES,
     RenderedEnv,
     show_wrapped_environments,
 )
-from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
+from babyrobot_levels.envs.spaces import ValidActions, make_action_space
+from babyrobot_levels.envs.views import VIEW_PLANES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.events import Event, events_of
+from babyrobot_levels.mdp.events import Event, events_of, hits_of
 
 if TYPE_CHECKING:
     from gymnasium.envs.registration import EnvSpec
@@ -39,18 +41,28 @@ if TYPE_CHECKING:
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 
-_Outcome = tuple[float, int, float, bool, bool, bool]
-"""Cumulated probability, next state, reward, terminal, target reached, skidded."""
+_Outcome = tuple[float, int, float, bool, bool, bool, bool]
+"""Cumulated probability, next state, reward, terminal, target reached, skidded, hit."""
 
-_Cell = tuple[
-    dict[int, tuple[_Outcome, ...]], Callable[[], Any], Callable[[], NDArray[np.int8]], Any
+_State = tuple[
+    dict[int, tuple[_Outcome, ...]],
+    Callable[[], Any],
+    Callable[[], NDArray[np.int8]],
+    Any,
+    tuple[str, ...],
 ]
-"""What a step needs of a state: outcomes by action, makers of observation and mask, the mask."""
+"""What a step needs of a state.
+
+Outcomes by action, makers of observation and mask, the mask, and the names of what is held.
+"""
+
+_Part = tuple[NDArray[np.int8], NDArray[np.bool_], tuple[str, ...]]
+"""Of the states with one configuration: events and hits of all outcomes, and what is held."""
 
 MAX_MAZE_SEED = 2**31
 """The seeds that are drawn for mazes with `seed: random` are below this."""
 
-_DERIVED = ("_mdp", "_events", "_observer", "_starts", "_cells", "_table")
+_DERIVED = ("_mdp", "_parts", "_observer", "_starts", "_states", "_tells_things", "_table")
 """The attributes that `_enter` sets, all of which follow from the level."""
 
 
@@ -62,20 +74,28 @@ class LevelEnv(RenderedEnv):
     - `"position"`: `[x, y]`, int64, in a `MultiDiscrete([width, height])`;
     - `"index"`: the state `y * width + x`, in a `Discrete`;
     - `"walls"`: `[x, y, north, east, south, west]`, int64, with 1 for each side that is open;
-    - `"image"`: uint8 `[height, width, 3]`, or `[…, 1]` with `grayscale`.
+    - `"image"`: uint8 `[height, width, 3]`, or `[…, 1]` with `grayscale`;
+    - `"view"`: what the robot sees around it, uint8 `[side, side, planes]`, zeros and ones.
+
+    If the level has things, `"position"` and `"walls"` go on with the value of each, and `"index"`
+    is the state with its configuration.
 
     Actions are 0 stay, 1 north, 2 east, 3 south, 4 west; with `actions="moves"` or
-    `"valid_moves"`, they are 0 north, 1 east, 2 south, 3 west. `info["action_mask"]` (int8
-    `[actions]`) tells which ones are allowed; a wall refuses the others, and the robot stays. An
-    episode is `terminated` at an exit or in a cell that ends it, and `truncated` only by the
-    `TimeLimit` wrapper that a level's `max_steps` adds.
+    `"valid_moves"`, they are 0 north, 1 east, 2 south, 3 west. With `actions="turns"`, they are
+    0 left, 1 right, 2 forward, and observations end with the heading, 0 north, 1 east, 2 south,
+    3 west. `info["action_mask"]` (int8 `[actions]`) tells which ones are allowed; a wall refuses
+    the others, and the robot stays. An episode is `terminated` at an exit, in a cell that ends it,
+    or by a hit, and `truncated` only by the `TimeLimit` wrapper that a level's `max_steps` adds.
 
     Attributes:
         level: the level of the current episode. If the level has `seed: random`, it is one of its
             mazes.
+        view_planes: the names of the planes of views.
     """
 
     __module__ = "babyrobot_levels"
+
+    view_planes = VIEW_PLANES
 
     def __init__(
         self,
@@ -86,37 +106,40 @@ class LevelEnv(RenderedEnv):
         render_mode: str | None = None,
         image_size: tuple[int, int] | None = None,
         grayscale: bool = False,
+        view_radius: int | None = None,
+        see_through: bool = False,
     ):
         """Make the environment of a level.
 
         Args:
             level: a name, a path, a mapping or a `Level`.
-            observation: `"position"`, `"index"`, `"walls"` or `"image"`.
+            observation: `"position"`, `"index"`, `"walls"`, `"image"` or `"view"`.
             actions: `"all"`: five actions; `"moves"`: four, without stay; `"valid"` and
                 `"valid_moves"`: the same, but `action_space.sample()` gives only those that the
-                action mask allows.
+                action mask allows; `"turns"`: left, right, and forward.
             render_mode: None, `"human"`, `"rgb_array"`, `"ansi"`, `"svg"` or `"canvas"`; see
                 `render`.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
+            view_radius: how many cells views show in each direction, 1 to 15; by default 3.
+            see_through: whether views show what walls, doors and blocked cells hide.
 
         Raises:
             LevelNotFoundError: there is no such level.
             LevelError: the level is not valid.
             ValueError: another argument is invalid.
         """
-        check_choice("observation", observation, OBSERVATIONS)
+        self._observation = checked_observation(
+            observation, image_size, grayscale, view_radius, see_through
+        )
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, RENDER_MODES)
-        if observation != "image" and (image_size is not None or grayscale):
-            raise ValueError("image_size and grayscale need observation='image'")
         self.render_mode = render_mode
         self._given = load(level)
         self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
-        self._observation = observation
-        self._image = (checked_image_size(image_size), bool(grayscale))
-        space, self._first_action = make_action_space(actions)
+        self._actions = ACTION_SETS[actions]
+        space = make_action_space(self._actions)
         self.action_space = space
         self._valid = space if isinstance(space, ValidActions) else None
         self._spec: EnvSpec | None = None
@@ -129,17 +152,19 @@ class LevelEnv(RenderedEnv):
 
     def _enter(self, level: Level) -> None:
         """Switch to a level."""
-        self.level = level
-        self._mdp: Mdp = level.compile()
-        self._events = events_of(self._mdp)
-        self._observer = self._new_observer(level)
-        self._starts: list[int] = self._mdp.start.nonzero()[0].tolist()
-        self._cells: list[_Cell | None] = [None] * self._mdp.num_states
+        # A level whose tables would be too large changes nothing.
+        mdp: Mdp = self._actions.tables(level)
+        self.level, self._mdp = level, mdp
+        self._parts: dict[int, _Part] = {}
+        self._observer = make_observer(level, self._observation, self._extent())
+        self._starts: list[int] = mdp.start.nonzero()[0].tolist()
+        self._states: list[_State | None] = [None] * mdp.num_states
+        self._tells_things = bool(level.items or level.movers)
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
 
-    def _new_observer(self, level: Level) -> Observer:
-        """Return the observer of a level."""
-        return make_observer(level, self._observation, level.size, *self._image)
+    def _extent(self) -> Extent:
+        """Return the extent of all levels that episodes may have."""
+        return Extent.of([self._given], turns=self._actions.turns)
 
     # -- episodes --------------------------------------------------------------------------
 
@@ -155,7 +180,8 @@ class LevelEnv(RenderedEnv):
 
         Returns:
             The observation, and an info with `action_mask` and `level_digest`. If the level has
-            `seed: random`, `maze_seed` takes the place of the latter.
+            `seed: random`, `maze_seed` takes the place of the latter. If it has items, there is
+            `held`, the names of those that the robot holds; if it has movers, `hit`, False.
 
         Raises:
             ValueError: the robot cannot start in that cell, or there is no such option.
@@ -163,31 +189,43 @@ class LevelEnv(RenderedEnv):
         options = checked_options(options, *self._options)
         # All options are checked before anything changes: a refused reset leaves the current
         # episode as it is.
-        start = checked_start(options.get("start"), self.level)
+        start, is_grown = options.get("start"), self._given.has_random_maze
+        starts: Sequence[int] | None = None
+        # Where an episode can start depends on the maze only if there are things.
+        if start is not None and not (is_grown and self._given.has_things):
+            starts = start_states(start, self.level, self._mdp)
         maze_seed = checked_maze_seed(options.get("maze_seed"))
         super().reset(seed=seed)
         rng = self.np_random
         info: dict[str, Any] = {}
-        if self._given.has_random_maze:
+        if is_grown:
             if maze_seed is None:
                 maze_seed = int(rng.random() * MAX_MAZE_SEED)
-            self._enter(self._given.with_maze_seed(maze_seed))
+            level = self._given.with_maze_seed(maze_seed)
+            if start is not None and starts is None:
+                starts = start_states(start, level, self._actions.tables(level))
+            self._enter(level)
             info["maze_seed"] = maze_seed
         else:
             info["level_digest"] = self.level.digest
-        if start is not None:
-            self._state = start
-        elif len(self._starts) == 1:
-            self._state = self._starts[0]
-        else:
-            self._state = self._starts[int(rng.integers(len(self._starts)))]
-        _, observe, copy_mask, mask = self._cells[self._state] or self._look_up(self._state)
+        starts = starts or self._starts
+        self._state = starts[0 if len(starts) == 1 else int(rng.integers(len(starts)))]
+        _, observe, copy_mask, mask, held = self._states[self._state] or self._look_up(self._state)
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
-            self._pictures.reset(self.level, self._state)
+            self._pictures.reset(self.level, *self._shown(self._state))
         info["action_mask"] = copy_mask()
+        if self._tells_things:
+            self._tell_things(info, held, False)
         return observe(), info
+
+    def _tell_things(self, info: dict[str, Any], held: tuple[str, ...], hit: bool) -> None:
+        """Add to an info what is held and whether a mover hit the robot, if the level has such."""
+        if self.level.items:
+            info["held"] = held
+        if self.level.movers:
+            info["hit"] = hit
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Take an action.
@@ -195,78 +233,84 @@ class LevelEnv(RenderedEnv):
         Returns:
             Observation, reward, terminated, False (`TimeLimit` truncates), and an info with
             `action_mask` (int8 `[actions]`, a copy), `target_reached` (the robot is where the
-            action leads without chance, and no wall refused it) and `skidded` (chance took it
-            somewhere else).
+            action leads without chance, and no wall refused it), `skidded` (chance took it
+            somewhere else), and as at `reset`, `held` and `hit` (a mover hit the robot).
 
         Raises:
             ResetNeeded: there was no reset yet.
             InvalidAction: the action is not in the action space.
         """
-        cell = self._cells[self._state]
-        if cell is None:
+        now = self._states[self._state]
+        if now is None:
             # During an episode, the current state was looked up when the robot came to it.
             raise error.ResetNeeded("call `reset()` before the first `step()`")
         try:
-            outcomes = cell[0][action]
+            outcomes = now[0][action]
         except (KeyError, TypeError):
-            outcomes = cell[0][checked_action(action, len(cell[0]))]
+            outcomes = now[0][checked_action(action, len(now[0]))]
         outcome = outcomes[0]
         if len(outcomes) > 1:
             draw = self._np_random.random()  # type: ignore[union-attr]
             for outcome in outcomes:
                 if draw < outcome[0]:
                     break
-        _, state, reward, terminal, target_reached, skidded = outcome
-        self._state = state
-        _, observe, copy_mask, mask = self._cells[state] or self._look_up(state)
+        _, state, reward, terminal, target_reached, skidded, hit = outcome
+        before, self._state = self._state, state
+        _, observe, copy_mask, mask, held = self._states[state] or self._look_up(state)
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
-            self._pictures.step(int(action) + self._first_action, state, skidded)
-        return (
-            observe(),
-            reward,
-            terminal,
-            False,
-            {"action_mask": copy_mask(), "target_reached": target_reached, "skidded": skidded},
-        )
+            self._show_step(self._pictures, int(action), before, skidded)
+        info = {"action_mask": copy_mask(), "target_reached": target_reached, "skidded": skidded}
+        if self._tells_things:
+            self._tell_things(info, held, hit)
+        return observe(), reward, terminal, False, info
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return the current action mask, int8 `[actions]`. The name is sb3-contrib's."""
-        cell = self._cells[self._state] if self._state >= 0 else None
-        if cell is None:
+        now = self._states[self._state] if self._state >= 0 else None
+        if now is None:
             raise error.ResetNeeded("call `reset()` before asking for the action mask")
-        return cell[2]()
+        return now[2]()
 
-    def _look_up(self, state: int) -> _Cell:
+    def _look_up(self, state: int) -> _State:
         """Copy a state's rows out of the compiled tables, at the robot's first visit.
 
         For one step at a time, tuples are several times faster than arrays; in a large level, only
-        the cells that are visited cost time.
+        the states that are visited cost time.
         """
-        first = self._first_action
-        mask = self._mdp.action_mask[state, first:]
-        events = self._events[state, first:].tolist()
+        first, mdp = self._actions.first, self._mdp
+        number, place = divmod(state, mdp.cells * mdp.headings)
+        events, hits, held = self._parts.get(number) or self._look_up_part(number)
+        mask = mdp.action_mask[state, first:]
+        rows = zip(events[place, first:].tolist(), hits[place, first:].tolist(), strict=True)
         outcomes = {
-            number: self._outcomes(state, number + first, row) for number, row in enumerate(events)
+            action: self._outcomes(state, action + first, *row) for action, row in enumerate(rows)
         }
-        cell = (
-            outcomes,
-            self._observer.at(state),
-            mask.copy,
-            mask,
-        )
-        self._cells[state] = cell
-        return cell
+        found = outcomes, self._observer.at(state), mask.copy, mask, held
+        self._states[state] = found
+        return found
 
-    def _outcomes(self, state: int, action: int, events: list[int]) -> tuple[_Outcome, ...]:
+    def _look_up_part(self, number: int) -> _Part:
+        """Compute what tells the outcomes in one configuration, at the robot's first visit."""
+        mdp, level = self._mdp, self.level
+        size = mdp.cells * mdp.headings
+        states = slice(number * size, (number + 1) * size)
+        held = level.configuration(number).held if level.items else ()
+        part = events_of(mdp, states), hits_of(level, mdp, states), held
+        self._parts[number] = part
+        return part
+
+    def _outcomes(
+        self, state: int, action: int, events: list[int], hits: list[bool]
+    ) -> tuple[_Outcome, ...]:
         outcomes: list[_Outcome] = []
         total = 0.0
-        for outcome, event in zip(self._mdp.outcomes(state, action), events, strict=False):
-            probability, next_state, reward, terminal = outcome
+        told = zip(self._mdp.outcomes(state, action), events, hits, strict=False)
+        for (probability, next_state, reward, terminal), event, hit in told:
             total += probability
             is_reached, is_skid = event == Event.REACHED, event == Event.SKIDDED
-            outcomes.append((total, next_state, reward, terminal, is_reached, is_skid))
+            outcomes.append((total, next_state, reward, terminal, is_reached, is_skid, hit))
         # The last outcome takes the rounding error of the sum.
         outcomes[-1] = (2.0, *outcomes[-1][1:])
         return tuple(outcomes)
@@ -277,7 +321,7 @@ class LevelEnv(RenderedEnv):
     def P(self) -> dict[int, dict[int, list[Outcome]]]:  # noqa: N802  (Gymnasium's name for it)
         """The tables as `{state: {action: [(probability, next state, reward, terminal)]}}`."""
         if self._table is None:
-            self._table = self._mdp.to_toy_text(self._first_action)
+            self._table = self._mdp.to_toy_text(self._actions.first)
         return self._table
 
     @property

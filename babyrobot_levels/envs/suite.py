@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
+from math import prod
 from typing import Any
 
 import gymnasium
@@ -13,12 +14,14 @@ from babyrobot_levels.envs.arguments import (
     check_names,
     checked_index,
     checked_options,
-    checked_start,
+    start_states,
 )
-from babyrobot_levels.envs.observations import Observer, make_observer
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.language.ranges import bounds
+from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
@@ -53,8 +56,8 @@ class SuiteEnv(LevelEnv):
         super().__init__(self.suite[0], **kwargs)
         self._options = ("start", "index")
 
-    def _new_observer(self, level: Level) -> Observer:
-        return make_observer(level, self._observation, self.suite.largest, *self._image)
+    def _extent(self) -> Extent:
+        return suite_extent(self.suite, turns=self._actions.turns)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -81,7 +84,8 @@ class SuiteEnv(LevelEnv):
             index = int(self.np_random.random() * len(self.suite))
         level = self.suite[index]
         # A refused reset leaves the current episode as it is.
-        checked_start(options.get("start"), level)
+        if options.get("start") is not None:
+            start_states(options["start"], level, self._actions.tables(level))
         self._enter(level)
         observation, info = super().reset(options=options)
         info["level_index"], info["level_digest"] = index, level.digest
@@ -125,6 +129,19 @@ def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
     if not len(played):
         raise ValueError("the suite has no levels: the slice is empty")
     return loaded, played
+
+
+def suite_extent(suite: Suite, *, turns: bool) -> Extent:
+    """Return the extent of all levels that a suite can have, without making them.
+
+    Args:
+        suite: the suite.
+        turns: whether the robot turns.
+    """
+    smallest = prod(bounds(suite.fields.size)[0])
+    configurations = min(prod(suite.radices), MAX_STATES // smallest)
+    headings, has_items = HEADINGS if turns else 1, suite.most_items > 0
+    return Extent(suite.largest, suite.radices, configurations, headings, has_items)
 
 
 def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:

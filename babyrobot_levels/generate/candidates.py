@@ -9,7 +9,10 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from babyrobot_levels.analysis.metrics import Metrics, neighbours
+from babyrobot_levels.generate.locks import Counts, Placer
 from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
@@ -17,7 +20,7 @@ from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.graph import Successors, distances
+from babyrobot_levels.mdp.graph import Graph, Successors, distances
 from babyrobot_levels.mdp.mazes.lattice import below
 
 SEED_BITS = 48
@@ -29,6 +32,9 @@ SHARED = [
     if name in SuiteFields.model_fields
 ]
 """The fields of a suite that are fields of its levels."""
+
+THINGS = ("doors", "items", "movers")
+"""The fields in which things are placed."""
 
 SIZES_KEPT = 256
 
@@ -67,8 +73,33 @@ class Candidate:
 
     @property
     def path_length(self) -> int:
-        """The length of a shortest path from start to exit, -1 if there is none."""
+        """The length of a shortest path from start to exit, with all doors open; -1 if none."""
         return self._steps[self.exit]
+
+    @cached_property
+    def has_room(self) -> bool:
+        """Whether all its things could be placed, and the exit can be reached past the guards."""
+        things = self._things
+        return things is not None and (not things or self._steps_among_things > 0)
+
+    @property
+    def detour(self) -> int:
+        """How many steps more the shortest way has than `path_length`."""
+        return self._steps_among_things - self.path_length if self._things else 0
+
+    @cached_property
+    def _steps_among_things(self) -> int:
+        """The fewest steps to the exit, -1 where it cannot be reached."""
+        mdp = self.level.compile()
+        states = np.arange(mdp.num_states)[:, None, None]
+        goes_on = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
+        is_exit = mdp.is_terminal & (np.arange(mdp.num_states) % mdp.cells == self.exit)
+        # What ends the episode without being at the exit is a hit.
+        goes_on &= ~mdp.terminal | is_exit[mdp.next_state]
+        source = np.broadcast_to(states, goes_on.shape)[goes_on]
+        graph = Graph(mdp.num_states, source, mdp.next_state[goes_on])
+        steps = graph.distances(np.flatnonzero(mdp.start))[is_exit]
+        return int(min((count for count in steps.tolist() if count >= 0), default=-1))
 
     @property
     def dead_ends(self) -> int:
@@ -81,11 +112,33 @@ class Candidate:
         return Metrics(self.level).difficulty
 
     @cached_property
+    def _puddles(self) -> list[tuple[int, str]]:
+        """The cells of its puddles, and their sizes. They are drawn before things are."""
+        width, height = self.size
+        count = _between(self._rng, *bounds(self._maker.suite.puddles))
+        return _draw_puddles(self._rng, count, width * height, (self.start, self.exit))
+
+    @cached_property
+    def _things(self) -> dict[str, Any] | None:
+        """The fields of its things, None where there is no room for them."""
+        suite, puddles = self._maker.suite, self._puddles
+        keys = _between(self._rng, *bounds(suite.keys))
+        doors = keys
+        if suite.doors is not None:
+            fewest, most = bounds(suite.doors)
+            doors = _between(self._rng, max(fewest, keys), most)
+        coins = _between(self._rng, *bounds(suite.coins))
+        guards = _between(self._rng, *bounds(suite.guards))
+        counts = Counts(keys, doors, coins, guards)
+        if not counts:
+            return {}
+        taken = {cell for cell, _ in puddles}
+        return Placer(self._grown.grid(), self.start, self.exit, self._rng, taken).fields(counts)
+
+    @cached_property
     def level(self) -> Level:
         """The level."""
-        suite, (width, height) = self._maker.suite, self.size
-        count = _between(self._rng, *bounds(suite.puddles))
-        puddles = _draw_puddles(self._rng, count, width * height, (self.start, self.exit))
+        suite, width, puddles = self._maker.suite, self.size[0], self._puddles
         fields = {
             "name": self._name,
             "start": (self.start % width, self.start // width),
@@ -95,6 +148,7 @@ class Candidate:
             fields["puddles"] = tuple(
                 Puddle(at=(cell % width, cell // width), size=size) for cell, size in puddles
             )
+        fields |= self._things or {}
         level = self._grown.model_copy(update=fields)
         return self._maker.drawn(level) if suite.start == "farthest" else level
 
@@ -192,7 +246,7 @@ class Maker:
         depends on it.
         """
         given = level.to_dict()
-        kept = {field: given[field] for field in ("name", *SHARED) if field in given}
+        kept = {field: given[field] for field in ("name", *THINGS, *SHARED) if field in given}
         return Level.from_fields({"version": 1, "map": level.draw(), **kept}, folder=self.folder)
 
 

@@ -20,7 +20,7 @@ FEWEST_TRIES = 100
 MOST_SOLVED = 1_000
 """The largest number of candidates that are solved for their difficulty."""
 
-_CONDITIONS = ("path_length", "dead_ends", "difficulty")
+_CONDITIONS = ("path_length", "dead_ends", "detour", "difficulty")
 
 
 class UnsatisfiableError(BabyRobotError):
@@ -41,7 +41,7 @@ class UnsatisfiableError(BabyRobotError):
         super().__init__(condition, asked, reason, needs)
 
     def __str__(self) -> str:
-        return f"{self.condition} {self.asked}: {self.reason}"
+        return f"{self.condition} {self.asked}".rstrip() + f": {self.reason}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +104,8 @@ class Tally:
     tries: int = 0
     playable: int = 0
     in_split: int = 0
+    crowded: int = 0
+    roomy: int = 0
     again: int = 0
     conditions: dict[str, Condition] = field(default_factory=dict)
 
@@ -135,6 +137,16 @@ class Tally:
         ]
         if not all(quick):
             return False
+        if not candidate.has_room:
+            self.crowded += 1
+            return False
+        self.roomy += 1
+        detour = self.conditions.get("detour")
+        if detour is not None and not detour.accepts(candidate.detour):
+            return False
+        longest = self.suite.max_steps
+        if longest is not None and candidate.path_length + candidate.detour > longest:
+            return False
         hard = self.conditions.get("difficulty")
         return hard is None or hard.accepts(candidate.difficulty)
 
@@ -162,6 +174,12 @@ class Tally:
         if not self.in_split:
             reason = f"none of {self.tries:,} candidates has a maze of this split"
             return UnsatisfiableError("splits", str(self.split), reason)
+        if self.crowded and not self.roomy:
+            reason = (
+                f"in none of {self.tries:,} candidates was there room for all keys, doors, coins "
+                "and guards"
+            )
+            return UnsatisfiableError(self._placed(), "", reason, 1.5)
         if rarest is None or not self.playable:
             reason = (
                 f"in all of {self.tries:,} candidates it is next to the start or cuts off cells"
@@ -171,6 +189,12 @@ class Tally:
         met = [f"{rarest.met:,} of {self.tries:,} candidates met it"]
         met += [f"{each.met:,} met {each.name} {each.asked}" for each in others]
         return UnsatisfiableError(rarest.name, rarest.asked, ", ".join([*met, "none met all"]))
+
+    def _placed(self) -> str:
+        """Return the kind of thing of which most are asked for."""
+        return max(
+            ("keys", "coins", "guards"), key=lambda name: bounds(getattr(self.suite, name))[1]
+        )
 
     def _growth(self, missed: Condition) -> float | None:
         """Return the factor by which levels would have to grow to meet a missed condition."""

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import indent
+from typing import Any
 
+from babyrobot_levels.generate.locks import Counts, Placer
+from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.mdp.mazes import carve
 from babyrobot_levels.mdp.mazes.lattice import below
-from babyrobot_levels.text.emitter import scalar
+from babyrobot_levels.text.emitter import flow, scalar
 
 TEMPLATES = ("grid", "maze", "drawing")
 
@@ -31,6 +34,13 @@ class StarterOptions:
     loops: float = 0.0
     puddles: int = 0
     theme: str = "default"
+    key: bool = False
+    coins: int = 0
+
+    @property
+    def has_things(self) -> bool:
+        """Whether there is a key, or a coin."""
+        return self.key or self.coins > 0
 
 
 def starter(options: StarterOptions, schema: str | None) -> str:
@@ -42,7 +52,7 @@ def starter(options: StarterOptions, schema: str | None) -> str:
             no such line.
 
     Raises:
-        ValueError: there are fewer free cells than puddles.
+        ValueError: there are fewer free cells than puddles, coins and a key need.
     """
     title = options.name.replace("-", " ").capitalize()
     head = f"# yaml-language-server: $schema={schema}\n" if schema else ""
@@ -70,19 +80,78 @@ def _fields(options: StarterOptions) -> str:
             parts.append(f"loops: {scalar(options.loops)}")
         maze = f"maze: {{{', '.join(parts)}}}  # the same seed grows the same maze\n"
     cells = _free_cells(width, height, [(0, 0), exit_])
-    puddles = _puddle_lines(_puddle_cells(options, cells))
-    walls = (
-        "# walls:  # on N and S, `length` goes on to the east, on E and W to the south\n"
-        "#   - {at: [1, 0], side: E, length: 2}\n"
-    )
-    return f"""\
+    wet = _puddle_cells(options, cells)
+    puddles = _puddle_lines(wet)
+    walls = _wall_lines(options) if options.key and seed is None else _WALLS if roomy else ""
+    ground = f"""\
 size: [{width}, {height}]  # width and height in cells
 start: [0, 0]
 exit: [{exit_[0]}, {exit_[1]}]  # entering it ends the episode
 {maze}\
-{walls if roomy else ""}\
+{walls}\
+"""
+    things = _thing_lines(options, ground, wet) if options.has_things else ""
+    return f"""\
+{ground}\
+{things}\
 {puddles if roomy or options.puddles else ""}\
 """
+
+
+_WALLS = """\
+# walls:  # on N and S, `length` goes on to the east, on E and W to the south
+#   - {at: [1, 0], side: E, length: 2}
+"""
+
+
+def _wall_lines(options: StarterOptions) -> str:
+    """Return a wall across the level, with a gap of one cell for the door."""
+    width, height = options.size
+    across, along = (width, height) if width >= height else (height, width)
+    if across < 3:
+        raise ValueError("no room for a wall with a door, and a key in front of it")
+    line, gap = (across - 1) // 2, along // 2
+    side, parts = ("E" if width >= height else "S"), []
+    for first, length in ((0, gap), (gap + 1, along - gap - 1)):
+        if length:
+            cell = [line, first] if side == "E" else [first, line]
+            parts.append(f"  - {{at: {cell}, side: {side}, length: {length}}}\n")
+    if not parts:
+        return ""
+    return (
+        "walls:  # on N and S, `length` goes on to the east, on E and W to the south\n"
+        + "".join(parts)
+    )
+
+
+def _thing_lines(options: StarterOptions, ground: str, wet: Sequence[tuple[int, int]]) -> str:
+    """Return the lines of a key, its door, and coins."""
+    level = loads(f"version: 1\n{ground}")
+    (width, _), (x, y) = level.size, level.exits[0]
+    taken = {y * width + x for x, y in wet}
+    rng = random.Random(options.maze_seed or 0)
+    placer = Placer(level.grid(), 0, y * width + x, rng, taken)
+    keys = int(options.key)
+    fields = placer.fields(Counts(keys, keys, options.coins))
+    if fields is None:
+        coins = f"{options.coins} coin{'s' * (options.coins > 1)}" if options.coins else ""
+        what = " and ".join(part for part in ("a key with its door" * keys, coins) if part)
+        raise ValueError(f"no room for {what}")
+    return _entry_lines(fields)
+
+
+def _entry_lines(fields: Mapping[str, Any]) -> str:
+    """Return the lines of doors and items, each entry on one."""
+    about = {
+        "doors": "a door is a wall until what it needs is held",
+        "items": "taken by coming to stand there, and kept",
+    }
+    lines = []
+    for name, entries in fields.items():
+        lines.append(f"{name}:  # {about[name]}\n")
+        given = (plain(entry.model_dump(exclude_unset=True)) for entry in entries)
+        lines += [f"  - {flow(entry)}\n" for entry in given]
+    return "".join(lines)
 
 
 def _seed_of_maze(options: StarterOptions) -> int | None:
@@ -110,9 +179,12 @@ def exit_of(options: StarterOptions) -> tuple[int, int]:
 
 
 def _drawing(options: StarterOptions) -> str:
-    if options.maze_seed is not None:
-        text = loads(f"version: 1\n{_fields(options)}").draw()
-        return _LEGEND + "map: |\n" + indent(text, "  ")
+    if options.maze_seed is not None or options.has_things:
+        level = loads(f"version: 1\n{_fields(options)}")
+        things = {name: getattr(level, name) for name in ("doors", "items")}
+        lines = _entry_lines({name: values for name, values in things.items() if values})
+        legend = _LEGEND.replace("walls.", "walls, -/- and / doors.") if options.key else _LEGEND
+        return legend + "map: |\n" + indent(level.draw(), "  ") + lines
     width, height = options.size
     cells = [[" "] * width for _ in range(height)]
     cells[0][0], cells[-1][-1] = "S", "E"

@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any, overload
 
 from babyrobot_levels.generate.candidates import Maker
+from babyrobot_levels.generate.locks import GUARD_CELLS
 from babyrobot_levels.generate.search import find_level
 from babyrobot_levels.language.documents import check_suite, suite_from_mapping
 from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import find_suite
 from babyrobot_levels.library.level import Level
@@ -60,6 +62,30 @@ class Suite(Sequence[Level]):
     def largest(self) -> tuple[int, int]:
         """The largest width and height of the levels, in cells."""
         return self.fields.largest
+
+    @property
+    def most_items(self) -> int:
+        """The most items that a level can have."""
+        return int(bounds(self.fields.keys)[1] + bounds(self.fields.coins)[1])
+
+    @property
+    def has_guards(self) -> bool:
+        """Whether a level can have guards."""
+        return bool(bounds(self.fields.guards)[1])
+
+    @property
+    def radices(self) -> tuple[int, ...]:
+        """For each thing that a level can have, the most values that it can have in any level.
+
+        They are in the order of `Things.radices`. In a level with fewer items, guards come earlier.
+        """
+        fewest = bounds(self.fields.keys)[0] + bounds(self.fields.coins)[0]
+        most, guards = self.most_items, bounds(self.fields.guards)[1]
+        held_or_not, phases = 2, 2 * (max(GUARD_CELLS) - 1)
+        return (
+            *(phases if guards and item >= fewest else held_or_not for item in range(most)),
+            *(phases for _ in range(guards)),
+        )
 
     def __len__(self) -> int:
         return len(self.numbers)

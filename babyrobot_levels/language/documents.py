@@ -84,14 +84,6 @@ def check_suite(document: Document, path: Path | None = None) -> Checked[SuiteFi
     return Checked(suite, [])
 
 
-def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
-    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
-    try:
-        return check_document(read(source), LevelSpec, path).diagnostics
-    except LevelError as error:
-        return [*error.diagnostics]
-
-
 def level_from_mapping(
     data: Mapping[str, Any],
     model: type[LevelT],
@@ -117,6 +109,18 @@ def level_from_mapping(
         level.__dict__["name"] = name
     level.remember_origin(None, folder, theme.found)
     return level
+
+
+def error_in_mapping(data: Mapping[str, Any], issues: Sequence[Issue]) -> LevelError:
+    """Return the error of a mapping whose fields are valid by themselves.
+
+    Its diagnostics point into the mapping as it would be written in a file.
+    """
+    fields = plain(data, most=MAX_VALUES)
+    if not _fits(fields):
+        return LevelError(message="; ".join(issue.message for issue in issues[:_MOST]))
+    document = read(SourceFile("<mapping>", emit(fields) or "{}"))
+    return LevelError([document.diagnostic(issue) for issue in issues])
 
 
 def suite_from_mapping(data: Mapping[str, Any]) -> SuiteFields:

@@ -207,6 +207,11 @@ class LevelFields(Model):
         )
 
     @property
+    def stands_on_grid(self) -> bool:
+        """Whether the level has doors or paths, which walls must not cut."""
+        return bool(self.doors or any(mover.path for mover in self.movers))
+
+    @property
     def exit_keys(self) -> tuple[str, ...]:
         """The names in `exit_needs`."""
         return as_names(self.exit_needs)

@@ -82,8 +82,18 @@ class SuiteFields(Model):
     """Where the exit is: in the bottom-right `corner`, a `random` dead end, or `farthest` off."""
     puddles: PuddleCounts = 0
     """How many puddles there are, or a range. Cells and kinds are drawn."""
+    keys: PuddleCounts = 0
+    """How many keys lie in the maze, or a range. Each is needed on the way to the exit."""
+    doors: PuddleCounts | None = None
+    """How many doors there are, or a range; by default one for each key."""
+    coins: PuddleCounts = 0
+    """How many coins there are, or a range."""
+    guards: PuddleCounts = 0
+    """How many guards walk up and down, or a range."""
+    detour: Counts | None = None
+    """How many steps more the shortest way has than with all doors open and without guards."""
     path_length: Counts | None = None
-    """The length of the shortest path from start to exit, in steps."""
+    """The length of the shortest path from start to exit, in steps, with all doors open."""
     dead_ends: Counts | None = None
     """How many cells have exactly one open side."""
     difficulty: Numbers | None = None
@@ -119,7 +129,16 @@ class SuiteFields(Model):
 
 
 def _issues(suite: SuiteFields) -> Iterator[Issue]:
-    ranges = ("size", "puddles", "path_length", "dead_ends", "difficulty")
+    ranges = (
+        "size",
+        "puddles",
+        *_THINGS,
+        "doors",
+        "detour",
+        "path_length",
+        "dead_ends",
+        "difficulty",
+    )
     errors = [*empty_ranges(suite, ranges), *empty_ranges(suite.maze, ("loops",))]
     yield from errors or _misfits(suite)
     yield from _faulty_splits(suite)
@@ -135,12 +154,40 @@ def _misfits(suite: SuiteFields) -> Iterator[Issue]:
     elif bounds(suite.puddles)[1] > cells - 2:
         message = f"the smallest level has only {cells - 2} cells besides start and exit"
         yield Issue("BR205", ("puddles",), message)
+    yield from _too_many_things(suite, cells)
     if suite.start == "farthest" and max(largest) > MAX_DRAWN:
         message = (
             f"levels with `start: farthest` are drawn as a map, at most {MAX_DRAWN} cells wide "
             "and high"
         )
         yield Issue("BR205", ("start",), message, "use `exit: farthest` instead")
+
+
+MOST_THINGS = {"keys": 8, "doors": 32, "coins": 10, "guards": 4}
+"""The most of each kind in a level."""
+
+_THINGS = ("keys", "coins", "guards")
+
+
+def _too_many_things(suite: SuiteFields, cells: int) -> Iterator[Issue]:
+    for name, most in MOST_THINGS.items():
+        if (bounds(getattr(suite, name))[1] or 0) > most:
+            yield Issue("BR205", (name,), f"a level has at most {most} {name}")
+    least_keys, most_keys = bounds(suite.keys)
+    if suite.doors is not None:
+        fewest, most = bounds(suite.doors)
+        if most and not least_keys:
+            message = "doors need keys, and a level may have none"
+            yield Issue("BR205", ("doors",), message, "ask for at least one key")
+        elif fewest < most_keys:
+            message = f"{fewest} doors are too few for {most_keys} keys, each of which opens one"
+            yield Issue("BR205", ("doors",), message)
+    elif suite.detour is not None and not most_keys and not bounds(suite.guards)[1]:
+        yield Issue("BR205", ("detour",), "without keys and guards no way is a detour")
+    needed = most_keys + bounds(suite.coins)[1] + bounds(suite.puddles)[1]
+    if needed > cells - 2 and bounds(suite.puddles)[1] <= cells - 2:
+        message = f"the smallest level has only {cells - 2} cells besides start and exit"
+        yield Issue("BR205", ("keys" if most_keys else "coins",), message)
 
 
 def impossible(suite: SuiteFields) -> Iterator[Issue]:

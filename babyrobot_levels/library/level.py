@@ -40,7 +40,15 @@ class Level(GridWorld):
             LevelError: the mapping is not a valid level. The diagnostics point into the mapping
                 as it would be written in a file.
         """
-        return level_from_mapping(fields, cls, name=name, folder=folder)
+        level = level_from_mapping(fields, cls, name=name, folder=folder)
+        if level.stands_on_grid and not level.has_random_maze:
+            from babyrobot_levels.language.documents import error_in_mapping
+            from babyrobot_levels.mdp.placement import placement_issues
+
+            issues = placement_issues(level, level.grid())
+            if issues:
+                raise error_in_mapping(fields, issues)
+        return level
 
     def __hash__(self) -> int:
         # Some fields are mappings, which have none; equal levels are alike in these.
@@ -170,8 +178,9 @@ class Level(GridWorld):
 
         Args:
             kwargs: what `gymnasium.make("babyrobot/Level-v0", …)` takes beside `level`:
-                `observation`, `actions`, `render_mode`, `image_size`, `grayscale`. A
-                `max_episode_steps` takes the place of the level's `max_steps`, -1 of any limit.
+                `observation`, `actions`, `render_mode`, `image_size`, `grayscale`, `view_radius`,
+                `see_through`. A `max_episode_steps` takes the place of the level's `max_steps`, -1
+                of any limit.
         """
         import gymnasium
 

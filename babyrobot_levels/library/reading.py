@@ -10,7 +10,9 @@ from babyrobot_levels.language.share_code import NAME, decode
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import LevelError, UnplayableError
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -24,7 +26,15 @@ def check_document(
     `path` is the file that it is from: it gives the name, and themes beside it.
     """
     checked = check_any(document, Level, path)
-    return _bounded(checked, document) if isinstance(checked.value, Level) else checked
+    return _playable(checked, document) if isinstance(checked.value, Level) else checked
+
+
+def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
+    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
+    try:
+        return check_document(read(source), path).diagnostics
+    except LevelError as error:
+        return [*error.diagnostics]
 
 
 def load_document(document: Document, path: Path | None = None) -> Level:
@@ -33,21 +43,20 @@ def load_document(document: Document, path: Path | None = None) -> Level:
     Raises:
         LevelError: it is not a valid level; its `diagnostics` say where and why.
     """
-    return _bounded(check_level(document, Level, path), document).valid()
+    return _playable(check_level(document, Level, path), document).valid()
 
 
-def _bounded(checked: Checked[Level], document: Document) -> Checked[Level]:
-    """Refuse a level with things whose tables would be too large, by compiling it."""
+def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
+    """Refuse a level with things that cannot be compiled, by compiling it."""
     level = checked.value
+    # Levels without things can always be compiled.
     if level is None or not level.has_things or level.has_random_maze:
         return checked
-    # Levels without things are always within bounds.
-    from babyrobot_levels.mdp.compiler.things import LevelTooLarge
-
     try:
         level.compile()
-    except LevelTooLarge as error:
-        return Checked(None, [document.diagnostic(error.issue)])
+    except UnplayableError as error:
+        found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
+        return Checked(None, found)
     return checked
 
 

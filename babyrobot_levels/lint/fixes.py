@@ -6,6 +6,9 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
+from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.lint.finding import side_mark
 from babyrobot_levels.text.diagnostics import Edit, Fix, Route
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.emitter import flow
@@ -79,6 +82,24 @@ def removal(document: Document, message: str, *routes: Route, safe: bool = True)
     if any(_is_shared(document, route) for route in routes):
         return None
     return Fix(message, edits, safe)
+
+
+def door_removal(document: Document, level: Level, number: int, *, safe: bool) -> Fix | None:
+    """Return the fix that removes a door, by its index, also from the drawing.
+
+    Returns None if the door is part of an anchored value that aliases repeat, or if the drawing is
+    no block of literal text.
+    """
+    fix = removal(document, "remove the door", ("doors", number), safe=safe)
+    if fix is None or level.map is None:
+        return fix
+    if not document.node(("map",))[0].block:
+        return None
+    door = level.doors[number]
+    dx, dy, side = {"W": (-1, 0, "E"), "N": (0, -1, "S")}.get(door.side, (0, 0, door.side))
+    marks = [side_mark(level, x + dx, y + dy, side) for x, y in sides_of(door)]
+    blank = [Edit(document.span(mark), " " * mark.length) for mark in marks]
+    return Fix(fix.message, (*fix.edits, *blank), safe)
 
 
 def append(

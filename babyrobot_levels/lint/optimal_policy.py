@@ -9,6 +9,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 from babyrobot_levels.mdp.graph import Graph
+from babyrobot_levels.mdp.reachability import ends_by_hit, exit_states
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -17,15 +18,15 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.tables import Mdp
 
 MAX_SOLVED = 5_000
-"""Larger levels (in cells) are not solved, because that could take seconds."""
+"""Larger levels (in states) are not solved, because that could take seconds."""
 
 MAX_WORK = 200_000_000
-"""Cells times steps: the limit up to which the exit probability is computed step by step."""
+"""States times steps: the limit up to which the exit probability is computed step by step."""
 
 
 def solution_of(level: Level) -> Solution | None:
     """Solve a level; return None if it has no optimal value or takes too long to solve."""
-    if level.size[0] * level.size[1] > MAX_SOLVED:
+    if level.compile().num_states > MAX_SOLVED:
         return None
     try:
         return solve(level)
@@ -58,12 +59,16 @@ def endless_loop(mdp: Mdp, reach: Reach, solution: Solution) -> list[int]:
     policy = solution.policy.ravel()
     states = np.flatnonzero(policy >= 0)
     happens = mdp.probability[states, policy[states]] > 0
-    origins = np.repeat(states, happens.sum(axis=1))
-    targets = mdp.next_state[states, policy[states]][happens]
+    hits = ends_by_hit(mdp)[states, policy[states]]
+    goes_on = happens & ~hits
+    origins = np.repeat(states, goes_on.sum(axis=1))
+    targets = mdp.next_state[states, policy[states]][goes_on]
     ways = Graph(mdp.num_states, origins, targets)
     back = ways.reversed()
     visited = ways.distances(mdp.start.nonzero()[0].tolist()).tolist()
-    ending = back.distances(mdp.is_terminal.nonzero()[0].tolist()).tolist()
+    is_last = mdp.is_terminal.copy()
+    is_last[states[hits.any(axis=1)]] = True
+    ending = back.distances(is_last.nonzero()[0].tolist()).tolist()
     stuck = [
         state
         for state in range(mdp.num_states)
@@ -94,6 +99,8 @@ def surely_within_limit(level: Level, to_exit: list[int]) -> bool:
     happens = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
     ends = mdp.terminal & happens
     lowest_cost = -mdp.reward[happens & ~ends].max(initial=-np.inf)
+    if level.has_things:
+        return False
     if level.discount < 1 or lowest_cost <= 0 or mdp.is_terminal.sum() > len(level.exits):
         return False
     highest = float(mdp.reward[ends].max(initial=-np.inf))
@@ -140,9 +147,8 @@ def is_within_limit(level: Level, solution: Solution, share: float) -> bool | No
     states = np.flatnonzero(policy >= 0)
     chances = mdp.probability[states, policy[states]]
     targets = mdp.next_state[states, policy[states]]
-    exits = [y * mdp.width + x for x, y in level.exits]
-    arrived = np.zeros(mdp.num_states)
-    arrived[exits] = 1.0
+    chances = np.where(ends_by_hit(mdp)[states, policy[states]], 0.0, chances)
+    arrived = exit_states(level, mdp).astype(np.float64)
     most = MAX_WORK // chances.size
     for _ in range(min(limit, most)):
         ahead = (chances * arrived[targets]).sum(axis=1)

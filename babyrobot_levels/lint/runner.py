@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from zlib import crc32
 
-from babyrobot_levels.language.documents import check_level, errors_of
+from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import check_document
+from babyrobot_levels.library.reading import check_document, errors_of
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.registry import select

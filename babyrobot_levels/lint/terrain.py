@@ -95,15 +95,12 @@ class TerrainEffects:
 
     def __init__(self, level: Level) -> None:
         self._level = level
-        mdp = level.compile()
         self._blocked = level.grid().blocked
-        shape = (mdp.height, mdp.width)
-        self._over = mdp.is_terminal.reshape(shape)
+        shape = self._blocked.shape
         enters = [warp.at for warp in self._level.warps if warp.when == "enter"]
         leaves = [warp.at for warp in self._level.warps if warp.when == "leave"]
         self._stood = ~_flags(shape, enters)
-        self._moved = ~self._over & ~_flags(shape, leaves)
-        self._fixed = _flags(shape, self._level.exits) | self._blocked
+        self._fixed = _flags(shape, sure_exits(level)) | self._blocked
         self._drawn = count_drawn(self._level, "areas")
         self._value = {
             "reward": np.full(shape, self._level.rewards.step),
@@ -112,6 +109,8 @@ class TerrainEffects:
         }
         self._hidden = {name: np.zeros(shape, bool) for name in (*PROPERTIES, "color")}
         changes = self._layers()
+        self._over: Flags = self._fixed | self._value["ends"]
+        self._moved = ~self._over & ~_flags(shape, leaves)
         self.puddles = self._puddles()
         self.areas = self._areas(changes)
         self.skid = self._skid()
@@ -190,7 +189,8 @@ class TerrainEffects:
         """Return the cells whose ground is visible because nothing else is drawn over it."""
         level, colors = self._level, self._level.resolved_theme.colors
         shown = np.ones_like(self._over)
-        for cells, color in ((level.starts, colors.start), (level.exits, colors.exit)):
+        exits = level.exits if level.exit_one_of is None else ()
+        for cells, color in ((level.starts, colors.start), (exits, colors.exit)):
             if is_opaque(color):
                 shown &= ~_flags(shown.shape, cells)
         if is_opaque(colors.blocked):
@@ -237,6 +237,10 @@ class TerrainEffects:
 
     @cached_property
     def _rewarded(self) -> Flags:
+        # With things, it may take a configuration that no episode comes to.
+        if self._level.has_things:
+            anywhere: Flags = ~self._fixed
+            return anywhere
         return rewarded_cells(self._level)
 
     @property
@@ -245,6 +249,11 @@ class TerrainEffects:
         # Staying there gives it.
         plain = self._level.rewards.stay is None
         return ~self._over & self._stood if plain else np.zeros_like(self._over)
+
+
+def sure_exits(level: Level) -> tuple[tuple[int, int], ...]:
+    """Return the cells that end every episode that comes there, because they are exits."""
+    return () if level.exit_keys or level.exit_one_of is not None else level.exits
 
 
 def place(area: Area) -> tuple[slice, slice]:

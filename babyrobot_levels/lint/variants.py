@@ -14,36 +14,69 @@ from numpy.typing import NDArray
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler import compile_mdp
 from babyrobot_levels.mdp.digest import digest
+from babyrobot_levels.mdp.reachability import transitions
 from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.text.errors import LevelError
 
 MAX_VARIANTS = 50
 """The maximum number of variants that a rule compiles."""
 
-MAX_CELLS = 1 << 21
-"""The maximum number of cells in all variants together, except for the first one."""
+MAX_STATES = 1 << 21
+"""The maximum number of states in all variants together, except for the first one."""
 
 
 def max_variants(level: Level) -> int:
     """Return how many variants of a level a rule may compile."""
-    cells = level.size[0] * level.size[1]
-    return max(1, min(MAX_VARIANTS, MAX_CELLS // cells))
+    return max(1, min(MAX_VARIANTS, MAX_STATES // level.compile().num_states))
 
 
-def variant(level: Level, **fields: Any) -> Mdp:
+def variant(level: Level, **fields: Any) -> Mdp | None:
     """Return the tables of a level with other values for fields that do not affect the grid.
 
-    Values are not validated: a reward may be NaN, to see where it occurs.
+    Values are not validated: a reward may be NaN, to see where it occurs. None if the tables would
+    be too large, as they may be where more configurations can be reached than in the level.
     """
+    try:
+        return compile_mdp(level.model_copy(update=fields), level.grid())
+    except LevelError:
+        return None
+
+
+def cells_reached(level: Level, **fields: Any) -> NDArray[np.bool_]:
+    """Return which cells can be reached with other values for some fields, `[cells]`.
+
+    A cell counts as reached in any configuration. If the tables would be too large, all cells do.
+    """
+    mdp = variant(level, **fields)
+    if mdp is None:
+        return np.ones(level.size[0] * level.size[1], bool)
+    steps = transitions(mdp).distances(np.flatnonzero(mdp.start))
+    reached: NDArray[np.bool_] = (steps >= 0).reshape(-1, mdp.cells).max(axis=0)
+    return reached
+
+
+def changed(level: Level, **fields: Any) -> Level:
+    """Return a level with other values for fields that do not affect the grid, not validated."""
+    other = level.model_copy(update=fields)
+    for name in ("_things", "_mdp", "_digest"):
+        other.__dict__.pop(name, None)
+    return other
+
+
+def with_rewards(level: Level, **fields: Any) -> Mdp:
+    """Return the tables of a level with other rewards, which are never too large."""
     return compile_mdp(level.model_copy(update=fields), level.grid())
 
 
-def is_equivalent(level: Level, mdp: Mdp) -> bool:
+def is_equivalent(level: Level, mdp: Mdp | None) -> bool:
     """Return whether tables on a level's grid are equal to the level's tables."""
-    return digest(level, level.grid(), mdp) == level.digest
+    return mdp is not None and digest(level, level.grid(), mdp) == level.digest
 
 
 def has_equal_outcomes(one: Mdp, other: Mdp, states: NDArray[np.intp]) -> bool:
     """Return whether two MDPs have the same outcomes in some states."""
+    if not np.array_equal(one.configurations, other.configurations):
+        return False
     return all(map(np.array_equal, _outcomes(one, states), _outcomes(other, states)))
 
 
@@ -57,7 +90,7 @@ def _outcomes(mdp: Mdp, states: NDArray[np.intp]) -> tuple[NDArray[Any], ...]:
 def gives(level: Level, field: str) -> bool:
     """Return whether any outcome of a level includes one of its `rewards`."""
     rewards = level.rewards.model_copy(update={field: np.nan})
-    return bool(np.isnan(variant(level, rewards=rewards).reward).any())
+    return bool(np.isnan(with_rewards(level, rewards=rewards).reward).any())
 
 
 def rewarded_cells(level: Level) -> NDArray[np.bool_]:
@@ -69,7 +102,7 @@ def rewarded_cells(level: Level) -> NDArray[np.bool_]:
         size: getattr(level.puddle_types, size).model_copy(update={"reward": np.nan})
         for size in ("small", "large")
     }
-    mdp = variant(
+    mdp = with_rewards(
         level,
         areas=tuple(area.model_copy(update={"reward": None}) for area in level.areas),
         puddle_types=level.puddle_types.model_copy(update=types),

@@ -6,12 +6,10 @@ import operator
 from functools import cached_property
 from typing import TYPE_CHECKING, Self
 
-from pydantic import model_validator
-
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.mdp.grid import Grid, build_grid
-from babyrobot_levels.text.errors import InvalidDocument, LevelError
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Configuration, Things
@@ -20,18 +18,6 @@ if TYPE_CHECKING:
 
 class GridWorld(LevelSpec):
     """A valid level that knows what it comes to."""
-
-    @model_validator(mode="after")
-    def _place_things(self) -> Self:
-        """Check doors and paths against the walls, those of a maze included."""
-        stands = self.doors or any(mover.path for mover in self.movers)
-        if stands and not self.has_random_maze:
-            from babyrobot_levels.mdp.placement import placement_issues
-
-            issues = placement_issues(self, self.grid())
-            if issues:
-                raise InvalidDocument(issues)
-        return self
 
     def grid(self) -> Grid:
         """Return walls and cells after the maze. The grid is made once and shared.

@@ -1,29 +1,27 @@
-"""Frames of one level, fast: the level is painted once, and the robot composited on a copy."""
+"""Frames of one level, fast: what stays is painted once, and the rest composited on a copy."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Hashable
-from dataclasses import replace
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
-import numpy as np
-
-from babyrobot_levels.render.raster import composite, to_rgb, translucent
-from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.grounds import Grounds, remember
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
+from babyrobot_levels.render.scene.situation import Cell, place_of, situation_of
+from babyrobot_levels.render.scene.things import moving_pieces
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from babyrobot_levels.mdp.gridworld import GridWorld
+    from babyrobot_levels.render.grounds import Patch, Sprite
     from babyrobot_levels.render.raster import Translucent
-
-    _Patch = tuple[slice, slice, NDArray[np.uint8]]
 
 MAX_FRAME_SIDE = 2048
 """The largest width and height of a frame without a given size."""
@@ -36,30 +34,26 @@ MIN_IMAGE_SIDE = 36
 
 MAX_IMAGE_SIDE = 1024
 
-_GRAY = (0.299, 0.587, 0.114)
-"""The brightness of red, green and blue (ITU-R BT.601)."""
-
 _POSES = 64
 """The number of poses that are cached."""
 
 _PATCH_BYTES = 8 * 1024 * 1024
 """The memory for cached cells."""
 
-_Key = TypeVar("_Key", bound=Hashable)
-_Value = TypeVar("_Value")
-
 
 class FramePainter:
     """Paints frames of a level, one for each state and pose of the robot.
 
-    The level is painted once, and the robot once for each pose. A frame is a copy of the level
-    with one patch on it: the robot's cell. The most recent patches are cached.
+    The level is painted once. What lies, stands open or is held is laid on it, once for each
+    configuration in which these differ. A frame is a copy of that with patches on it: the cells of
+    the robot and of movers. The most recent of all these are cached.
 
     Args:
         level: the level; a maze needs a seed.
         size: width and height in pixels, to which the cells alone are stretched, without panels
-            and margin: what an agent should see. None gives the whole picture at 64 pixels a
-            cell; fewer for large levels, so that no side exceeds 2,048 pixels.
+            and margin: what an agent should see. In a level with items, a row below the cells shows
+            what is held. None gives the whole picture at 64 pixels a cell; fewer for large levels,
+            so that no side exceeds 2,048 pixels.
         grayscale: whether frames have one channel instead of three.
         overlay: values, arrows and texts shown over the cells and in the panels.
 
@@ -83,77 +77,78 @@ class FramePainter:
         cells_only = size is not None
         layout = layout_of(level, cells_only=cells_only, overlay=overlay)
         self.width, self.height = size or _whole_size(layout)
-        layers = build_layers(level, robot=False, cells_only=cells_only, overlay=overlay)
-        below = [layers[name] for name in ("base", "grid", "underlay")]
-        above = [layers[name] for name in ("overlay", "text")]
-        self._theme, self._grayscale = level.resolved_theme, grayscale
-        self._below = self._painted(below)
-        self._above = self._translucent(above, (self.width, self.height)) if overlay else None
-        self._base = self._below if self._above is None else composite(self._above, self._below)
-        scale_x, scale_y = self.width / layout.width, self.height / layout.height
+        self._level, self._layout = level, layout
+        self._crowded = overlay is not None and overlay.fills_cells
+        self._grounds = Grounds(
+            level,
+            layout,
+            (self.width, self.height),
+            cells_only=cells_only,
+            grayscale=grayscale,
+            overlay=overlay,
+        )
+        scale_x, scale_y = self._grounds.scale
         self._left = _offsets(layout.margin, layout.columns, scale_x)
         self._top = _offsets(layout.margin, layout.rows, scale_y)
         self._cell = max(1, round(scale_x * CELL)), max(1, round(scale_y * CELL))
         self._robots: dict[Pose, Translucent] = {}
-        self._patches: dict[tuple[int, Pose], _Patch] = {}
+        self._patches: dict[tuple[int, Pose], tuple[Hashable, list[Patch]]] = {}
         self._limit = max(16, _PATCH_BYTES // (3 * self._cell[0] * self._cell[1]))
 
-    def frame(self, state: int, pose: Pose = STANDING) -> NDArray[np.uint8]:
+    def frame(
+        self, state: int, pose: Pose = STANDING, heading: int | None = None
+    ) -> NDArray[np.uint8]:
         """Return the picture with the robot in a state: a fresh array, `[height, width, channels]`.
 
         Args:
-            state: the cell, `y * width + x` of the level.
+            state: the configuration and the cell, `configuration * cells + y * width + x`, as in
+                `level.compile()`.
             pose: the robot's pose.
+            heading: where a robot that turns looks, 0 N, 1 E, 2 S, 3 W.
 
         Raises:
             ValueError: the level has no such state.
         """
-        patch = self._patches.get((state, pose))
-        if patch is None:
-            patch = self._patch(state, pose)
-        rows, columns, pixels = patch
-        frame = self._base.copy()
-        frame[rows, columns] = pixels
+        pose = pose if heading is None else pose.turned(heading)
+        name, patches = self._patches.get((state, pose)) or self._patched(state, pose)
+        ground = self._grounds.named(name)
+        if ground is None:
+            ground = self._grounds.at(place_of(self._level, state).configuration, pose.heading)
+        frame = ground.whole.copy()
+        for rows, columns, pixels in patches:
+            frame[rows, columns] = pixels
         return frame
 
-    def _patch(self, state: int, pose: Pose) -> _Patch:
-        """Paint a cell with the robot in it, and cache it."""
-        y, x = divmod(state, len(self._left))
-        if not 0 <= y < len(self._top):
-            raise ValueError(f"state {state} is not on the level")
-        robot = self._robots.get(pose)
-        if robot is None:
-            shapes = robot_shapes(self._theme, 0.0, 0.0, pose)
-            robot = self._translucent([Scene(CELL, CELL, shapes)], self._cell)
-            _remember(self._robots, pose, robot, _POSES)
-        left, top = self._left[x], self._top[y]
-        rows, columns = slice(top, top + self._cell[1]), slice(left, left + self._cell[0])
-        pixels = composite(robot, self._below[rows, columns])
-        if self._above is not None:
-            ink, through = self._above
-            pixels = composite((ink[rows, columns], through[rows, columns]), pixels)
-        patch = rows, columns, pixels
-        _remember(self._patches, (state, pose), patch, self._limit)
-        return patch
+    def _patched(self, state: int, pose: Pose) -> tuple[Hashable, list[Patch]]:
+        """Paint the cells of the robot and of movers, and cache them."""
+        level, place = self._level, place_of(self._level, state)
+        ground = self._grounds.at(place.configuration, pose.heading)
+        situation = situation_of(level, place.configuration)
+        figures: dict[Cell, list[Sprite]] = {place.cell: [self._robot(place.cell, pose)]}
+        movers = moving_pieces(level, self._layout, situation, place.cell, crowded=self._crowded)
+        for cell, piece in movers:
+            figures.setdefault(cell, []).append(self._grounds.sprite(piece))
+        patches = [ground.patch(sprites) for sprites in figures.values()]
+        remember(self._patches, (state, pose), (ground.name, patches), self._limit)
+        return ground.name, patches
 
-    def _painted(
-        self, scenes: list[Scene], size: tuple[int, int] | None = None, ground: str = "white"
-    ) -> NDArray[np.uint8]:
-        shapes = tuple(shape for scene in scenes for shape in scene.shapes)
-        pixels = to_rgb(
-            replace(scenes[0], shapes=shapes), size or (self.width, self.height), ground
-        )
-        return _gray(pixels) if self._grayscale else pixels
-
-    def _translucent(self, scenes: list[Scene], size: tuple[int, int]) -> Translucent:
-        return translucent(lambda ground: self._painted(scenes, size, ground))
+    def _robot(self, cell: Cell, pose: Pose) -> Sprite:
+        image = self._robots.get(pose)
+        if image is None:
+            shapes = robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose)
+            image = self._grounds.translucent(Scene(CELL, CELL, shapes), self._cell)
+            remember(self._robots, pose, image, _POSES)
+        left, top = self._left[cell[0]], self._top[cell[1]]
+        return slice(top, top + self._cell[1]), slice(left, left + self._cell[0]), image
 
 
-def _remember(cache: dict[_Key, _Value], key: _Key, value: _Value, limit: int) -> None:
-    """Add an entry to a cache; a full cache drops its oldest entry."""
-    if len(cache) >= limit:
-        del cache[next(iter(cache))]
-    cache[key] = value
+def image_cells(level: GridWorld) -> tuple[int, int]:
+    """Return the columns and rows of a picture of the cells alone, as agents see it.
+
+    These are those of the level; in a level with items, a further row shows what is held.
+    """
+    width, height = level.size
+    return width, height + bool(level.items)
 
 
 def default_image_size(width: int, height: int) -> tuple[int, int]:
@@ -163,8 +158,8 @@ def default_image_size(width: int, height: int) -> tuple[int, int]:
     exceed 1,024. Where a level is too narrow for both, the cells are stretched.
 
     Args:
-        width: the number of columns of cells.
-        height: the number of rows of cells.
+        width: the number of columns of cells; see `image_cells`.
+        height: the number of rows.
     """
     cell = max(IMAGE_CELL, math.ceil(MIN_IMAGE_SIDE / min(width, height)))
     cell = min(cell, MAX_IMAGE_SIDE // max(width, height))
@@ -182,8 +177,3 @@ def _whole_size(layout: Layout) -> tuple[int, int]:
 def _offsets(margin: float, count: int, scale: float) -> list[int]:
     """Return the pixel at which each column (or row) of cells begins."""
     return [round((margin + index * CELL) * scale) for index in range(count)]
-
-
-def _gray(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    brightness: NDArray[np.float64] = np.rint(pixels @ np.array(_GRAY))
-    return brightness[..., np.newaxis].astype(np.uint8)

@@ -49,6 +49,22 @@ class LevelError(BabyRobotError, ValueError):
         return type(self), (self.diagnostics, self.message)
 
 
+class UnplayableError(LevelError):
+    """A level whose tables cannot be made: a door stands on a wall, or there are too many states.
+
+    `issues` are the errors, which point to fields; messages show all of them.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(self, issues: Iterable[Issue]):
+        self.issues = tuple(issues)
+        super().__init__(message="\n".join(f"{each.code}: {each.message}" for each in self.issues))
+
+    def __reduce__(self) -> tuple[type[UnplayableError], tuple[tuple[Issue, ...]]]:  # type: ignore[override]
+        return type(self), (self.issues,)
+
+
 class InvalidDocument(ValueError):
     """Issues on their way through a pydantic validator, which lets only a `ValueError` pass."""
 

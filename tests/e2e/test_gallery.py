@@ -72,26 +72,40 @@ def state(mdp: Mdp, cell: tuple[int, int]) -> int:
     return cell[1] * mdp.width + cell[0]
 
 
+def starts_at(mdp: Mdp, cell: tuple[int, int]) -> list[int]:
+    """Return the states at reset in a cell: one for each draw of its things."""
+    return [int(start) for start in np.flatnonzero(mdp.start) if mdp.cell(int(start)) == cell]
+
+
 def steps_from(mdp: Mdp, start: int) -> dict[int, int]:
-    """Return all states that can be reached, and in how many steps at least."""
+    """Return all states that can be reached without being hit, and in how many steps at least."""
     steps, queue = {start: 0}, deque([start])
     while queue:
         here = queue.popleft()
         if mdp.is_terminal[here]:
             continue
         for action in Action:
-            for _, there, _, _ in mdp.outcomes(here, action):
-                if there not in steps:
+            for _, there, _, ends in mdp.outcomes(here, action):
+                if there not in steps and ends == mdp.is_terminal[there]:
                     steps[there] = steps[here] + 1
                     queue.append(there)
     return steps
 
 
 def steps_to_exit(level: Level, start: tuple[int, int]) -> int | None:
-    mdp = level.compile()
-    steps = steps_from(mdp, state(mdp, start))
-    found = [steps[state(mdp, cell)] for cell in level.exits if state(mdp, cell) in steps]
-    return min(found, default=None)
+    """Return the fewest steps to an exit, those of the worst draw, None where there is no way."""
+    mdp, most = level.compile(), 0
+    for first in starts_at(mdp, start):
+        steps = steps_from(mdp, first)
+        found = [
+            count
+            for there, count in steps.items()
+            if mdp.is_terminal[there] and mdp.cell(there) in level.exits
+        ]
+        if not found:
+            return None
+        most = max(most, min(found))
+    return most
 
 
 def optimal_values(mdp: Mdp, discount: float) -> NDArray[np.float64]:
@@ -176,9 +190,8 @@ def test_its_text_is_tidy(name: str) -> None:
 def test_it_can_be_won_from_every_start(name: str) -> None:
     for level in games(name):
         mdp = level.compile()
-        ends = [
-            cell for cell in np.flatnonzero(mdp.is_terminal) if not level.grid().blocked_cells[cell]
-        ]
+        blocked = np.frombuffer(level.grid().blocked_cells, np.uint8)
+        ends = [cell for cell in np.flatnonzero(mdp.is_terminal) if not blocked[cell % mdp.cells]]
         for start in level.starts:
             if level.exits:
                 assert steps_to_exit(level, start) is not None
@@ -210,7 +223,18 @@ def test_its_probabilities_sum_to_one(name: str) -> None:
 def test_its_drawing_reads_back(name: str) -> None:
     for level in games(name):
         drawn = level.draw()
-        fields: dict[str, Any] = {"version": 1, "map": drawn, "legend": level.legend}
+        legend = {key: entry for key, entry in level.legend.items() if f" {key} " in drawn}
+        fields: dict[str, Any] = {"version": 1, "map": drawn}
+        fields |= {"legend": legend} if legend else {}
+        if level.doors:
+            needed: dict[str, list[Any]] = {
+                "items": [*level.items],
+                "switches": [*level.switches],
+            }
+            shown = {entry.item or entry.switch for entry in legend.values()}
+            for field, things in needed.items():
+                fields[field] = [thing for thing in things if thing.name not in shown]
+            fields["doors"] = level.doors
         assert Level.model_validate(fields).draw() == drawn
 
 
@@ -266,6 +290,92 @@ def test_every_choice_of_the_language_is_shown_somewhere() -> None:
     assert [choice for choice in choices if choice not in text] == []
     themes = {load(name).theme for name in FILES if isinstance(load(name).theme, str)}
     assert themes == {"default", *BUILTIN_THEMES}
+
+
+# -- levels with things ----------------------------------------------------------------------
+
+OPTIMA = {
+    "bat-cave": -7.58,
+    "coin-run": 10.0,
+    "drawbridge": -17.0,
+    "first-key": -7.0,
+    "ice-vault": -3.976083591265,
+    "night-watch": -9.0,
+    "postman": -15.0,
+    "shell-game": -14 / 3,
+    "three-gems": -15.5,
+    "two-levers": -9.0,
+}
+"""The expected return of the best policy."""
+
+
+@pytest.mark.parametrize("name", OPTIMA)
+def test_the_optimum_of_a_level_with_things(name: str) -> None:
+    level = load(name)
+    mdp = level.compile()
+    assert "things" in level.tags
+    assert mdp.start @ optimal_values(mdp, 1) == pytest.approx(OPTIMA[name], abs=1e-9)
+
+
+def test_every_level_with_things_has_its_optimum_here() -> None:
+    things = {name for name in FILES if FILES[name].parent.name == "things"}
+    assert set(OPTIMA) == things
+    assert len(things) >= 10
+
+
+# The fewest moves and the fewest turning actions to the goal.
+MINIGRID = {
+    "door-key": (10, 14),
+    "key-corridor": (16, 24),
+    "locked-room": (45, 55),
+    "red-blue-doors": (13, 19),
+}
+
+
+@pytest.mark.parametrize("name", MINIGRID)
+def test_the_optimum_of_a_layout_of_minigrid(name: str) -> None:
+    level = load(name)
+    mdp, (moves, turns) = level.compile(), MINIGRID[name]
+    assert {"minigrid", "things"} <= {*level.tags}
+    for tables, steps in ((mdp, moves), (mdp.turning(level.heading), turns)):
+        optimum = tables.start @ optimal_values(tables, level.discount)
+        # A reward of 1 for the last step alone.
+        assert optimum == pytest.approx(level.discount ** (steps - 1), abs=1e-9)
+
+
+# The free cells, the fewest moves and the fewest turning actions, as published.
+TEST_MAZES = {
+    "sixteen-rooms": (123, 20, 26),
+    "sixteen-rooms-fewer-doors": (116, 22, 28),
+    "labyrinth": (97, 96, 113),
+    "labyrinth-flipped": (97, 96, 113),
+    "labyrinth-2": (97, 96, 113),
+    "standard-maze": (96, 40, 54),
+    "standard-maze-2": (97, 56, 73),
+    "standard-maze-3": (98, 39, 54),
+}
+
+
+@pytest.mark.parametrize("name", TEST_MAZES)
+def test_a_test_maze_is_as_long_as_published(name: str) -> None:
+    level = load(name)
+    free, moves, turns = TEST_MAZES[name]
+    mdp, turning = level.compile(), level.compile().turning(level.heading)
+    assert int((~level.grid().blocked).sum()) == free
+    assert mdp.start @ optimal_values(mdp, 1) == -moves
+    assert turning.start @ optimal_values(turning, 1) == -turns
+
+
+@pytest.mark.parametrize(
+    ("name", "exits", "fewest", "most"),
+    [("small-corridor", 10, 16, 24), ("large-corridor", 16, 22, 36)],
+)
+def test_a_corridor_maze_draws_its_exit(name: str, exits: int, fewest: int, most: int) -> None:
+    level = load(name)
+    turning = level.compile().turning(level.heading)
+    values = optimal_values(turning, 1)[turning.start > 0]
+    assert len(values) == len(level.exits) == exits
+    assert (-values.max(), -values.min()) == (fewest, most)
 
 
 # -- the worlds of the articles --------------------------------------------------------------

@@ -26,9 +26,9 @@ from support.playing import (
     way_out,
 )
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.registration import register_levels
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.text.files import user_folder
 
@@ -71,19 +71,19 @@ class EnvContract:
                 assert (observation.dtype, observation.shape) == (space.dtype, space.shape)
             observation, *_ = bare.step(bare.action_space.sample())
         assert isinstance(bare.action_space, spaces.Discrete)
-        plain_space: spaces.Discrete[Any] = spaces.Discrete(4 if "moves" in actions else 5)
+        plain_space: spaces.Discrete[Any] = spaces.Discrete(count_of(actions))
         assert bare.action_space == plain_space
         assert plain_space == bare.action_space
 
     def test_masks_say_what_is_possible(self, bare: Env, actions: str) -> None:
         _, info = bare.reset(seed=2)
-        first = 1 if "moves" in actions else 0
+        first = ACTION_SETS[actions].first
         for _ in range(25):
             mask = info["action_mask"]
-            assert (mask.dtype, mask.shape) == (np.int8, (5 - first,))
+            assert (mask.dtype, mask.shape) == (np.int8, (count_of(actions),))
             assert mask.tolist() == bare.get_wrapper_attr("action_masks")().tolist()
             state = bare.get_wrapper_attr("_state")
-            table = bare.get_wrapper_attr("level").compile()
+            table = ACTION_SETS[actions].tables(bare.get_wrapper_attr("level"))
             assert mask.tolist() == table.action_mask[state, first:].tolist()
             if first == 0:
                 assert mask[Action.STAY] == 1
@@ -112,15 +112,33 @@ class EnvContract:
     def test_rewards_and_ends(self, bare: Env) -> None:
         bare.reset(seed=5)
         for _ in range(25):
-            _, reward, terminated, truncated, info = bare.step(bare.action_space.sample())
-            assert type(reward) is float
+            table = bare.get_wrapper_attr("P")
+            action, before = int(bare.action_space.sample()), bare.get_wrapper_attr("_state")
+            _, reward, terminated, truncated, info = bare.step(action)
             state = bare.get_wrapper_attr("_state")
-            assert terminated is bool(bare.get_wrapper_attr("level").compile().is_terminal[state])
+            outcomes = [outcome[1:] for outcome in table[before][action]]
+            assert (state, reward, terminated) in outcomes
+            assert type(reward) is float
+            assert type(terminated) is bool
             assert truncated is False
             assert type(info["target_reached"]) is bool
             assert type(info["skidded"]) is bool
 
-    def test_after_the_end_nothing_happens(self, bare: Env) -> None:
+    def test_infos_tell_of_things_where_there_are_any(self, bare: Env) -> None:
+        _, info = bare.reset(seed=18)
+        level = bare.get_wrapper_attr("level")
+        keys = {*(["held"] if level.items else []), *(["hit"] if level.movers else [])}
+        if level.movers:
+            assert info["hit"] is False
+        for _ in range(25):
+            assert keys == {"held", "hit"} & set(info)
+            if level.items:
+                state, mdp = bare.get_wrapper_attr("_state"), bare.get_wrapper_attr("_mdp")
+                assert info["held"] == level.configuration(mdp.configuration(state)).held
+            *_, info = bare.step(bare.action_space.sample())
+            assert not level.movers or type(info["hit"]) is bool
+
+    def test_after_the_end_nothing_happens(self, bare: Env, actions: str) -> None:
         observation, _ = bare.reset(seed=6)
         policy = way_out(bare.get_wrapper_attr("P"))
         state = bare.get_wrapper_attr("_state")
@@ -131,14 +149,20 @@ class EnvContract:
         for _ in range(MAX_WAY):
             observation, _, terminated, _, _ = bare.step(policy[state])
             state = bare.get_wrapper_attr("_state")
-            if terminated:
+            if terminated and not bare.get_wrapper_attr("_mdp").is_terminal[state]:
+                # A mover hit the robot where, at other times, it could go on.
+                bare.reset()
+                state = bare.get_wrapper_attr("_state")
+            elif terminated:
                 break
         assert terminated
         for action in range(len(mask_of(bare))):
             after, reward, terminated, truncated, info = bare.step(action)
             assert plain(after) == plain(observation)
             assert (reward, terminated, truncated) == (0.0, True, False)
-            assert info["action_mask"][-4:].tolist() == [0, 0, 0, 0]
+            stays = [1, 1] if actions == "turns" else [1]
+            moves = [0] * (1 if actions == "turns" else 4)
+            assert info["action_mask"].tolist() == [*stays, *moves][ACTION_SETS[actions].first :]
 
     def test_the_same_seed_gives_the_same_episodes(
         self, env: Env, name: str, observation: str, actions: str
@@ -155,7 +179,7 @@ class EnvContract:
         _, info = bare.reset()
         assert bare.np_random is generator
         drawn = generator.bit_generator.state != before
-        several = len(bare.get_wrapper_attr("level").starts) > 1
+        several = int((bare.get_wrapper_attr("initial_state_distrib") > 0).sum()) > 1
         assert drawn is (several or "maze_seed" in info)
 
     def test_nothing_can_be_done_before_the_first_reset(self, env: Env, bare: Env) -> None:
@@ -166,7 +190,7 @@ class EnvContract:
             bare.get_wrapper_attr("action_masks")()
 
     def test_invalid_actions_are_refused_and_change_nothing(self, bare: Env, actions: str) -> None:
-        count = 4 if "moves" in actions else 5
+        count = count_of(actions)
         bare.action_space.seed(9)
         bare.reset(seed=9)
         before = copy.deepcopy(bare)
@@ -212,12 +236,12 @@ class EnvContract:
         given = {**arguments(observation, actions), **self.named(name)}
         envs: Any = gymnasium.make_vec(num_envs=4, vectorization_mode="sync", **given)
         single = self.make(name, observation, actions)
-        count = 4 if "moves" in actions else 5
+        count = count_of(actions)
         observations, infos = envs.reset(seed=[14, 15, 16, 14])
         assert observations in envs.observation_space
         assert plain(observations[0]) == plain(observations[3])
         expected, _ = single.reset(seed=14)
-        for action in (1, 2, 3, 0):
+        for action in (1, 2, 3 % count, 0):
             assert infos["action_mask"].shape == (4, count)
             assert np.array_equal(observations[0], expected)
             observations, rewards, *_, infos = envs.step(np.full(4, action))
@@ -242,6 +266,11 @@ class EnvContract:
                 break
         assert info["episode"]["l"] == step
         assert info["episode"]["r"] == pytest.approx(total)
+
+
+def count_of(actions: str) -> int:
+    """Return how many actions a set has."""
+    return {"moves": 4, "valid_moves": 4, "turns": 3}.get(actions, 5)
 
 
 def arguments(observation: str, actions: str) -> dict[str, Any]:

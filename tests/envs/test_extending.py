@@ -97,7 +97,10 @@ def test_where_no_move_is_allowed_the_space_gives_its_first(actions: str) -> Non
 # -- errors ----------------------------------------------------------------------------------
 
 
-ACCEPTED = "accepted arguments: observation, actions, render_mode, image_size, grayscale"
+ACCEPTED = (
+    "accepted arguments: observation, actions, render_mode, image_size, grayscale, view_radius, "
+    "see_through"
+)
 
 
 @pytest.mark.parametrize(

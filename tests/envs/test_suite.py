@@ -16,8 +16,8 @@ from gymnasium.utils.env_checker import check_env
 from support.playing import episodes, plain
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.generate.suites import load_suite
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.scene.pose import Mood, Pose
@@ -71,6 +71,23 @@ def test_spaces_are_those_of_the_largest_level() -> None:
     assert make(observation="walls").observation_space == spaces.MultiDiscrete([7, 5, 2, 2, 2, 2])
     image = make(observation="image", image_size=(50, 70), grayscale=True).observation_space
     assert image == spaces.Box(0, 255, (50, 70, 1), np.uint8)
+
+
+@pytest.mark.parametrize("actions", ["all", "turns"])
+@pytest.mark.parametrize("observation", OBSERVATIONS)
+def test_levels_with_different_things_share_a_space(observation: str, actions: str) -> None:
+    env = make(suite="locked-mazes", observation=observation, actions=actions)
+    space, seen = env.observation_space, set()
+    for seed in range(8):
+        shown, info = env.reset(seed=seed)
+        level = env.unwrapped.level
+        seen.add(level.things().names)
+        assert ("held" in info, "hit" in info) == (True, bool(level.movers))
+        for _ in range(10):
+            assert shown in space
+            shown, *_ = env.step(env.action_space.sample())
+        assert env.observation_space == space
+    assert len(seen) > 3
 
 
 def small_level() -> tuple[int, brl.Level]:

@@ -105,7 +105,16 @@ def test_layers_painted_one_over_the_other_are_the_scene(
     told: dict[str, Any] = {"state": 4, "pose": Pose(Action.EAST), "overlay": overlay}
     layers = build_layers(world, cells_only=cells_only, **told)
     scene = build_scene(world, cells_only=cells_only, **told)
-    assert tuple(layers) == ("base", "grid", "underlay", "robot", "overlay", "text")
+    assert tuple(layers) == (
+        "base",
+        "grid",
+        "things",
+        "underlay",
+        "robot",
+        "movers",
+        "overlay",
+        "text",
+    )
     assert tuple(shape for layer in layers.values() for shape in layer.shapes) == scene.shapes
     sizes = {(layer.width, layer.height, layer.title) for layer in layers.values()}
     assert sizes == {(scene.width, scene.height, scene.title)}

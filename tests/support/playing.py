@@ -57,6 +57,45 @@ CORNERS: dict[str, dict[str, Any]] = {
         "rewards": {"bump": -2, "stay": -0.25, "bounce": -3},
         "max_steps": 25,
     },
+    "things of all kinds": {
+        "version": 1,
+        "size": [5, 4],
+        "start": [[0, 0], [0, 3]],
+        "heading": "S",
+        "exit_one_of": [[4, 0], [4, 3]],
+        "exit_needs": "gem",
+        "walls": [{"at": [2, 0], "side": "E"}, {"at": [2, 3], "side": "E"}],
+        "items": [
+            {"name": "key", "at": [1, 0]},
+            {"name": "gem", "one_of": [[3, 1], [3, 2]], "reward": 2},
+        ],
+        "doors": [{"at": [2, 1], "side": "E", "length": 2, "needs": "key", "unless": "lever"}],
+        "switches": [{"name": "lever", "at": [0, 1]}],
+        "movers": [
+            {"name": "guard", "path": [[1, 2], [2, 2]], "back": True},
+            {"within": {"at": [3, 0], "size": [2, 2]}, "start": [3, 0]},
+        ],
+        "areas": [{"at": [2, 0], "skid": 0.3}],
+    },
+    "an item under a start, and hits that do not end": {
+        "version": 1,
+        "size": [3, 2],
+        "start": [[0, 0], [2, 0]],
+        "exit": "none",
+        "items": [{"name": "coin", "one_of": [[0, 0], [1, 1]], "reward": 3}],
+        "switches": [{"name": "lamp", "at": [2, 1], "once": True, "on": True}],
+        "movers": [{"path": [[1, 0], [1, 1]]}],
+        "hit": {"reward": -4, "ends": False},
+    },
+    "random mazes with things": {
+        "version": 1,
+        "size": [4, 3],
+        "exit": [3, 0],
+        "exit_needs": "key",
+        "maze": {"seed": "random"},
+        "items": [{"name": "key", "one_of": [[1, 1], [2, 1]]}],
+        "movers": [{"within": {"at": [1, 2], "size": [2, 1]}}],
+    },
 }
 """Levels with features that no level of the gallery has."""
 
@@ -154,11 +193,11 @@ def way_out(table: Table) -> dict[int, int]:
     before: dict[int, set[tuple[float, int, int]]] = {}
     ends = set()
     for state, actions in table.items():
+        if all(outcomes == [(1.0, state, 0.0, True)] for outcomes in actions.values()):
+            ends.add(state)
         for action, outcomes in actions.items():
-            for probability, next_state, _, terminal in outcomes:
+            for probability, next_state, _, _ in outcomes:
                 before.setdefault(next_state, set()).add((-probability, state, action))
-                if terminal:
-                    ends.add(next_state)
     policy: dict[int, int] = {}
     queue = deque(sorted(ends))
     while queue:

@@ -35,9 +35,7 @@ class CompiledEngine:
         for number, names in _SPANS.items():
             source = self._sources[number]
             copy = self._memory[ends[number - 1] if number else len(ends) : ends[number]]
-            if source.dtype != np.bool_:  # Flags are packed as numbers.
-                copy = copy.view(source.dtype)
-            copy = copy.reshape(source.shape)
+            copy = copy.view(source.dtype).reshape(source.shape)
             for name in names:
                 where = getattr(span, name)
                 copy[where] = source[where]
@@ -105,10 +103,7 @@ def _packed(tables: Tables, observations: NDArray[np.int64]) -> NDArray[np.int64
         tables: the tables of the levels.
         observations: the observation of each state, int64 `[states, numbers]`.
     """
-    arrays = [
-        array.astype(np.int64) if array.dtype == np.bool_ else array.ravel().view(np.int64)
-        for array in _arrays_of(tables, observations)
-    ]
+    arrays = [array.ravel().view(np.int64) for array in _arrays_of(tables, observations)]
     ends = len(arrays) + np.cumsum([array.size for array in arrays])
     return np.concatenate([ends, *arrays])
 
@@ -122,14 +117,17 @@ def _arrays_of(tables: Tables, observations: NDArray[np.int64]) -> tuple[NDArray
         tables.stochastic,
         tables.first,
         tables.threshold,
-        tables.is_terminal,
         tables.state_info,
         tables.starts,
         tables.first_start,
         tables.limit,
         observations,
         tables.offset,
-        np.array([tables.num_actions, tables.draws_levels, tables.draws_starts]),
+        tables.held,
+        np.array(
+            [tables.num_actions, tables.draws_levels, tables.draws_starts, tables.tells_hits],
+            np.int64,
+        ),
     )
 
 
@@ -140,8 +138,8 @@ _SPANS = {
     3: ("rows",),
     5: ("stochastic",),
     6: ("states",),
-    7: ("states",),
-    8: ("starts",),
-    11: ("states",),
+    7: ("starts",),
+    10: ("states",),
+    12: ("states",),
 }
 """The arrays that change when a level is written into a slot, and which parts of them."""

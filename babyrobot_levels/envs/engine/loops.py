@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.draws import NONE
-from babyrobot_levels.envs.engine.tables import Flags, Floats, Ints, Words
+from babyrobot_levels.envs.engine.tables import END_SHIFT, HIT, TERMINAL, Flags, Floats, Ints, Words
 
 if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("Numba is configured not to compile")
@@ -26,8 +26,15 @@ Drawn = NDArray[Any]
 LOWER = 2**32 - 1
 """The lower half of a word."""
 
-Transitions = tuple[Ints, Floats, Words, Ints, Ints, Floats, Ints, Words]
+IS_HIT = np.uint64(HIT << END_SHIFT)
+IS_TERMINAL = np.uint64(TERMINAL << END_SHIFT)
+"""The bits of `end` in info words."""
+
+Transitions = tuple[Ints, Floats, Words, Ints, Ints, Floats, Words]
 """What acting reads: the attributes of `Tables` from `next_state` to `state_info`, in order."""
+
+Shown = tuple[NDArray[np.int64], NDArray[np.int64], bool]
+"""What is told of a state: the observations, `held`, and `tells_hits`."""
 
 Starts = tuple[Ints, Ints, NDArray[np.int64], bool, bool]
 """What a reset reads: `starts`, `first_start`, `limit`, `draws_levels`, `draws_starts`."""
@@ -41,22 +48,22 @@ def compiled(function: _Function) -> _Function:
 @compiled
 def unpacked(
     memory: NDArray[np.int64],
-) -> tuple[Transitions, Starts, NDArray[np.int64], Ints, int]:
-    """Return what acting and resetting read, the observations, `offset` and `num_actions`."""
+) -> tuple[Transitions, Starts, Shown, Ints, int]:
+    """Return what acting, resetting and telling read, `offset` and `num_actions`."""
     next_state = memory[14 : memory[0]]
     reward = memory[memory[0] : memory[1]].view(np.float64)
     outcome_info = memory[memory[1] : memory[2]].view(np.uint64)
     stochastic = memory[memory[2] : memory[3]]
     first = memory[memory[3] : memory[4]]
     threshold = memory[memory[4] : memory[5]].view(np.float64)
-    is_terminal = memory[memory[5] : memory[6]]
-    state_info = memory[memory[6] : memory[7]].view(np.uint64)
-    starts = memory[memory[7] : memory[8]]
-    first_start = memory[memory[8] : memory[9]]
-    limit = memory[memory[9] : memory[10]]
-    shown = memory[memory[10] : memory[11]]
-    offset = memory[memory[11] : memory[12]]
-    num_actions, draws_levels, draws_starts = memory[memory[12] : memory[13]]
+    state_info = memory[memory[5] : memory[6]].view(np.uint64)
+    starts = memory[memory[6] : memory[7]]
+    first_start = memory[memory[7] : memory[8]]
+    limit = memory[memory[8] : memory[9]]
+    observations = memory[memory[9] : memory[10]]
+    offset = memory[memory[10] : memory[11]]
+    held = memory[memory[11] : memory[12]]
+    num_actions, draws_levels, draws_starts, tells_hits = memory[memory[12] : memory[13]]
     transitions = (
         next_state,
         reward,
@@ -64,12 +71,16 @@ def unpacked(
         stochastic,
         first,
         threshold.reshape((first.size, threshold.size // max(1, first.size))),
-        is_terminal,
         state_info,
     )
     resetting = (starts, first_start, limit, draws_levels != 0, draws_starts != 0)
-    numbers = shown.size // state_info.size
-    return transitions, resetting, shown.reshape((state_info.size, numbers)), offset, num_actions
+    states = state_info.size
+    shown = (
+        observations.reshape((states, observations.size // states)),
+        held.reshape((states, held.size // states)),
+        tells_hits != 0,
+    )
+    return transitions, resetting, shown, offset, num_actions
 
 
 @compiled
@@ -109,7 +120,7 @@ def below(drawn: Drawn, position: int, env: int, count: int) -> int:
 @compiled
 def draw_outcomes(rows: Ints, drawn: Drawn, position: int, transitions: Transitions) -> int:
     """Replace stochastic rows by the outcomes drawn; return the position after the draws."""
-    _, _, _, stochastic, first, threshold, _, _ = transitions
+    _, _, _, stochastic, first, threshold, _ = transitions
     # No branch depends on chance, because processors would often predict it wrongly.
     which = np.empty(rows.size, np.intp)
     count = 0
@@ -197,17 +208,20 @@ def step(
 ) -> int:
     """Take a step and return the position after its draws, -1 if an action is invalid."""
     transitions, resetting, shown, _, num_actions = unpacked(memory)
-    next_state, reward, outcome_info, stochastic, _, _, is_terminal, state_info = transitions
+    next_state, reward, outcome_info, stochastic, _, _, state_info = transitions
+    observation_of, held_in, tells_hits = shown
     idle_row = stochastic.size - 1
-    count, numbers = actions.size, shown.shape[1]
+    count, numbers, num_words = actions.size, observation_of.shape[1], held_in.shape[1]
     state, level, deadline, done = arrays_of_states(count, envs)
     # The order is that of `Layout`.
     end = numbers * count
     observations = results[:end].reshape((count, numbers))
     rewards = results[end : end + count].view(np.float64)
     words = results[end + count : end + 2 * count].view(np.uint64)
-    flags = results[end + 2 * count :].view(np.uint8)
-    terminated, truncated, acted = flags[:count], flags[count : 2 * count], flags[2 * count :]
+    held = results[end + 2 * count : end + (2 + num_words) * count].reshape((count, num_words))
+    flags = results[end + (2 + num_words) * count :].view(np.uint8)
+    terminated, truncated = flags[:count], flags[count : 2 * count]
+    acted, hit = flags[2 * count : 4 * count], flags[4 * count : 5 * count]
     # Separate loops for what the processor can do for several environments at a time.
     wrong = False
     for action in actions:
@@ -233,13 +247,19 @@ def step(
                 position = reset_one(env, state, level, deadline, clock, drawn, position, resetting)
                 words[env] = state_info[state[env]]
     for env in range(count):
-        terminated[env] = is_terminal[state[env]]
+        terminated[env] = words[env] & IS_TERMINAL != 0
+    if tells_hits:
+        for env in range(count):
+            hit[env] = words[env] & IS_HIT != 0
     for env in range(count):
         truncated[env] = clock >= deadline[env]
         done[env] = terminated[env] | truncated[env]
     for number in range(numbers):
         for env in range(count):
-            observations[env, number] = shown[state[env], number]
+            observations[env, number] = observation_of[state[env], number]
+    for number in range(num_words):
+        for env in range(count):
+            held[env, number] = held_in[state[env], number]
     return position
 
 
@@ -264,7 +284,7 @@ def run(
     """Take steps, as many as there are rows, and return the position after their draws."""
     state, level, deadline, _ = arrays_of_states(num_envs, envs)
     transitions, resetting, _, offset, num_actions = unpacked(memory)
-    next_state, reward, _, _, _, _, is_terminal, state_info = transitions
+    next_state, reward, outcome_info, _, _, _, state_info = transitions
     rows = np.empty(state.size, np.intp)
     for row in range(rewards.shape[0]):
         clock += 1
@@ -282,10 +302,10 @@ def run(
         for env in range(state.size):
             state[env] = next_state[rows[env]]
             rewards[row, env] = reward[rows[env]]
+            terminations[row, env] = outcome_info[rows[env]] & IS_TERMINAL != 0
         num_done = 0
         for env in range(state.size):
             next_observations[row, env] = state[env] - offset[level[env]]
-            terminations[row, env] = is_terminal[state[env]] != 0
         for env in range(state.size):
             truncations[row, env] = clock >= deadline[env]
             num_done += terminations[row, env] | truncations[row, env]

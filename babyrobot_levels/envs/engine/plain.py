@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy import add, greater_equal, multiply, ndarray
+from numpy import add, bitwise_and, greater, greater_equal, multiply, ndarray
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.draws import Draws
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Record, Results
-from babyrobot_levels.envs.engine.tables import NO_LIMIT, Floats, Ints, Span, Tables, info_dtype
+from babyrobot_levels.envs.engine.tables import HIT, NO_LIMIT, Floats, Ints, Span, Tables
 
 _UNSIGNED = np.dtype(np.uintp)
 
@@ -34,7 +34,8 @@ class PlainEngine:
         # Calculating with an array is cheaper than with a number, which NumPy would convert.
         self._num_actions = np.array(tables.num_actions, np.intp)
         self._too_large = self._num_actions.astype(_UNSIGNED)
-        self._sizes = tables.is_terminal.size, tables.num_actions
+        self._sizes = tables.state_info.size, tables.num_actions
+        self._hit = np.array(HIT, np.uint8)
         self._is_stochastic = tables.stochastic >= 0
         self._has_limits = bool((tables.limit < NO_LIMIT).any())
         self._flags = np.empty(num_envs, np.bool_)
@@ -78,7 +79,11 @@ class PlainEngine:
             reset(tables, envs, resetting, draws)
             results.words[resetting] = tables.state_info.take(state.take(resetting))
         terminated, truncated = results.terminated, results.truncated
-        tables.is_terminal.take(state, out=terminated, mode="clip")
+        end = results.infos["end"]
+        # The bit of terminal outcomes is the highest.
+        greater(end, self._hit, terminated)
+        if tables.tells_hits:
+            bitwise_and(end, self._hit, results.hit.view(np.uint8))
         if self._has_limits:
             np.less_equal(envs.deadline, np.array(envs.clock), truncated)
             np.logical_or(terminated, truncated, envs.done)
@@ -86,6 +91,8 @@ class PlainEngine:
             truncated.fill(False)
             envs.done[:] = terminated
         self._observations.take(state, axis=0, out=results.observations, mode="clip")
+        if results.held_words.size:
+            tables.held.take(state, axis=0, out=results.held_words, mode="clip")
         return True
 
     def run(
@@ -93,8 +100,7 @@ class PlainEngine:
     ) -> None:
         """Follow a policy for several steps and record them; see `Engine`."""
         tables, state, level = self._tables, envs.state, envs.level
-        info = info_dtype(tables.num_actions)
-        results = Results(Layout(state.size, self._observations.shape[1], info))
+        results = Results(Layout(state.size, self._observations.shape[1], tables.num_actions))
         thresholds = np.ascontiguousarray(policy.T)
         for row in range(len(chances)):
             base = tables.offset.take(level)

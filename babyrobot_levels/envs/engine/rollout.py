@@ -11,10 +11,18 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import check_actions, check_seed
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.draws import SharedDraws
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of, make_engine
 from babyrobot_levels.envs.engine.state import EnvStates, Record
-from babyrobot_levels.envs.engine.tables import ALWAYS, Flags, Floats, build_tables, info_dtype
+from babyrobot_levels.envs.engine.tables import (
+    ALWAYS,
+    Flags,
+    Floats,
+    build_tables,
+    info_dtype,
+    part_of,
+)
 from babyrobot_levels.library.catalogue import load
 
 CHUNK = 16_384
@@ -29,7 +37,8 @@ class Rollout:
     `observations` has the start of the next episode, and `next_observations` the end of the last.
 
     Attributes:
-        observations: int32 `[steps, envs]`: the state, `y * width + x`, before the action.
+        observations: int32 `[steps, envs]`: the state before the action: `y * width + x`; with
+            things or turns, as `Mdp` and `Mdp.turning` number it.
         actions: int8 `[steps, envs]`.
         rewards: float64 `[steps, envs]`.
         terminations: bool `[steps, envs]`.
@@ -74,7 +83,7 @@ def rollout(
         num_envs: how many environments there are.
         num_steps: how many steps each of them takes.
         seed: a number that seeds all randomness; None for an unpredictable one.
-        actions: `"all"`, or `"moves"` without stay.
+        actions: `"all"`, `"moves"` without stay, or `"turns"`.
         max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
             `max_steps`.
         engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed. Both give the
@@ -96,8 +105,9 @@ def rollout(
     first = check_actions(actions)
     if not levels:
         raise ValueError("there must be at least one level")
-    mdps = [each.compile() for each in levels]
-    tables = build_tables(mdps, limits_of(levels, max_episode_steps), first)
+    mdps = [ACTION_SETS[actions].tables(each) for each in levels]
+    parts = [part_of(each, mdp, first) for each, mdp in zip(levels, mdps, strict=True)]
+    tables = build_tables(parts, limits_of(levels, max_episode_steps))
     thresholds = np.concatenate(
         [
             _thresholds(read_policy(each, mdp, actions, one.things()))
@@ -106,7 +116,7 @@ def rollout(
             )
         ]
     )
-    nothing = np.empty((len(tables.is_terminal), 0), np.int64)
+    nothing = np.empty((tables.state_info.size, 0), np.int64)
     stepper = make_engine(engine, tables, nothing, size)
     envs, record = EnvStates(size, len(levels)), Record.empty(steps, size)
 

@@ -9,7 +9,16 @@ import numpy as np
 from numpy import empty, ndarray
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.engine.tables import Flags, Floats, Ints, Span, Words
+from babyrobot_levels.envs.engine.tables import (
+    Flags,
+    Floats,
+    Ints,
+    Span,
+    Words,
+    held_dtype,
+    info_dtype,
+    num_words,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.draws import Draws
@@ -64,13 +73,14 @@ class Layout:
         words: how many words of eight bytes they take.
     """
 
-    def __init__(self, num_envs: int, numbers: int, info: np.dtype[np.void]) -> None:
+    def __init__(self, num_envs: int, numbers: int, num_actions: int, num_items: int = 0) -> None:
         """Compute the layout.
 
         Args:
             num_envs: how many environments there are.
             numbers: how many numbers an observation has.
-            info: the dtype of info words, `info_dtype(num_actions)`.
+            num_actions: how many actions there are.
+            num_items: the most items of a level.
         """
         each = (num_envs,)
         fields: dict[str, tuple[Any, int]] = {}
@@ -79,14 +89,17 @@ class Layout:
             ("observations", np.int64, (num_envs, numbers)),
             ("rewards", np.float64, each),
             ("words", np.uint64, each),
+            ("held_words", np.uint64, (num_envs, num_words(num_items))),
             ("terminated", np.bool_, each),
             ("truncated", np.bool_, each),
             ("acted", np.bool_, each),
             ("all_true", np.bool_, each),
+            ("hit", np.bool_, each),
         ):
             fields[name] = np.dtype((dtype, shape)), end
             end += fields[name][0].itemsize
-        fields["infos"] = np.dtype((info, each)), fields["words"][1]
+        fields["infos"] = np.dtype((info_dtype(num_actions), each)), fields["words"][1]
+        fields["items"] = np.dtype((held_dtype(num_items), each)), fields["held_words"][1]
         fields["flags"] = np.dtype((np.bool_, (2, num_envs))), fields["acted"][1]
         self.words = -(-end // 8)
         formats, offsets = zip(*fields.values(), strict=True)
@@ -112,15 +125,21 @@ class Results:
         acted: bool `[envs]`: whether the environment took its action instead of an autoreset.
         all_true: bool `[envs]`.
         flags: bool `[2, envs]`: the last two together.
+        hit: bool `[envs]`: whether a mover hit the robot; only written if a level has movers.
         words: uint64 `[envs]`: the info words.
         infos: the info words with the fields of `info_dtype`.
+        held_words: uint64 `[envs, words]`: the items that are held.
+        items: the same with the field of `held_dtype`.
     """
 
     __slots__ = (
         "acted",
         "all_true",
         "flags",
+        "held_words",
+        "hit",
         "infos",
+        "items",
         "memory",
         "observations",
         "rewards",
@@ -141,8 +160,11 @@ class Results:
         self.acted: Flags = record["acted"]
         self.all_true: Flags = record["all_true"]
         self.flags: Flags = record["flags"]
+        self.hit: Flags = record["hit"]
         self.words: Words = record["words"]
         self.infos: NDArray[np.void] = record["infos"]
+        self.held_words: Words = record["held_words"]
+        self.items: NDArray[np.void] = record["items"]
 
 
 @dataclass(slots=True)

@@ -6,6 +6,7 @@ replaced by others while environments run, each in a slot of its own.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -13,8 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.events import Event, events_of
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.events import Event, events_of, hits_of
 from babyrobot_levels.mdp.tables import Mdp
 
 Ints = NDArray[np.intp]
@@ -22,21 +23,47 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Words = NDArray[np.uint64]
 
+HIT, TERMINAL = 1, 2
+"""The bits of `end` in info words."""
+
+END_SHIFT = 40 if sys.byteorder == "little" else 16
+"""How many bits of an info word, as a number, are below `end`."""
+
 
 def info_dtype(num_actions: int) -> np.dtype[np.void]:
     """Return the dtype of an info word: the info of a step, in eight bytes that move as one.
 
-    `mask`, int8 `[actions]`: the action mask of the state; `reached` and `skidded`, bool: whether
-    the outcome was `Event.REACHED` or `Event.SKIDDED`.
+    `mask`, int8 `[actions]`: the action mask of the state; `end`, uint8: the sum of `HIT`, if a
+    mover hit the robot, and `TERMINAL`, if the episode is over; `reached` and `skidded`, bool:
+    whether the outcome was `Event.REACHED` or `Event.SKIDDED`.
     """
     return np.dtype(
         {
-            "names": ["mask", "reached", "skidded"],
-            "formats": [(np.int8, (num_actions,)), np.bool_, np.bool_],
-            "offsets": [0, 6, 7],
+            "names": ["mask", "end", "reached", "skidded"],
+            "formats": [(np.int8, (num_actions,)), np.uint8, np.bool_, np.bool_],
+            "offsets": [0, 5, 6, 7],
             "itemsize": 8,
         }
     )
+
+
+def held_dtype(num_items: int) -> np.dtype[np.void]:
+    """Return the dtype of the items that are held, in words of eight bytes.
+
+    `held`, bool `[items]`: whether the item of each number is held.
+    """
+    return np.dtype(
+        {
+            "names": ["held"],
+            "formats": [(np.bool_, (num_items,))],
+            "itemsize": 8 * num_words(num_items),
+        }
+    )
+
+
+def num_words(num_items: int) -> int:
+    """Return how many words of eight bytes the items take, of which each takes a byte."""
+    return -(-num_items // 8)
 
 
 def masks_at(state_info: Words, states: Ints, num_actions: int) -> NDArray[np.int8]:
@@ -62,15 +89,15 @@ NO_LIMIT = 2**62
 class Tables:
     """Levels as engines read them, one after the other.
 
-    A state here is the state in its level, `y * width + x`, plus the level's `offset`. Stepping
-    looks up row `state * num_actions + action`. Where an action has one outcome, the outcome has
-    the row's number. Where it has several, `stochastic` gives the number of the stochastic row;
-    its outcomes follow one another from `first[number]` on, and a draw selects the first one for
-    which `threshold[number]` is above it. One more row, `idle_row`, is for environments that do not
-    act in a step.
+    A state here is the state in its level's `Mdp`, plus the level's `offset`. Stepping looks up
+    row `state * num_actions + action`. Where an action has one outcome, the outcome has the row's
+    number. Where it has several, `stochastic` gives the number of the stochastic row; its outcomes
+    follow one another from `first[number]` on, and a draw selects the first one for which
+    `threshold[number]` is above it. One more row, `idle_row`, is for environments that do not act
+    in a step.
 
     Attributes:
-        num_actions: how many actions there are, 5 or, without stay, 4.
+        num_actions: how many actions there are: 5; without stay, 4; with turning, 3.
         next_state: intp `[outcomes]`.
         reward: float64 `[outcomes]`.
         outcome_info: uint64 `[outcomes]`: the info word after this outcome.
@@ -78,13 +105,17 @@ class Tables:
         first: intp `[stochastic rows]`.
         threshold: float64 `[stochastic rows, most outcomes]`: cumulated probabilities, `ALWAYS`
             from a row's last outcome on.
-        is_terminal: bool `[states]`.
         state_info: uint64 `[states]`: the info word at reset, which has the action mask alone.
+        held: uint64 `[states, words]`: the items that are held, in the form of `held_dtype`; no
+            words for levels without items.
         offset: intp `[levels + 1]`: where each level's states begin.
         starts: intp `[starts]`: the start states, level by level.
         first_start: intp `[levels + 1]`: where each level's starts begin.
         limit: int64 `[levels]`: the time limit of episodes, in steps.
         draws_levels: whether each episode draws its level.
+        has_items: bool `[levels]`: whether a level has items.
+        has_movers: bool `[levels]`: whether it has movers.
+        tells_hits: whether engines write which environments were hit.
     """
 
     num_actions: int
@@ -94,13 +125,16 @@ class Tables:
     stochastic: Ints
     first: Ints
     threshold: Floats
-    is_terminal: Flags
     state_info: Words
+    held: Words
     offset: Ints
     starts: Ints
     first_start: Ints
     limit: NDArray[np.int64]
     draws_levels: bool
+    has_items: Flags
+    has_movers: Flags
+    tells_hits: bool
 
     @property
     def idle_row(self) -> int:
@@ -122,38 +156,127 @@ class Tables:
         """How many draws a step takes at most, including an autoreset."""
         return int(self.first.size > 0) + self.draws_per_reset
 
-    def starting_at(self, starts: Ints) -> Tables:
-        """Return tables with one start for each level, given in the level's own numbering."""
-        first_start = np.arange(starts.size + 1)
-        return replace(self, starts=self.offset[:-1] + starts, first_start=first_start)
+    def starting_at(self, starts: Sequence[Sequence[int]]) -> Tables:
+        """Return tables with other starts, for each level one or more in its own numbering."""
+        count = [len(each) for each in starts]
+        states = np.repeat(self.offset[:-1], count) + np.concatenate(starts)
+        return replace(
+            self,
+            starts=states.astype(np.intp),
+            first_start=np.cumsum([0, *count]).astype(np.intp),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One level, with its own numbering of states.
+
+    Outcomes are `[rows, outcomes]`; each row has `count` of them, then padding.
+
+    Attributes:
+        count: intp `[rows]`.
+        threshold: float64 `[rows, outcomes]`: cumulated probabilities.
+        columns: the outcomes' `next_state`, `reward` and `outcome_info`.
+        state_info: uint64 `[states]`.
+        held: uint64 `[states, words]`.
+        starts: intp `[starts]`.
+        has_items: whether the level has items.
+        has_movers: whether it has movers.
+    """
+
+    count: Ints
+    threshold: Floats
+    columns: dict[str, NDArray[Any]]
+    state_info: Words
+    held: Words
+    starts: Ints
+    has_items: bool
+    has_movers: bool
+
+    @property
+    def is_stochastic(self) -> Flags:
+        """Which outcomes belong to rows with more than one."""
+        number = np.arange(self.threshold.shape[1])
+        return (number < self.count[:, None]) & (self.count > 1)[:, None]
+
+
+def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
+    """Return a level as a part of tables.
+
+    Args:
+        level: the level.
+        mdp: its exact tables, with or without turning.
+        first_action: the action that becomes number 0; 1 leaves `stay` out.
+    """
+    rows = (slice(None), slice(first_action, None))
+    width = mdp.probability.shape[2]
+    probability = mdp.probability[rows].reshape(-1, width)
+    count = np.count_nonzero(probability, axis=1)
+    threshold = np.cumsum(probability, axis=1)
+    # A row's last outcome takes the rounding error of the sum.
+    threshold[np.arange(1, width + 1) >= count[:, None]] = ALWAYS
+    next_state = mdp.next_state[rows]
+    events = events_of(mdp)[rows]
+    masks = mdp.action_mask[:, first_action:]
+    state_info = np.zeros(mdp.num_states, info_dtype(masks.shape[1]))
+    state_info["mask"] = masks
+    info = state_info[next_state]
+    end = TERMINAL * mdp.terminal[rows].view(np.uint8)
+    if level.movers:
+        end += HIT * hits_of(level, mdp)[rows].view(np.uint8)
+    info["end"] = end
+    info["reached"] = events == Event.REACHED
+    info["skidded"] = events == Event.SKIDDED
+    columns = {
+        "next_state": next_state.astype(np.intp),
+        "reward": mdp.reward[rows],
+        "outcome_info": info.view(np.uint64),
+    }
+    return Part(
+        count=count,
+        threshold=threshold,
+        columns={name: column.reshape(-1, width) for name, column in columns.items()},
+        state_info=state_info.view(np.uint64),
+        held=_held(level, mdp),
+        starts=np.flatnonzero(mdp.start),
+        has_items=bool(level.items),
+        has_movers=bool(level.movers),
+    )
+
+
+def _held(level: Level, mdp: Mdp) -> Words:
+    """Return which items are held in each state, uint64 `[states, words]`."""
+    held = np.zeros((mdp.num_configurations, 8 * num_words(len(level.items))), np.bool_)
+    if level.items:
+        number = level.things().items
+        places = [len(item.places) for item in level.items]
+        held[:, : len(places)] = mdp.configurations[:, number] == places
+    return np.repeat(held.view(np.uint64), mdp.cells * mdp.headings, axis=0)
 
 
 def build_tables(
-    mdps: Sequence[Mdp], limits: Sequence[int], first_action: int, draws_levels: bool = False
+    parts: Sequence[Part], limits: Sequence[int], draws_levels: bool = False
 ) -> Tables:
     """Return the tables of levels.
 
     Args:
-        mdps: the levels' exact tables.
+        parts: the levels.
         limits: the time limit of each level.
-        first_action: the action that becomes number 0; 1 leaves `stay` out.
         draws_levels: whether each episode draws its level.
     """
-    offset = np.cumsum([0, *(mdp.num_states for mdp in mdps)])
-    num_actions = NUM_ACTIONS - first_action
-    parts = [outcomes_of(mdp, first_action, base) for mdp, base in zip(mdps, offset, strict=False)]
-    idle_row = int(offset[-1]) * num_actions
+    offset = np.cumsum([0, *(part.state_info.size for part in parts)])
+    idle_row = sum(part.count.size for part in parts)
     idle = np.zeros(1, np.uint64)
     # First the outcomes with their rows' numbers, then the idle one, then those of stochastic rows.
     columns = {
         name: np.concatenate(
             [
-                *(part.columns[name][:, 0] for part in parts),
-                idle.view(parts[0].columns[name].dtype),
-                *(part.columns[name][part.is_stochastic] for part in parts),
+                *(column[:, 0] for column in numbered),
+                idle.view(numbered[0].dtype),
+                *(column[part.is_stochastic] for column, part in zip(numbered, parts, strict=True)),
             ]
         )
-        for name in ("next_state", "reward", "outcome_info")
+        for name, numbered in _numbered(parts, offset).items()
     }
     count = np.concatenate([*(part.count for part in parts), [1]])
     stochastic = np.where(count > 1, np.cumsum(count > 1) - 1, -1)
@@ -164,68 +287,39 @@ def build_tables(
         rows = part.threshold[part.count > 1, : threshold.shape[1]]
         threshold[done : done + len(rows), : rows.shape[1]] = rows
         done += len(rows)
-    starts = [np.flatnonzero(mdp.start) + base for mdp, base in zip(mdps, offset, strict=False)]
-    state_info = np.concatenate([_mask_words(mdp.action_mask[:, first_action:]) for mdp in mdps])
+    held = np.zeros((offset[-1], max(part.held.shape[1] for part in parts)), np.uint64)
+    for part, base in zip(parts, offset, strict=False):
+        held[base : base + len(part.held), : part.held.shape[1]] = part.held
     return Tables(
-        num_actions=num_actions,
+        num_actions=idle_row // int(offset[-1]),
         **columns,
         stochastic=stochastic.astype(np.intp),
         first=idle_row + 1 + np.cumsum(count) - count,
         threshold=threshold,
-        is_terminal=np.concatenate([mdp.is_terminal for mdp in mdps]),
-        state_info=state_info,
+        state_info=np.concatenate([part.state_info for part in parts]),
+        held=held,
         offset=offset.astype(np.intp),
-        starts=np.concatenate(starts).astype(np.intp),
-        first_start=np.cumsum([0, *map(len, starts)]).astype(np.intp),
+        starts=np.concatenate(
+            [part.starts + base for part, base in zip(parts, offset, strict=False)]
+        ),
+        first_start=np.cumsum([0, *(part.starts.size for part in parts)]).astype(np.intp),
         limit=np.array(limits, np.int64),
         draws_levels=draws_levels,
+        has_items=np.array([part.has_items for part in parts]),
+        has_movers=np.array([part.has_movers for part in parts]),
+        tells_hits=any(part.has_movers for part in parts),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Outcomes:
-    """A level's outcomes, `[rows, outcomes]`; each row has `count` of them, then padding."""
-
-    count: Ints
-    threshold: Floats
-    columns: dict[str, NDArray[Any]]
-
-    @property
-    def is_stochastic(self) -> Flags:
-        """Which outcomes belong to rows with more than one."""
-        number = np.arange(self.threshold.shape[1])
-        return (number < self.count[:, None]) & (self.count > 1)[:, None]
-
-
-def outcomes_of(mdp: Mdp, first_action: int, base: int) -> Outcomes:
-    """Return a level's outcomes, with its states numbered from `base` on."""
-    rows = (slice(None), slice(first_action, None))
-    width = mdp.probability.shape[2]
-    probability = mdp.probability[rows].reshape(-1, width)
-    count = np.count_nonzero(probability, axis=1)
-    threshold = np.cumsum(probability, axis=1)
-    # A row's last outcome takes the rounding error of the sum.
-    threshold[np.arange(1, width + 1) >= count[:, None]] = ALWAYS
-    next_state = mdp.next_state[rows]
-    events = events_of(mdp)[rows]
-    info = np.zeros(next_state.shape, info_dtype(NUM_ACTIONS - first_action))
-    info["mask"] = mdp.action_mask[next_state, first_action:]
-    info["reached"] = events == Event.REACHED
-    info["skidded"] = events == Event.SKIDDED
-    columns = {
-        "next_state": next_state.astype(np.intp) + base,
-        "reward": mdp.reward[rows],
-        "outcome_info": info.view(np.uint64),
+def _numbered(parts: Sequence[Part], offset: Ints) -> dict[str, list[NDArray[Any]]]:
+    """Return the outcomes of levels by their names, next states in the numbering of tables."""
+    return {
+        name: [
+            part.columns[name] + base if name == "next_state" else part.columns[name]
+            for part, base in zip(parts, offset, strict=False)
+        ]
+        for name in ("next_state", "reward", "outcome_info")
     }
-    columns = {name: column.reshape(-1, width) for name, column in columns.items()}
-    return Outcomes(count, threshold, columns)
-
-
-def _mask_words(masks: NDArray[np.int8]) -> Words:
-    """Return the info words that have these action masks, int8 `[states, actions]`, alone."""
-    info = np.zeros(len(masks), info_dtype(masks.shape[1]))
-    info["mask"] = masks
-    return info.view(np.uint64)
 
 
 # -- slots -----------------------------------------------------------------------------------
@@ -240,6 +334,7 @@ class Span:
     stochastic: slice
     outcomes: slice
     starts: slice
+    level: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,6 +345,7 @@ class Room:
         slots: the number of levels.
         states: the most states of a level.
         starts: the number of starts of each level.
+        words: the words of `held_dtype`.
         stochastic: the most stochastic rows of a level.
         outcomes: the most outcomes of such a row.
     """
@@ -257,6 +353,7 @@ class Room:
     slots: int
     states: int
     starts: int
+    words: int = 0
     stochastic: int = 1
     outcomes: int = 2
 
@@ -269,6 +366,7 @@ class Room:
             stochastic=_part(slot, self.stochastic),
             outcomes=_part(slot, self.stochastic * self.outcomes, idle_row + 1),
             starts=_part(slot, self.starts),
+            level=slot,
         )
 
 
@@ -276,17 +374,17 @@ def _part(slot: int, size: int, base: int = 0) -> slice:
     return slice(base + slot * size, base + (slot + 1) * size)
 
 
-def empty_tables(room: Room, first_action: int, limit: int) -> Tables:
+def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = False) -> Tables:
     """Return tables whose slots are filled by `write_level`.
 
     They always have room for stochastic rows, so that `most_draws` never changes.
 
     Args:
         room: their capacity.
-        first_action: the action that becomes number 0; 1 leaves `stay` out.
+        num_actions: how many actions there are.
         limit: the time limit of all levels.
+        tells_hits: whether levels can have movers.
     """
-    num_actions = NUM_ACTIONS - first_action
     num_states = room.slots * room.states
     idle_row, stochastic = num_states * num_actions, room.slots * room.stochastic
     num_outcomes = idle_row + 1 + stochastic * room.outcomes
@@ -298,35 +396,37 @@ def empty_tables(room: Room, first_action: int, limit: int) -> Tables:
         stochastic=np.full(idle_row + 1, -1, np.intp),
         first=idle_row + 1 + room.outcomes * np.arange(stochastic, dtype=np.intp),
         threshold=np.full((stochastic, room.outcomes), ALWAYS),
-        is_terminal=np.zeros(num_states, np.bool_),
         state_info=np.zeros(num_states, np.uint64),
+        held=np.zeros((num_states, room.words), np.uint64),
         offset=room.states * np.arange(room.slots + 1, dtype=np.intp),
         starts=np.zeros(room.slots * room.starts, np.intp),
         first_start=room.starts * np.arange(room.slots + 1, dtype=np.intp),
         limit=np.full(room.slots, limit, np.int64),
         draws_levels=False,
+        has_items=np.zeros(room.slots, np.bool_),
+        has_movers=np.zeros(room.slots, np.bool_),
+        tells_hits=tells_hits,
     )
 
 
-def needed(outcomes: Outcomes) -> tuple[int, int]:
+def needed(part: Part) -> tuple[int, int]:
     """Return how many stochastic rows a level has, and the most outcomes of one of them."""
-    return int(np.count_nonzero(outcomes.count > 1)), outcomes.threshold.shape[1]
+    return int(np.count_nonzero(part.count > 1)), part.threshold.shape[1]
 
 
-def write_level(tables: Tables, span: Span, mdp: Mdp, outcomes: Outcomes) -> None:
+def write_part(tables: Tables, span: Span, part: Part) -> None:
     """Write a level into a slot.
 
     Args:
         tables: the tables that `empty_tables` returned.
         span: the part of the slot.
-        mdp: the level's exact tables.
-        outcomes: its outcomes; there must be room for them.
+        part: the level; there must be room for it.
     """
-    base, num_rows = span.states.start, outcomes.count.size
-    is_stochastic = outcomes.count > 1
-    count, width = int(np.count_nonzero(is_stochastic)), outcomes.threshold.shape[1]
+    base, num_rows, num_states = span.states.start, part.count.size, part.state_info.size
+    is_stochastic = part.count > 1
+    count, width = int(np.count_nonzero(is_stochastic)), part.threshold.shape[1]
     threshold = tables.threshold[span.stochastic]
-    for name, column in outcomes.columns.items():
+    for name, column in part.columns.items():
         array = getattr(tables, name)
         shift = base if name == "next_state" else 0
         array[span.rows][:num_rows] = column[:, 0] + shift
@@ -338,9 +438,10 @@ def write_level(tables: Tables, span: Span, mdp: Mdp, outcomes: Outcomes) -> Non
     begin = span.stochastic.start
     stochastic[:num_rows][is_stochastic] = np.arange(begin, begin + count)
     threshold.fill(ALWAYS)
-    threshold[:count, :width] = outcomes.threshold[is_stochastic]
-    tables.is_terminal[span.states][: mdp.num_states] = mdp.is_terminal
-    first_action = NUM_ACTIONS - tables.num_actions
-    state_info = _mask_words(mdp.action_mask[:, first_action:])
-    tables.state_info[span.states][: mdp.num_states] = state_info
-    tables.starts[span.starts] = np.flatnonzero(mdp.start) + base
+    threshold[:count, :width] = part.threshold[is_stochastic]
+    tables.state_info[span.states][:num_states] = part.state_info
+    held = tables.held[span.states]
+    held.fill(0)
+    held[:num_states, : part.held.shape[1]] = part.held
+    tables.starts[span.starts] = part.starts + base
+    tables.has_items[span.level], tables.has_movers[span.level] = part.has_items, part.has_movers

@@ -11,22 +11,22 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_actions,
     checked_autoreset_mode,
-    checked_image_size,
+    checked_observation,
     checked_options,
     checked_reset_mask,
-    checked_start,
+    start_states,
 )
 from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
-from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.rendering import RENDER_FPS
-from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
+from babyrobot_levels.envs.spaces import BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
     ChangingVectorEnv,
     checked_levels,
@@ -70,6 +70,8 @@ class LevelVectorEnv(ChangingVectorEnv):
         render_mode: str | None = None,
         image_size: tuple[int, int] | None = None,
         grayscale: bool = False,
+        view_radius: int | None = None,
+        see_through: bool = False,
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         draw_levels: bool = False,
@@ -85,11 +87,13 @@ class LevelVectorEnv(ChangingVectorEnv):
                 level `i % len(levels)`.
             num_envs: how many environments there are; by default, as many as levels, or 1 if
                 levels are made at resets.
-            observation: `"position"`, `"index"`, `"walls"` or `"image"`.
-            actions: `"valid"`, `"all"`, `"moves"` or `"valid_moves"`.
+            observation: `"position"`, `"index"`, `"walls"`, `"image"` or `"view"`.
+            actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`.
             render_mode: None or `"rgb_array"`.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
+            view_radius: how many cells views show in each direction, 1 to 15; by default 3.
+            see_through: whether views show what walls, doors and blocked cells hide.
             max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
                 `max_steps`.
             autoreset_mode: when an environment whose episode is over is reset: by the next step,
@@ -108,15 +112,14 @@ class LevelVectorEnv(ChangingVectorEnv):
             ImportError: the compiled engine is required and not installed.
             ValueError: another argument is invalid.
         """
-        check_choice("observation", observation, OBSERVATIONS)
+        chosen = checked_observation(observation, image_size, grayscale, view_radius, see_through)
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
-        if observation != "image" and (image_size is not None or grayscale):
-            raise ValueError("image_size and grayscale need observation='image'")
         size = None if num_envs is None else checked_count("num_envs", num_envs)
-        played = checked_levels(level, levels, bool(draw_levels), size)
-        self.levels, self._largest = played.levels, played.largest
+        action_set = ACTION_SETS[actions]
+        played = checked_levels(level, levels, bool(draw_levels), size, action_set.turns)
+        self.levels, self._extent = played.levels, played.extent
         self.num_envs = size or (1 if played.family else len(self.levels))
         self.render_mode = render_mode
         self._mode = checked_autoreset_mode(autoreset_mode)
@@ -125,27 +128,32 @@ class LevelVectorEnv(ChangingVectorEnv):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self._mode,
         }
-        self.single_action_space, first_action = make_action_space(actions)
-        num_actions = int(self.single_action_space.n)
+        self.single_action_space = make_action_space(action_set)
+        num_actions = action_set.num_actions
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)
-        self._samples_valid = ACTION_SETS[actions].samples_valid
         self._engine_name = engine
         self._observer = make_batch_observer(
-            played.largest,
-            observation,
-            checked_image_size(image_size),
-            bool(grayscale),
+            chosen,
+            played.extent,
             self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
-        self._set_levels(played, first_action, max_episode_steps, bool(draw_levels))
+        self._set_levels(played, action_set, max_episode_steps, bool(draw_levels))
         self._most_draws = self.num_envs * (self._tables.most_draws + int(self._slots is not None))
         self._has_level_numbers = self._slots is not None or len(self.levels) > 1
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
+        self._num_items, self._has_movers = played.num_items, played.has_movers
+        fixed = self.levels if isinstance(self.levels, tuple) else ()
+        self._all_tell = (
+            bool(fixed) and all(each.items for each in fixed),
+            bool(fixed) and all(each.movers for each in fixed),
+        )
         self._info_dtype = info_dtype(num_actions)
-        self._layout = Layout(self.num_envs, self._observer.table.shape[1], self._info_dtype)
+        self._layout = Layout(
+            self.num_envs, self._observer.table.shape[1], num_actions, played.num_items
+        )
         self._kept = None if self._copy else Results(self._layout)
         self._has_begun = False
 
@@ -193,9 +201,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         which = checked_reset_mask(options.get("reset_mask"), self.num_envs)
         start = options.get("start")
         numbers = checked_numbers(options, family, self.num_envs)
-        if family is None:
+        if family is None and start is not None:
             for each in self.levels:
-                checked_start(start, each)
+                start_states(start, each, self._actions.tables(each))
         if which.size < self.num_envs and not self._has_begun:
             raise error.ResetNeeded("the first `reset()` must be of all environments")
         self._seed(seed, which)
@@ -213,8 +221,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
         results.words[~is_reset] = 0
+        results.held_words[~is_reset] = 0
         values = {"action_mask": results.infos["mask"], **self._digests(which)}
-        info = self._masked(values, is_reset)
+        info = self._masked(values, is_reset) | self._things(results, is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
@@ -264,6 +273,8 @@ class LevelVectorEnv(ChangingVectorEnv):
             "skidded": infos["skidded"],
             "_skidded": acted,
         }
+        if self._num_items or self._has_movers:
+            info |= self._things(results, all_true)
         if self._has_level_numbers:
             for key, numbers in self._level_numbers().items():
                 info[key] = numbers
@@ -284,20 +295,46 @@ class LevelVectorEnv(ChangingVectorEnv):
 
     def _starting_at(self, start: Any, which: Ints) -> Tables:
         """Return the tables of levels in which these environments start in a given cell."""
-        starts = np.zeros(self._tables.limit.size, np.intp)
+        starts: list[tuple[int, ...]] = [(0,)] * self._tables.limit.size
         # Where levels are made at resets, those of other environments may have no such cell.
-        slots = np.arange(starts.size) if self._slots is None else self._envs.level[which]
+        slots = np.arange(len(starts)) if self._slots is None else self._envs.level[which]
         for slot in np.unique(slots).tolist():
-            state = checked_start(start, self._playing[slot])
-            assert state is not None
-            starts[slot] = state
+            level = self._playing[slot]
+            assert level is not None
+            states = start_states(start, level, self._actions.tables(level))
+            assert states is not None
+            starts[slot] = states
         return self._tables.starting_at(starts)
 
     def _observe_start(self, results: Results, which: Ints) -> None:
         """Write the observations and infos of environments that were reset."""
         state = self._envs.state[which]
         results.words[which] = self._tables.state_info[state]
+        results.hit[which] = False
+        results.held_words[which] = self._tables.held[state]
         results.observations[which] = self._observer.table[state]
+
+    def _things(
+        self, results: Results, where: NDArray[np.bool_], *, copy: bool = False
+    ) -> dict[str, NDArray[np.bool_]]:
+        """Return what infos say about things in some environments.
+
+        Args:
+            results: what an engine wrote.
+            where: the environments, bool `[num_envs]`.
+            copy: whether to return new arrays, which are False for other environments.
+        """
+        told, level = {}, self._envs.level
+        if self._num_items:
+            held = results.items["held"]
+            told["held"] = held & where[:, None] if copy else held
+            has = self._tables.has_items
+            told["_held"] = where if self._all_tell[0] else where & has.take(level)
+        if self._has_movers:
+            told["hit"] = results.hit & where if copy else results.hit
+            has = self._tables.has_movers
+            told["_hit"] = where if self._all_tell[1] else where & has.take(level)
+        return told
 
     def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
         """Return an info of values that hold in some environments."""
@@ -328,7 +365,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         info = {
             "final_obs": observations,
             "_final_obs": where,
-            "final_info": self._masked(values, where),
+            "final_info": self._masked(values, where) | self._things(results, where, copy=True),
             "_final_info": where,
         }
         if self._slots is not None:

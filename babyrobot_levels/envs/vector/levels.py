@@ -8,23 +8,28 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import prod
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.arguments import checked_start
+from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.envs.engine.factory import limits_of, make_engine
 from babyrobot_levels.envs.engine.tables import (
+    Part,
     Room,
     Span,
     build_tables,
     empty_tables,
     needed,
-    outcomes_of,
-    write_level,
+    num_words,
+    part_of,
+    write_part,
 )
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
+from babyrobot_levels.envs.suite import suite_extent
 from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
 from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
 from babyrobot_levels.generate.suites import Suite
@@ -32,8 +37,9 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import Engine
-    from babyrobot_levels.envs.engine.tables import Ints, Outcomes, Tables
+    from babyrobot_levels.envs.engine.tables import Ints, Tables
     from babyrobot_levels.envs.spaces import BatchActions
     from babyrobot_levels.envs.vector.observations import BatchObserver
 
@@ -53,7 +59,6 @@ class Family(Protocol):
         option: the name of the option of `reset` that selects a number.
         count: numbers are drawn from 0 up to but not including this.
         kept: how many levels to keep at most for later episodes.
-        largest: the largest width and height of a level, in cells.
         levels: the levels, as they were given.
     """
 
@@ -61,7 +66,6 @@ class Family(Protocol):
     option: str
     count: int
     kept: int
-    largest: tuple[int, int]
     levels: Sequence[Level]
 
     def level(self, number: int) -> Level:
@@ -76,7 +80,6 @@ class SuiteLevels:
 
     def __init__(self, suite: Suite) -> None:
         self.levels: Sequence[Level] = suite
-        self.largest = suite.largest
         self.count = self.kept = len(suite)
 
     def level(self, number: int) -> Level:
@@ -93,7 +96,6 @@ class GrownMazes:
 
     def __init__(self, level: Level) -> None:
         self.levels: Sequence[Level] = (level,)
-        self.largest = level.size
 
     def level(self, number: int) -> Level:
         """Return the level with the maze of a seed."""
@@ -106,16 +108,22 @@ class Played:
 
     Attributes:
         levels: the levels, as they were given.
-        largest: the largest width and height of one of them, in cells.
+        extent: the extent of all of them.
+        num_items: the most items of one of them.
+        has_movers: whether one of them has movers.
         family: makes levels at resets; None if `levels` has all that are needed.
     """
 
     levels: Sequence[Level]
-    largest: tuple[int, int]
+    extent: Extent
+    num_items: int
+    has_movers: bool
     family: Family | None = None
 
 
-def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | None) -> Played:
+def checked_levels(
+    level: Any, levels: Any, draw_levels: bool, num_envs: int | None, turns: bool
+) -> Played:
     """Return the levels that the arguments of a vector environment name.
 
     Args:
@@ -123,6 +131,7 @@ def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | N
         levels: several of them, a suite, or None.
         draw_levels: whether each episode draws its level.
         num_envs: how many environments there are, if it is given.
+        turns: whether robots turn.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -136,21 +145,28 @@ def checked_levels(level: Any, levels: Any, draw_levels: bool, num_envs: int | N
     if levels is not None and not len(levels):
         raise ValueError("levels must have at least one level in it")
     if isinstance(levels, Suite):
-        if draw_levels:
-            return Played(levels, levels.largest, SuiteLevels(levels))
-        # No more levels are needed, and a suite may have a billion.
-        return Played(tuple(levels[:num_envs]), levels.largest)
+        # Without drawing, no more levels are needed, and a suite may have a billion.
+        return Played(
+            levels if draw_levels else tuple(levels[:num_envs]),
+            suite_extent(levels, turns=turns),
+            levels.most_items,
+            levels.has_guards,
+            SuiteLevels(levels) if draw_levels else None,
+        )
     loaded = tuple(load(each) for each in ([level] if levels is None else levels))
-    widths, heights = zip(*(each.size for each in loaded), strict=True)
-    largest = max(widths), max(heights)
-    if not any(each.has_random_maze for each in loaded):
-        return Played(loaded, largest)
-    if len(loaded) > 1:
+    is_random = any(each.has_random_maze for each in loaded)
+    if is_random and len(loaded) > 1:
         raise ValueError(
             "a level with `maze: {seed: random}` must be the only one; instead, draw some of its "
             "mazes: levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
         )
-    return Played(loaded, largest, GrownMazes(loaded[0]))
+    return Played(
+        loaded,
+        Extent.of(loaded, turns=turns),
+        max(len(each.items) for each in loaded),
+        any(each.movers for each in loaded),
+        GrownMazes(loaded[0]) if is_random else None,
+    )
 
 
 def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs: int) -> Any:
@@ -194,31 +210,34 @@ class Slots:
 
     def __init__(
         self,
-        family: Family,
+        played: Played,
         num_envs: int,
-        first_action: int,
+        actions: ActionSet,
         limit: int,
         observer: BatchObserver,
     ) -> None:
         """Put the level of number 0 into slot 0.
 
         Args:
-            family: makes the levels.
+            played: the levels, of which a family makes each.
             num_envs: how many environments there are; there may be as many slots at least.
-            first_action: the action that becomes number 0.
+            actions: the actions of the environments.
             limit: the time limit of all levels.
             observer: the observer of the levels in the slots.
         """
-        self.family, self._observer = family, observer
-        self._first_action, self._limit = first_action, limit
-        states = family.largest[0] * family.largest[1]
-        self._most = max(num_envs, min(family.kept, KEPT_STATES // states))
+        assert played.family is not None
+        self.family, self._observer = played.family, observer
+        self._actions, self._limit, self._num_envs = actions, limit, num_envs
+        self._has_movers = played.has_movers
         self._slot_of: dict[int, int] = {}
         self.levels: list[Level | None] = []
         self.numbers = np.empty(0, np.int64)
         self._used_at, self._clock = np.empty(0, np.int64), 0
-        first = family.level(0)
-        self._room = Room(0, states, int(np.count_nonzero(first.compile().start)))
+        first = self.family.level(0)
+        part = self._part(first)
+        # A level of the largest size, if it has as many configurations as the first one.
+        states = part.state_info.size // prod(first.size) * played.extent.cells
+        self._room = Room(0, states, part.starts.size, num_words(played.num_items))
         self.place(np.zeros(1, np.intp), np.zeros(1, np.intp), np.zeros(1, np.int64), {0: first})
 
     def levels_of(self, numbers: Iterable[int]) -> dict[int, Level]:
@@ -246,11 +265,11 @@ class Slots:
         """
         self._clock += 1
         new = {
-            number: outcomes_of(made.compile(), self._first_action, 0)
+            number: self._part(made)
             for number, made in levels.items()
             if number not in self._slot_of
         }
-        is_grown = self._make_room(new)
+        is_grown = self._make_room(list(new.values()))
         spans = []
         if new:
             others = np.delete(level, which)
@@ -270,32 +289,39 @@ class Slots:
         found: list[int] = free[np.argsort(self._used_at[free], kind="stable")].tolist()
         return found
 
-    def _write(self, slot: int, number: int, level: Level, outcomes: Outcomes) -> Span:
+    def _part(self, level: Level) -> Part:
+        return part_of(level, self._actions.tables(level), self._actions.first)
+
+    def _write(self, slot: int, number: int, level: Level, part: Part) -> Span:
         """Put a level into a slot, in place of the one before."""
         if self.levels[slot] is not None:
             self._slot_of.pop(int(self.numbers[slot]), None)
         self._slot_of[number] = slot
         self.levels[slot], self.numbers[slot] = level, number
         span = self._room.span(slot, self.tables.num_actions)
-        write_level(self.tables, span, level.compile(), outcomes)
+        write_part(self.tables, span, part)
         self._observer.write(slot, level)
         return span
 
-    def _make_room(self, new: Mapping[int, Outcomes]) -> bool:
+    def _make_room(self, new: Sequence[Part]) -> bool:
         """Make room for levels, and return whether the tables had to grow for it."""
         room = self._room
-        needs = [needed(outcomes) for outcomes in new.values()]
+        needs = [needed(part) for part in new]
+        states = max((part.state_info.size for part in new), default=0)
         stochastic = max((count for count, _ in needs), default=0)
         outcomes = max((count for _, count in needs), default=0)
+        # More than these levels need, so that the tables do not grow for each larger one.
+        if states > room.states:
+            room = replace(room, states=states + states // 2)
         if stochastic > room.stochastic:
-            # More than this level needs, so that the tables do not grow for each larger one.
             room = replace(room, stochastic=stochastic + stochastic // 2)
         if outcomes > room.outcomes:
             room = replace(room, outcomes=outcomes)
+        most = max(self._num_envs, min(self.family.kept, KEPT_STATES // room.states))
         empty = room.slots - len(self._slot_of)
-        if len(new) > empty and room.slots < self._most:
+        if len(new) > empty and room.slots < most:
             slots = max(room.slots + len(new), 2 * room.slots)
-            room = replace(room, slots=min(slots, self._most))
+            room = replace(room, slots=min(slots, most))
         if room is self._room:
             return False
         self._grow(room)
@@ -304,17 +330,16 @@ class Slots:
     def _grow(self, room: Room) -> None:
         more = room.slots - self._room.slots
         self._room = room
-        self.tables = empty_tables(room, self._first_action, self._limit)
+        num_actions = self._actions.num_actions
+        self.tables = empty_tables(room, num_actions, self._limit, self._has_movers)
         self._observer.grow(self.tables.offset)
         self.levels += [None] * more
         self.numbers = np.append(self.numbers, np.zeros(more, np.int64))
         self._used_at = np.append(self._used_at, np.zeros(more, np.int64))
         for slot, level in enumerate(self.levels):
             if level is not None:
-                mdp = level.compile()
-                outcomes = outcomes_of(mdp, self._first_action, 0)
-                span = room.span(slot, self.tables.num_actions)
-                write_level(self.tables, span, mdp, outcomes)
+                write_part(self.tables, room.span(slot, num_actions), self._part(level))
+                self._observer.write(slot, level)
 
 
 class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
@@ -324,22 +349,22 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
     _observer: BatchObserver
     _engine: Engine
     _engine_name: str | None
-    _samples_valid: bool
     _slots: Slots | None = None
 
     def _set_levels(
-        self, played: Played, first_action: int, max_episode_steps: Any, draw_levels: bool
+        self, played: Played, actions: ActionSet, max_episode_steps: Any, draw_levels: bool
     ) -> None:
         """Make the tables of the levels, and an engine for them."""
+        self._actions = actions
         if played.family is None:
             limits = limits_of(self.levels, max_episode_steps)
-            mdps = [each.compile() for each in self.levels]
-            tables = build_tables(mdps, limits, first_action, draw_levels)
+            parts = [part_of(each, actions.tables(each), actions.first) for each in self.levels]
+            tables = build_tables(parts, limits, draw_levels)
             self._observer.write_all(tables.offset, self.levels)
             self._playing = self.levels
         else:
             limit = limits_of([played.family.level(0)], max_episode_steps)[0]
-            self._slots = Slots(played.family, self.num_envs, first_action, limit, self._observer)
+            self._slots = Slots(played, self.num_envs, actions, limit, self._observer)
             tables, self._playing = self._slots.tables, self._slots.levels
         self._use(tables)
 
@@ -347,7 +372,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         """Switch to tables."""
         self._tables = tables
         self._engine = make_engine(self._engine_name, tables, self._observer.table, self.num_envs)
-        if self._samples_valid:
+        if self._actions.samples_valid:
             self.action_space.state_info = tables.state_info
 
     def _level_numbers(self) -> dict[str, NDArray[np.int64]]:
@@ -380,10 +405,15 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         else:
             wanted = numbers[which]
         levels = slots.levels_of(wanted.tolist())
-        for level in levels.values():
-            checked_start(start, level)
-        spans = slots.place(self._envs.level, which, wanted, levels)
+        if start is not None:
+            for level in levels.values():
+                start_states(start, level, self._actions.tables(level))
+        envs, before = self._envs, self._envs.level.copy()
+        spans = slots.place(envs.level, which, wanted, levels)
         if spans is None:
+            # The states of their levels may begin elsewhere now.
+            moved = slots.tables.offset.take(before) - self._tables.offset.take(before)
+            envs.state[envs.state >= 0] += moved[envs.state >= 0]
             self._use(slots.tables)
         else:
             for span in spans:

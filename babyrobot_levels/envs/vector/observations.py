@@ -10,7 +10,16 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations import NUMERIC, ImageObserver, Size, image_space
+from babyrobot_levels.envs.observations import (
+    Extent,
+    ImageObserver,
+    NumericObserver,
+    Observation,
+    image_space,
+    numeric_space,
+    view_space,
+)
+from babyrobot_levels.envs.views import ViewTable
 from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
@@ -32,11 +41,10 @@ class BatchObserver(Protocol):
     table: NDArray[np.int64]
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels.
+        """Make room for levels. Those that were set before have to be set again.
 
         Args:
-            offset: intp `[levels + 1]`: where each level's states begin. Those of the present
-                levels do not change.
+            offset: intp `[levels + 1]`: where each level's states begin.
         """
 
     def write(self, number: int, level: Level) -> None:
@@ -64,21 +72,21 @@ class BatchObserver(Protocol):
 class BatchNumericObserver(BatchObserver):
     """Observations that are numbers: `"position"`, `"index"` or `"walls"`."""
 
-    def __init__(self, largest: Size, observation: str) -> None:
-        self._observation, self._largest = observation, largest
-        self.space: spaces.Space[Any] = NUMERIC[observation].space(largest)
+    def __init__(self, observation: str, extent: Extent) -> None:
+        self._observation, self._extent = observation, extent
+        self.space: spaces.Space[Any] = numeric_space(observation, extent)
         self._is_single = isinstance(self.space, spaces.Discrete)
         self._offset: Ints = np.zeros(1, np.intp)
         self.table = np.zeros((0, *(self.space.shape or (1,))), np.int64)
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels, whose states begin at `offset`."""
+        """Make room for levels, whose states begin at `offset`."""
         self._offset = offset
-        self.table = np.pad(self.table, ((0, offset[-1] - len(self.table)), (0, 0)))
+        self.table = np.zeros((offset[-1], self.table.shape[1]), np.int64)
 
     def write(self, number: int, level: Level) -> None:
         """Set the level with a number."""
-        table = NUMERIC[self._observation].table(level, self._largest)
+        table = NumericObserver(level, self._observation, self._extent).table()
         base = self._offset[number]
         self.table[base : base + len(table)] = table
 
@@ -99,18 +107,18 @@ class BatchImageObserver(BatchObserver):
     """
 
     def __init__(
-        self, largest: Size, image_size: tuple[int, int] | None, grayscale: bool, most: int
+        self, extent: Extent, image_size: tuple[int, int] | None, grayscale: bool, most: int
     ) -> None:
-        self.space: spaces.Space[Any] = image_space(largest, image_size, grayscale)
+        self.space: spaces.Space[Any] = image_space(extent, image_size, grayscale)
         self.table = np.empty((0, 0), np.int64)
         self._offset: Ints = np.zeros(1, np.intp)
         self._levels: dict[int, Level] = {}
-        make = partial(ImageObserver, largest=largest, image_size=image_size, grayscale=grayscale)
+        make = partial(ImageObserver, extent=extent, image_size=image_size, grayscale=grayscale)
         self._observers = LevelCache(make, most)
         self._buffer: NDArray[np.uint8] | None = None
 
     def grow(self, offset: Ints) -> None:
-        """Make room for more levels, whose states begin at `offset`."""
+        """Make room for levels, whose states begin at `offset`."""
         self._offset = offset
         self.table = np.empty((offset[-1], 0), np.int64)
 
@@ -142,6 +150,39 @@ class BatchImageObserver(BatchObserver):
         return pictures
 
 
+class BatchViewObserver(BatchObserver):
+    """Views. The table has no numbers; the views are in a table of their own."""
+
+    def __init__(self, extent: Extent, radius: int, see_through: bool) -> None:
+        self.space: spaces.Space[Any] = view_space(radius)
+        self.table = np.empty((0, 0), np.int64)
+        self._views = ViewTable(extent.headings, radius, see_through)
+        self._buffer: NDArray[np.uint8] | None = None
+
+    def grow(self, offset: Ints) -> None:
+        """Make room for more levels, whose states begin at `offset`."""
+        self._views.grow(offset)
+        self.table = np.empty((offset[-1], 0), np.int64)
+
+    def write(self, number: int, level: Level) -> None:
+        """Set the level with a number."""
+        self._views.write(number, level)
+
+    def at(self, states: Ints) -> NDArray[Any]:
+        """Return the views of states, uint8 `[states, side, side, planes]`, as a new array."""
+        return self._views.at(states)
+
+    def batch(self, results: Results, states: Ints, copy: bool) -> NDArray[Any]:
+        """Return the views of environments in these states."""
+        views = self._views.at(states)
+        if copy:
+            return views
+        if self._buffer is None:
+            self._buffer = np.empty_like(views)
+        self._buffer[...] = views
+        return self._buffer
+
+
 class LevelCache(Generic[_Made]):
     """An LRU cache of objects that are made from levels.
 
@@ -165,22 +206,17 @@ class LevelCache(Generic[_Made]):
         return made
 
 
-def make_batch_observer(
-    largest: Size,
-    observation: str,
-    image_size: tuple[int, int] | None,
-    grayscale: bool,
-    most: int,
-) -> BatchObserver:
+def make_batch_observer(observation: Observation, extent: Extent, most: int) -> BatchObserver:
     """Return an observer without levels.
 
     Args:
-        largest: the width and height of the largest level, in cells.
-        observation: one of `OBSERVATIONS`.
-        image_size: `(height, width)` in pixels of images, None for the default.
-        grayscale: whether images are grey.
+        observation: the observation.
+        extent: that of all levels.
         most: of how many levels the painters are kept, for images.
     """
-    if observation == "image":
-        return BatchImageObserver(largest, image_size, grayscale, most)
-    return BatchNumericObserver(largest, observation)
+    if observation.name == "image":
+        image = observation.image_size, observation.grayscale
+        return BatchImageObserver(extent, *image, most)
+    if observation.name == "view":
+        return BatchViewObserver(extent, observation.view_radius, observation.see_through)
+    return BatchNumericObserver(observation.name, extent)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.engine.state import EnvStates
     from babyrobot_levels.envs.engine.tables import Tables
+    from babyrobot_levels.envs.observations import Extent
     from babyrobot_levels.render.frames import FramePainter
 
 SETTABLE = ("np_random", "render_mode")
@@ -41,7 +42,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
 
     levels: Sequence[Level]
     _playing: Sequence[Level | None]
-    _largest: tuple[int, int]
+    _extent: Extent
     _envs: EnvStates
     _tables: Tables
     _mode: AutoresetMode
@@ -97,7 +98,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
             logger.warn("render() needs render_mode='rgb_array', given to make the environment")
             return None
         if self._tiles is None:
-            self._tiles = Tiles(self._largest, self.num_envs)
+            self._tiles = Tiles(self._extent.picture, self._extent.headings, self.num_envs)
         tables = self._tables
         level = self._envs.level[: self._tiles.count]
         state = self._envs.state[: self._tiles.count]
@@ -141,13 +142,15 @@ class Tiles:
         count: the number of tiles.
     """
 
-    def __init__(self, largest: tuple[int, int], num_envs: int) -> None:
+    def __init__(self, largest: tuple[int, int], headings: int, num_envs: int) -> None:
         """Compute the layout.
 
         Args:
-            largest: the width and height of the largest level, in cells.
+            largest: the width and height of the largest picture, in cells.
+            headings: 4 if states have a heading, else 1.
             num_envs: how many environments there are.
         """
+        self._headings = headings
         self.count = min(num_envs, MOST_TILES)
         width, height = largest
         self._columns = _columns(self.count, width, height)
@@ -165,13 +168,18 @@ class Tiles:
         Args:
             numbers: the number of each environment's level.
             levels: each environment's level.
-            states: each environment's state, in its level's own numbering.
+            states: each environment's state, in its level's own numbering, with its heading.
         """
         height, width = self._step
         shape = (self._rows * height - _GAP, self._columns * width - _GAP, 3)
         picture = np.full(shape, 255, np.uint8)
         for tile, (number, level, state) in enumerate(zip(numbers, levels, states, strict=True)):
-            frame = self._painters.get(number, level).frame(state)
+            cells = level.size[0] * level.size[1]
+            rest, cell = divmod(state, cells)
+            configuration, heading = divmod(rest, self._headings)
+            frame = self._painters.get(number, level).frame(
+                configuration * cells + cell, heading=heading if self._headings > 1 else None
+            )
             row, column = divmod(tile, self._columns)
             top, left = row * height, column * width
             picture[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
@@ -181,7 +189,8 @@ class Tiles:
 def _painter(level: Level, cell: int) -> FramePainter:
     from babyrobot_levels.render.frames import FramePainter
 
-    return FramePainter(level, (level.size[0] * cell, level.size[1] * cell))
+    width, height = level.size
+    return FramePainter(level, (width * cell, (height + bool(level.items)) * cell))
 
 
 def _columns(count: int, width: int, height: int) -> int:

@@ -46,11 +46,14 @@ def warp_onto_itself(context: LintContext) -> Iterator[Finding]:
     """
     mdp = context.mdp
     for number, warp in enumerate(context.level.warps):
-        state = context.state(warp.at)
-        if warp.when != "leave" or mdp.is_terminal[state]:
+        cell = context.state(warp.at)
+        on_cell = slice(cell, None, mdp.cells)
+        goes_on = ~mdp.is_terminal[on_cell]
+        if warp.when != "leave" or not goes_on.any():
             continue
-        targets = mdp.next_state[state, 1:][mdp.probability[state, 1:] > 0]
-        if (targets == state).all():
+        happens = mdp.probability[on_cell][goes_on, 1:] > 0
+        targets = mdp.next_state[on_cell][goes_on, 1:][happens] % mdp.cells
+        if (targets == cell).all():
             x, y = warp.at
             yield Finding(
                 ("warps", number),
@@ -117,14 +120,21 @@ def warp_without_effect(context: LintContext) -> Iterator[Finding]:
     for number in suspects[-max_variants(level) :][::-1]:
         without = (*rest[:number], *rest[number + 1 :])
         mdp, enters = variant(level, warps=without), level.warps[number].when == "enter"
+        if mdp is None:
+            continue
         safe = is_equivalent(level, mdp)
         if safe or (enters and has_equal_outcomes(context.mdp, mdp, stood)):
             rest = without if safe else rest
             x, y = level.warps[number].at
+            reason = "the episode ends there"
+            if enters:
+                reason = "no move ends there"
+            elif level.has_things and not context.reached_cells[context.state((x, y))]:
+                reason = "no episode comes there"
             yield Finding(
                 ("warps", number),
                 f"the warp on [{x}, {y}] never acts",
-                "no move ends there" if enters else "the episode ends there",
+                reason,
                 fix=removal(context.document, "remove the warp", ("warps", number), safe=safe),
             )
 
@@ -132,7 +142,7 @@ def warp_without_effect(context: LintContext) -> Iterator[Finding]:
 def _possibly_idle(context: LintContext) -> list[int]:
     """Return the warps that may have no effect, without compiling variants."""
     level = context.level
-    if level.wind is not None:
+    if level.wind is not None or level.has_things:
         return [*range(len(level.warps))]
     enters = any(warp.when == "enter" for warp in level.warps)
     left = {context.state(warp.at) for warp in level.warps if warp.when == "leave"}

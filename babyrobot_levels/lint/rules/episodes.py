@@ -64,7 +64,9 @@ def insufficient_max_steps(context: LintContext) -> Iterator[Finding]:
 
     ## Why is this bad?
 
-    An optimal agent is indistinguishable from one that has learned nothing.
+    An optimal agent is indistinguishable from one that has learned nothing. MiniGrid's `DoorKey`
+    had a limit of steps with which it could not be learned
+    ([Minigrid #15](https://github.com/Farama-Foundation/Minigrid/pull/15)).
 
     ## Example
 
@@ -89,7 +91,7 @@ def insufficient_max_steps(context: LintContext) -> Iterator[Finding]:
         return
     if any(not 0 <= reach.to_exit[state] <= level.max_steps for state in context.starts):
         return
-    if mdp.probability.shape[2] == 1 and level.max_steps >= mdp.num_states:
+    if mdp.probability.shape[2] == 1 and level.max_steps >= sum(reach.on):
         # In a deterministic level, a policy that reaches an exit visits no state twice.
         return
     from babyrobot_levels.lint.optimal_policy import is_within_limit, surely_within_limit
@@ -118,8 +120,9 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
 
     ## What it does
 
-    Checks for starts with an action that leads to an exit with probability 1. Levels in which
-    every free cell is a start are not checked: there, some start is always next to the exit.
+    Checks for starts with an action that leads to an exit with probability 1, whatever is drawn at
+    reset. Levels in which every free cell is a start are not checked: there, some start is always
+    next to the exit.
 
     ## Why is this bad?
 
@@ -141,22 +144,18 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
     ```
     """
     level, reach, mdp = context.level, context.reach, context.mdp
-    near = [number for number, state in enumerate(context.starts) if reach.to_exit[state] == 1]
+    near = {context.cell(state) for state in context.starts if reach.to_exit[state] == 1}
     if not near:
         return
     warps = {context.state(warp.at) for warp in level.warps if warp.when == "enter"}
-    others = {state for state, over in enumerate(mdp.is_terminal.tolist()) if not over}
-    if others - warps <= {*context.starts}:
+    others = {state % mdp.cells for state, over in enumerate(mdp.is_terminal.tolist()) if not over}
+    if others - warps <= {*map(context.state, level.starts)}:
         return
-    exits = [context.state(cell) for cell in level.exits]
     trivial = [
         number
-        for number in near
-        if any(
-            {next_state for _, next_state, *_ in mdp.outcomes(context.starts[number], action)}
-            <= {*exits}
-            for action in range(mdp.action_mask.shape[1])
-        )
+        for number, cell in enumerate(level.starts)
+        if cell in near
+        and all(_is_won_at_once(context, state) for state in context.starts_on(cell))
     ]
     if trivial:
         location = context.place_of_end("start", trivial[0])
@@ -168,14 +167,25 @@ def trivial_start(context: LintContext) -> Iterator[Finding]:
         )
 
 
+def _is_won_at_once(context: LintContext, state: int) -> bool:
+    """Return whether an action leads from a state to an exit with probability 1."""
+    return any(
+        all(
+            context.reach.to_exit[after] == 0
+            for _, after, *_ in context.mdp.outcomes(state, action)
+        )
+        for action in range(context.mdp.num_actions)
+    )
+
+
 @rule("BR521", formerly="endless")
 def non_terminating(context: LintContext) -> Iterator[Finding]:
     """Level whose episodes never end.
 
     ## What it does
 
-    Checks for levels without exits in which the robot cannot reach a cell that ends the episode,
-    and which have no `max_steps`.
+    Checks for levels without exits in which the robot cannot reach a cell that ends the episode and
+    is not hit by a mover that ends it, and which have no `max_steps`.
 
     ## Why is this bad?
 

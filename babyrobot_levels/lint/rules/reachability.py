@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, cells_count, cells_text
 from babyrobot_levels.lint.rule import rule
@@ -19,6 +21,10 @@ def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
     Checks for starts from which the probability of reaching an exit is 0 under every policy. The
     check uses the exact transition tables, so walls, warps, wind and skidding are all taken into
     account. Levels with `exit: none` are not checked.
+
+    In a level with things, each start is checked with all that may be drawn at reset, and the
+    finding says what was drawn. Exits whose needs are never met are reported by
+    [`exit-never-opens`](exit-never-opens.md).
 
     ## Why is this bad?
 
@@ -42,16 +48,31 @@ def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
     ```
     """
     reach, level = context.reach, context.level
-    shut = [n for n, state in enumerate(context.starts) if reach.to_exit[state] < 0]
+    shut = [state for state in context.starts if reach.to_exit[state] < 0]
     if not level.exits or not shut:
         return
-    starts = cells_text([level.starts[number] for number in shut])
-    location = context.place_of_end("start", shut[0])
-    message = f"no exit can be reached from start{'s' * (len(shut) > 1)} {starts}"
-    if level.max_steps is None and any(reach.to_end[context.starts[n]] < 0 for n in shut):
+    if "exit-never-opens" in context.active and level.exit_keys and not context.things.exits_open:
+        return
+    number, starts = context.starts_text(shut)
+    message = f"no exit can be reached from {starts}"
+    if level.max_steps is None and any(reach.to_end[state] < 0 for state in shut):
         message += ", and such episodes never end"
     help_text = "open a path, or move the start or the exit; use `exit: none` for no exit"
-    yield Finding(location, message, help_text)
+    if level.movers and level.hit.ends and _is_open_without_hits(level):
+        help_text = "movers end every such episode first: leave the robot room to get past them"
+    yield Finding(context.place_of_end("start", number), message, help_text)
+
+
+def _is_open_without_hits(level: Level) -> bool:
+    """Return whether exits can be reached from all starts if hits do not end the episode."""
+    from babyrobot_levels.lint.variants import variant
+    from babyrobot_levels.mdp.reachability import reach_of
+
+    mdp = variant(level, hit=level.hit.model_copy(update={"ends": False}))
+    if mdp is None:
+        return False
+    to_exit = reach_of(level, mdp).to_exit
+    return all(to_exit[state] >= 0 for state in mdp.start.nonzero()[0].tolist())
 
 
 @rule("BR502")
@@ -61,9 +82,11 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
     ## What it does
 
     Checks for cells that are not blocked and cannot be reached from any start, according to the
-    exact transition tables. Cells of warps that act on entering are not reported, because the robot
-    never occupies them; nor are cells that only the wind makes unreachable. Unreachable exits have
-    a rule of their own, [`unreachable-exit`](unreachable-exit.md).
+    exact transition tables, whatever is held, on or open. Cells of warps that act on entering are
+    not reported, because the robot never occupies them; nor are cells that only the wind makes
+    unreachable. Unreachable exits have a rule of their own,
+    [`unreachable-exit`](unreachable-exit.md), and so have doors that keep cells shut off,
+    [`door-never-opens`](door-never-opens.md).
 
     ## Why is this bad?
 
@@ -96,33 +119,42 @@ def unreachable_cells(context: LintContext) -> Iterator[Finding]:
     """
     level, blocked = context.level, context.grid.blocked_cells
     missed = [
-        state for state, steps in enumerate(context.reach.steps) if steps < 0 and not blocked[state]
+        cell for cell, known in enumerate(context.reached_cells) if not known and not blocked[cell]
     ]
     if not missed:
         return
     warps = {context.state(warp.at) for warp in level.warps if warp.when == "enter"}
     others = warps | {context.state(cell) for cell in level.exits}
-    missed = [state for state in missed if state not in others]
+    missed = [cell for cell in missed if cell not in others]
     if missed and level.wind is not None:
-        from babyrobot_levels.lint.variants import variant
-        from babyrobot_levels.mdp.reachability import reach_of
-
-        calm = reach_of(level, variant(level, wind=None))
-        missed = [state for state in missed if not calm.reached(state)]
+        missed = _still_missed(context, missed, wind=None)
+    if missed and level.doors and "door-never-opens" in context.active:
+        doors = [
+            door for n, door in enumerate(level.doors) if not context.things.is_closed(n).all()
+        ]
+        missed = _still_missed(context, missed, doors=tuple(doors))
     if missed:
         location = context.place(missed[0])
         yield Finding(
             location,
-            f"{cells_count([context.cell(state) for state in missed])} cannot be reached",
+            f"{cells_count([context.cell(cell) for cell in missed])} cannot be reached",
             _help_for_cells(context, missed),
             severity=Severity.INFO if _is_cut_off_maze(context, {*missed}) else None,
         )
 
 
+def _still_missed(context: LintContext, missed: list[int], **fields: Any) -> list[int]:
+    """Return which of some cells can also not be reached with other values for some fields."""
+    from babyrobot_levels.lint.variants import cells_reached
+
+    reached = cells_reached(context.level, **fields)
+    return [cell for cell in missed if not reached[cell]]
+
+
 def _help_for_cells(context: LintContext, missed: list[int]) -> str:
-    for state in missed:
-        for other in context.neighbours(state):
-            if context.mdp.is_terminal[other] and context.reach.reached(other):
+    for cell in missed:
+        for other in context.neighbours(cell):
+            if context.reached_cells[other] and not context.occupied_cells[other]:
                 x, y = context.cell(other)
                 return f"the episode ends on [{x}, {y}], which blocks the path there"
     if context.level.map is not None:
@@ -145,7 +177,7 @@ def _is_cut_off_maze(context: LintContext, missed: set[int]) -> bool:
         if missed.issuperset(map(context.state, cells)):
             return False
     exits = (context.state(cell) for cell in level.exits)
-    waiting, behind = [state for state in exits if context.reach.reached(state)], set[int]()
+    waiting, behind = [cell for cell in exits if context.reached_cells[cell]], set[int]()
     while waiting:
         found = missed.intersection(context.neighbours(waiting.pop())) - behind
         behind |= found
@@ -163,10 +195,18 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
     probability of reaching an exit is 0 under every policy. The check uses the exact transition
     tables, so walls, warps, wind and skidding are all taken into account.
 
+    In a level with things, a cell may be a trap in some configurations only: a switch that closes
+    the way back, a door that taking a key shuts for good. The finding then says what is held or on,
+    and names no more than it takes to tell the trap from other states of that cell.
+
     ## Why is this bad?
 
     An episode that enters such a cell can only be truncated. Its return then depends on the limit
     of steps, which the level may not even have.
+
+    MiniGrid's `UnlockPickup` has such states: an episode that picks up the box while it holds the
+    key can no longer be solved
+    ([Minigrid #179](https://github.com/Farama-Foundation/Minigrid/issues/179)).
 
     ## Example
 
@@ -199,7 +239,9 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
         for state, on in enumerate(reach.on)
         if on and steps[state] >= 0 > reach.to_exit[state]
     ]
-    if traps:
+    if traps and context.level.has_things:
+        yield _trap_among_things(context, steps, traps)
+    elif traps:
         cells = cells_count([context.cell(state) for state in traps])
         verb = "is" if len(traps) == 1 else "are"
         location = context.place(traps[0])
@@ -208,6 +250,31 @@ def inescapable_state(context: LintContext) -> Iterator[Finding]:
             f"{cells} {verb} reachable, but no exit is reachable from there",
             "open a path to an exit, or end the episode there with `ends: true`",
         )
+
+
+def _trap_among_things(context: LintContext, steps: list[int], traps: list[int]) -> Finding:
+    """Return the finding for the trap that is reached first, with the configuration in words."""
+    first = min(traps, key=lambda state: (steps[state], state))
+    occupied = [state for state, on in enumerate(context.reach.on) if on]
+    shut = [state for state in occupied if context.reach.to_exit[state] < 0]
+    told = context.things.told(first, shut, occupied)
+    message = f"from {cells_text([context.cell(first)])}{told and f' with {told}'}"
+    message += ", no exit can be reached"
+    if len(traps) > 1:
+        message += f" (and from {len(traps) - 1} more state{'s' * (len(traps) > 2)})"
+    before = next(
+        state
+        for state, others in enumerate(context.reach.successors)
+        if first in others and steps[state] == steps[first] - 1
+    )
+    help_text = "keep a path to an exit open, or end the episode there with `ends: true`"
+    field, number = context.things.changed(before, first)
+    if field is None:
+        return Finding(context.place(first), message, help_text)
+    name = getattr(context.level, field)[number].name
+    verb = "taking" if field == "items" else "flipping"
+    help_text = f"the robot gets there by {verb} `{name}`: {help_text}"
+    return Finding(context.place_of_entry(field, number), message, help_text)
 
 
 @rule("BR504", formerly="loop-that-pays")
@@ -252,7 +319,7 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
         return
     states = endless_loop(context.mdp, reach, context.solution)
     if states:
-        cells = [context.cell(state) for state in states]
+        cells = [*dict.fromkeys(context.cell(state) for state in states)]
         location = context.place(states[0])
         source = _source_of_reward(context, {*cells})
         if source is not None:
@@ -271,7 +338,7 @@ def unbounded_return(context: LintContext) -> Iterator[Finding]:
 
 
 def _source_of_reward(context: LintContext, cells: set[tuple[int, int]]) -> Route | None:
-    """Return the route of an area or a warp that gives a positive reward on one of the cells."""
+    """Return the route of what gives a positive reward on one of the cells."""
     for number, area in context.level.written("areas"):
         (x, y), (columns, rows) = area.at, area.size
         covered = any(x <= a < x + columns and y <= b < y + rows for a, b in cells)
@@ -280,6 +347,8 @@ def _source_of_reward(context: LintContext, cells: set[tuple[int, int]]) -> Rout
     for number, warp in enumerate(context.level.warps):
         if (warp.reward or 0) > 0 and (warp.at in cells or warp.to in cells):
             return ("warps", number)
+    if context.level.hit.reward > 0 and "hit" in context.data and "reward" in context.data["hit"]:
+        return ("hit", "reward")
     return None
 
 
@@ -290,7 +359,9 @@ def unreachable_exit(context: LintContext) -> Iterator[Finding]:
     ## What it does
 
     Checks for exits that cannot be reached from any start, in levels with another exit that can be.
-    The check uses the exact transition tables.
+    The check uses the exact transition tables. Of the cells of `exit_one_of`, each is checked in
+    the episodes in which it is the exit, and an exit with needs counts as reached when it ends an
+    episode.
 
     ## Why is this bad?
 
@@ -323,7 +394,8 @@ def unreachable_exit(context: LintContext) -> Iterator[Finding]:
     exits = context.level.exits
     if len(exits) < 2:
         return
-    missed = [n for n, cell in enumerate(exits) if not context.reach.reached(context.state(cell))]
+    ended = context.ended_exits
+    missed = [number for number, cell in enumerate(exits) if context.state(cell) not in ended]
     if missed and len(missed) < len(exits):
         location = context.place_of_end("exit", missed[0])
         cells = cells_text([exits[number] for number in missed])

@@ -90,12 +90,19 @@ def _other_rewards(context: LintContext, name: str) -> set[float | None]:
         *puddles,
         *(area.reward for area in level.areas),
         *(warp.reward for warp in level.warps),
+        *(item.reward for item in level.items),
+        level.hit.reward,
     }
 
 
 def _is_surely_given(context: LintContext, name: str) -> bool:
-    """Return whether some move gives a reward, in levels where little else takes precedence."""
+    """Return whether some move gives a reward, in levels where little else takes precedence.
+
+    False means unknown.
+    """
     level, successors = context.level, context.reach.successors
+    if level.has_things:
+        return False
     if name == "exit":
         # Only a warp takes precedence over the exit.
         exits = {context.state(cell) for cell in level.exits}

@@ -47,7 +47,7 @@ def puddle_without_effect(context: LintContext) -> Iterator[Finding]:
     The fix removes the puddle, also from the picture. It is safe, except for a puddle on a warp:
     the transition tables also contain states that are never occupied.
     """
-    from babyrobot_levels.lint.terrain import Effect
+    from babyrobot_levels.lint.terrain import Effect, sure_exits
 
     level = context.level
     if not level.puddles:
@@ -67,7 +67,7 @@ def puddle_without_effect(context: LintContext) -> Iterator[Finding]:
     for number, *effects in idle:
         x, y = level.puddles[number].at
         reason = "the cell has the same reward and skid without it"
-        if (x, y) in level.exits:
+        if (x, y) in sure_exits(level):
             reason = "it is on an exit, where the episode ends"
         elif Effect.UNREACHABLE in effects:
             reason = "it is on a warp, which the robot never occupies"

@@ -11,17 +11,19 @@ from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
+from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
+from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-LAYERS = ("base", "grid", "underlay", "robot", "overlay", "text")
+LAYERS = ("base", "grid", "things", "underlay", "robot", "movers", "overlay", "text")
 """The layers of a picture, from the bottom up."""
 
 
@@ -29,6 +31,8 @@ def build_scene(
     level: GridWorld,
     *,
     state: int | None = None,
+    configuration: int | None = None,
+    heading: int | None = None,
     pose: Pose = STANDING,
     robot: bool = True,
     cells_only: bool = False,
@@ -38,8 +42,12 @@ def build_scene(
 
     Args:
         level: the level; a maze needs a seed.
-        state: the cell of the robot, `y * width + x`. None shows it on the first start, if the
-            level's `display` shows it at all.
+        state: the configuration and the cell of the robot, `configuration * cells + y * width + x`
+            as in `level.compile()`. None shows the robot on the first start, if the level's
+            `display` shows it at all.
+        configuration: what is where, if no state is given. None is the level as a whole: with
+            everything where it begins, and all places of which one is drawn.
+        heading: where the robot looks, 0 N, 1 E, 2 S, 3 W; None for one that does not turn.
         pose: the robot's pose.
         robot: whether the robot is in the picture.
         cells_only: whether to leave out the margin around the grid, panels and compass.
@@ -50,7 +58,14 @@ def build_scene(
         ValueError: the level has no such state, or the overlay has another size than the level.
     """
     layers = build_layers(
-        level, state=state, pose=pose, robot=robot, cells_only=cells_only, overlay=overlay
+        level,
+        state=state,
+        configuration=configuration,
+        heading=heading,
+        pose=pose,
+        robot=robot,
+        cells_only=cells_only,
+        overlay=overlay,
     )
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
     return replace(layers["base"], shapes=shapes)
@@ -60,6 +75,8 @@ def build_layers(
     level: GridWorld,
     *,
     state: int | None = None,
+    configuration: int | None = None,
+    heading: int | None = None,
     pose: Pose = STANDING,
     robot: bool = True,
     cells_only: bool = False,
@@ -71,8 +88,10 @@ def build_layers(
 
     - `base`: the ground, puddles, panels and the compass;
     - `grid`: walls, and the arrows and texts of the level itself;
+    - `things`: items, switches, doors, drawn and locked exits, and what is held;
     - `underlay`: the part of an overlay that is below the robot;
     - `robot`: the robot;
+    - `movers`: guards and wanderers;
     - `overlay`: arrows over the cells;
     - `text`: numbers and texts over the cells and in the panels.
 
@@ -85,10 +104,23 @@ def build_layers(
         "grid": tuple(_grid_shapes(level, layout)),
         "robot": (),
     }
-    if robot and (state is not None or level.display.robot.show):
-        corner = _robot_corner(level, layout, state)
+    pose = pose.turned(heading)
+    cell = level.starts[0] if level.display.robot.show else None
+    if state is not None:
+        place = place_of(level, state)
+        configuration, cell = place.configuration, place.cell
+    cell = cell if robot else None
+    if cell is not None:
+        corner = layout.corner(*cell)
         layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose)
-    layers |= overlay_shapes(level, overlay, layout)._asdict()
+    situation = situation_of(level, configuration)
+    layers["things"] = tuple(
+        shape for piece in pieces(level, layout, situation) for shape in piece.shapes
+    )
+    crowded = overlay.fills_cells
+    movers = moving_pieces(level, layout, situation, cell, crowded=crowded)
+    layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
+    layers |= overlay_shapes(level, overlay.at(configuration, pose.heading), layout)._asdict()
     title = level.title or level.name or "Level"
     return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
 
@@ -105,6 +137,7 @@ def _base_shapes(
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
     yield from puddle_shapes(level, layout)
+    yield from strip_shapes(level, layout)
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
         yield from compass_shapes(level, layout)
@@ -118,12 +151,3 @@ def _grid_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     yield from label_shapes(level, layout)
     if level.display.coordinates:
         yield from coordinate_texts(level, layout)
-
-
-def _robot_corner(level: GridWorld, layout: Layout, state: int | None) -> tuple[float, float]:
-    if state is None:
-        return layout.corner(*level.starts[0])
-    if not 0 <= state < layout.columns * layout.rows:
-        raise ValueError(f"state {state} is not on the level")
-    y, x = divmod(state, layout.columns)
-    return layout.corner(x, y)

@@ -45,9 +45,10 @@ def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
         yield from _pad(layout, cell, colors.start_text)
-    for cell in level.exits:
+    # A drawn exit is another one in each episode.
+    for cell in level.exits if level.exit_one_of is None else ():
         yield _cells(layout, cell, (1, 1), colors.exit)
-        yield from _flag(layout, cell, colors.exit_text)
+        yield from flag_shapes(layout, cell, colors.exit_text)
 
 
 def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str) -> Rect:
@@ -61,7 +62,7 @@ def _pad(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
         yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
 
 
-def _flag(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
+def flag_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
     """Yield the flag that marks an exit."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
     yield Ellipse(x - 8, y + 13, 9, 2.4, "#000000", 0.25)

@@ -6,7 +6,7 @@ import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from babyrobot_levels.language.looks import Panel
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -17,8 +17,48 @@ if TYPE_CHECKING:
 CELL = 64.0
 """The side of a cell in pixels."""
 
+_SLOT = 36.0
+"""The largest side of the square in which a panel shows something that is held."""
+
 COMPASS = 72.0
 """The side of the compass's square in pixels."""
+
+
+STRIP = 42.0
+"""The height of the strip below the grid that shows what is held, where there is no panel."""
+
+
+class Slots(NamedTuple):
+    """Where what is held is shown: squares in rows.
+
+    Attributes:
+        left: the left edge of all squares.
+        top: their upper edge.
+        side: the side of a square.
+        columns: the number of squares in a row.
+        rows: the number of rows.
+    """
+
+    left: float
+    top: float
+    side: float
+    columns: int
+    rows: int
+
+    @property
+    def width(self) -> float:
+        """The width of all squares."""
+        return self.columns * self.side
+
+    @property
+    def height(self) -> float:
+        """The height of all squares."""
+        return self.rows * self.side
+
+    def centre(self, number: int) -> tuple[float, float]:
+        """Return the centre of a square."""
+        row, column = divmod(number, self.columns)
+        return self.left + (column + 0.5) * self.side, self.top + (row + 0.5) * self.side
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +70,10 @@ class Layout:
         rows: the number of rows of cells.
         margin: the width of the margin around the grid.
         side: the width of the strip to the right of the grid, 0 for none.
-        bottom: the height of the strip below the grid, 0 for none.
+        bottom: the height of the panel below the grid, 0 for none.
+        items: the number of items that can be held.
+        held_in: where what is held is shown: in a panel, or in a strip below the grid.
+        strip: the height of that strip, 0 for none.
     """
 
     columns: int
@@ -38,6 +81,9 @@ class Layout:
     margin: float
     side: float
     bottom: float
+    items: int = 0
+    held_in: Literal["side", "bottom", "strip"] = "strip"
+    strip: float = 0.0
 
     @property
     def grid_width(self) -> float:
@@ -67,7 +113,27 @@ class Layout:
     @property
     def height(self) -> float:
         """The height of the picture."""
-        return self.top_height + self.bottom
+        return self.top_height + self.bottom + self.strip
+
+    @property
+    def slots(self) -> Slots | None:
+        """Where what is held is shown; None for a level without items."""
+        if not self.items:
+            return None
+        if self.held_in == "side":
+            room = max(8.0, self.side - 2 * PANEL_EDGE), self.top_height / 2
+            side, columns, rows = _squares(self.items, *room, _SLOT)
+            left = self.left_width + (self.side - columns * side) / 2
+            return Slots(left, self.top_height - rows * side - 4, side, columns, rows)
+        if self.held_in == "bottom":
+            room = self.width / 2, max(8.0, self.bottom - 4)
+            side, columns, rows = _squares(self.items, *room, _SLOT)
+            left = self.width - columns * side - 4
+            top = self.top_height + (self.bottom - rows * side) / 2
+            return Slots(left, top, side, columns, rows)
+        side, columns, rows = _squares(self.items, self.grid_width, self.strip, self.strip)
+        top = self.top_height + (self.strip - rows * side) / 2
+        return Slots(self.margin, top, side, columns, rows)
 
     def corner(self, x: float, y: float) -> tuple[float, float]:
         """Return the top-left corner of a cell; halves give its centre."""
@@ -89,20 +155,44 @@ def layout_of(
         overlay: what is shown over it; its lines get a panel if the level has none.
     """
     columns, rows = level.size
+    items = len(level.items)
     if cells_only:
-        return Layout(columns, rows, 0.0, 0.0, 0.0)
+        # As high as a cell: an agent sees what is held as large as what lies.
+        return Layout(columns, rows, 0.0, 0.0, 0.0, items, strip=CELL if items else 0.0)
     widths = level.resolved_theme.widths
     # Half of the border is outside of the cells and must not be cut off.
     margin = float(math.ceil(max(widths.padding, widths.border / 2)))
     side, bottom = panel_width(level.display.side_panel), panel_width(level.display.bottom_panel)
     if overlay is not None and overlay.side_panel and not side:
         side = Panel().width
+    held_in: Literal["side", "bottom", "strip"] = "side" if side else "strip"
     if level.display.compass:
         side = max(side, COMPASS)
+    if held_in == "strip" and (bottom or (overlay is not None and overlay.bottom_panel)):
+        held_in = "bottom"
     if overlay is not None and overlay.bottom_panel and not bottom:
-        width = columns * CELL + 2 * margin + side
-        bottom = height_of(wrapped(overlay.bottom_panel, width))
-    return Layout(columns, rows, margin, side, bottom)
+        # With items, first as high as their pictures, which leave less room for the text.
+        layout = Layout(columns, rows, margin, side, _SLOT + 4, items, held_in)
+        bottom = height_of(wrapped(overlay.bottom_panel, bottom_room(layout)))
+        bottom = max(bottom, layout.bottom) if items and held_in == "bottom" else bottom
+    strip = STRIP if items and held_in == "strip" else 0.0
+    return Layout(columns, rows, margin, side, bottom, items, held_in, strip)
+
+
+def bottom_room(layout: Layout) -> float:
+    """Return the width that the panel below the grid has for text."""
+    slots = layout.slots
+    return layout.width if slots is None or layout.held_in != "bottom" else slots.left
+
+
+def _squares(count: int, width: float, height: float, largest: float) -> tuple[float, int, int]:
+    """Return the side of the largest squares of which `count` fit in, and columns and rows."""
+
+    def fitting(rows: int) -> tuple[float, int, int]:
+        columns = math.ceil(count / rows)
+        return min(largest, width / columns, height / rows), columns, rows
+
+    return max((fitting(rows) for rows in range(1, count + 1)), key=lambda found: found[0])
 
 
 def panel_width(panel: str | float | Panel) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -44,6 +44,8 @@ class Overlay:
         side_panel: lines for the panel beside the grid. A level without one gets one.
         bottom_panel: lines for the panel below the grid, likewise.
         precision: the largest number of decimals.
+        parts: the overlay of a configuration and heading (each None if none is at hand), where
+            they differ; it takes the place of this one.
     """
 
     values: Rows[float | None] | None = None
@@ -55,3 +57,14 @@ class Overlay:
     side_panel: Sequence[str] = ()
     bottom_panel: Sequence[str] = ()
     precision: int = 2
+    parts: Callable[[int | None, int | None], Overlay] | None = None
+
+    @property
+    def fills_cells(self) -> bool:
+        """Whether it shows something in the middle of cells."""
+        shown = self.values, self.actions, self.action_values, self.visits
+        return any(rows is not None for rows in shown)
+
+    def at(self, configuration: int | None = None, heading: int | None = None) -> Overlay:
+        """Return what is shown in a configuration, with a heading; None for none at hand."""
+        return self if self.parts is None else self.parts(configuration, heading)

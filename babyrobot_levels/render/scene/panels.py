@@ -13,6 +13,7 @@ from babyrobot_levels.render.scene.layout import (
     LINE_SIZE,
     PANEL_EDGE,
     Layout,
+    bottom_room,
     panel_width,
     wrapped,
 )
@@ -34,6 +35,13 @@ def panel_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
     if layout.bottom:
         fill = _ground(display.bottom_panel, ground)
         yield Rect(0, layout.top_height, layout.width, layout.bottom, fill)
+
+
+def strip_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the background of the strip that shows what is held."""
+    if layout.strip:
+        ground = level.resolved_theme.colors.text_bg
+        yield Rect(0, layout.top_height, layout.width, layout.strip, ground)
 
 
 def _ground(panel: str | float | Panel, ground: str) -> str:
@@ -59,16 +67,18 @@ def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[
     """Yield the lines of the panels; long ones are wrapped, those that do not fit left out."""
     display, color = level.display, level.resolved_theme.colors.text_fg
     top = COMPASS if display.compass else 0.0
+    slots = layout.slots
     if layout.side:
+        foot = slots.top if slots is not None and layout.held_in == "side" else layout.top_height
         yield from _lines(
             overlay.side_panel,
-            (layout.left_width, top, layout.side, layout.top_height - top),
+            (layout.left_width, top, layout.side, foot - top),
             _text_color(display.side_panel, color),
         )
     if layout.bottom:
         yield from _lines(
             overlay.bottom_panel,
-            (0.0, layout.top_height, layout.width, layout.bottom),
+            (0.0, layout.top_height, bottom_room(layout), layout.bottom),
             _text_color(display.bottom_panel, color),
         )
 

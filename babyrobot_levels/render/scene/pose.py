@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
@@ -25,11 +25,24 @@ class Pose:
         mood: what has just happened to it.
         phase: the part of a move from cell to cell that is done, 0 to 1. The robot bobs while it
             moves; at 0 and 1 it stands.
+        heading: of a robot that turns, the direction of its next move, 0 N, 1 E, 2 S, 3 W; None
+            for one that does not turn.
     """
 
     facing: Action = Action.STAY
     mood: Mood = Mood.CALM
     phase: float = 0.0
+    heading: int | None = None
+
+    def turned(self, heading: int | None) -> Pose:
+        """Return the pose of a robot that turns, which looks where it is heading.
+
+        None gives the pose of one that does not turn: this one.
+        """
+        if heading is None:
+            return self
+        facing = self.facing if self.mood is Mood.CHEER else Action(heading + Action.NORTH)
+        return replace(self, facing=facing, heading=heading)
 
 
 _FACINGS = {move: action for action, move in DELTAS.items()}
@@ -39,8 +52,8 @@ STANDING = Pose()
 
 
 def pose_of(
-    previous_state: int,
-    state: int,
+    previous_cell: int,
+    cell: int,
     action: int,
     width: int,
     *,
@@ -53,16 +66,16 @@ def pose_of(
     in the direction of its action. At an exit it cheers, facing the viewer.
 
     Args:
-        previous_state: the cell before the step, `y * width + x`.
-        state: the cell after the step.
+        previous_cell: the number of the cell before the step, `y * width + x`.
+        cell: that of the cell after the step.
         action: the action, a `brl.Action`.
         width: the number of columns of the level.
         skidded: whether the robot skidded to another cell than the action leads to.
-        at_exit: whether the cell after the step is an exit.
+        at_exit: whether the cell after the step is an exit that ends the episode.
     """
     if at_exit:
         return Pose(mood=Mood.CHEER)
-    before_y, before_x = divmod(previous_state, width)
-    y, x = divmod(state, width)
+    before_y, before_x = divmod(previous_cell, width)
+    y, x = divmod(cell, width)
     facing = _FACINGS.get((x - before_x, y - before_y), Action(action))
     return Pose(facing, Mood.SLIP if skidded else Mood.CALM)

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from babyrobot_levels.language.looks import Colors, Theme
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -18,6 +18,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     circle,
     curve,
+    polygon,
     polyline,
     rounded,
 )
@@ -71,6 +72,21 @@ def _shapes(colors: Colors, left: float, top: float, pose: Pose) -> Iterator[Sha
     yield from _head(figure, body, pose.facing, turn)
     if pose.facing is not Action.NORTH:
         yield from _face(figure, pose, turn)
+    if pose.heading is not None:
+        yield from _pointer(left, top, pose.heading, colors.arrows)
+
+
+def _pointer(left: float, top: float, heading: int, color: str) -> Iterator[Shape]:
+    """Yield the arrow at the edge of the cell to which a robot that turns is heading."""
+    dx, dy = DELTAS[Action(heading + Action.NORTH)]
+    x, y = left + 32, top + 32
+    points = [
+        (x + along * dx - across * dy, y + along * dy + across * dx)
+        for along, across in ((29.5, 0), (21, 10), (21, -10))
+    ]
+    for ink, width in ((_OUTLINE, 5.6), (_WHITE, 3.2)):
+        yield Path(polygon(points), stroke=ink, width=width)
+    yield Path(polygon(points), fill=color, stroke=color, width=0.8)
 
 
 def _wheels(figure: Figure, turn: int) -> Iterator[Shape]:

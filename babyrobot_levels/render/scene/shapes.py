@@ -7,8 +7,8 @@ colour's own alpha.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 Command = tuple[str, tuple[float, ...]]
@@ -82,6 +82,25 @@ class Scene:
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+
+
+def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shape]:
+    """Yield shapes as they are elsewhere: so many pixels to the right, and down."""
+    for shape in shapes:
+        if isinstance(shape, Path):
+            commands = tuple(
+                (
+                    letter,
+                    tuple(
+                        number + (down if index % 2 else right)
+                        for index, number in enumerate(numbers)
+                    ),
+                )
+                for letter, numbers in shape.commands
+            )
+            yield replace(shape, commands=commands)
+        else:
+            yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
 Point = tuple[float, float]

@@ -24,13 +24,19 @@ _LABEL_SIZES = (12.0, 10.5, 9.0)
 def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
     """Yield START and EXIT at the bottom of their cells, where the robot does not hide them."""
     colors, display = level.resolved_theme.colors, level.display
+    exits = level.exits if level.exit_one_of is None else ()
     for word, cells, shown, fill in (
         ("START", level.starts, display.start_text, colors.start_text),
-        ("EXIT", level.exits, display.exit_text, colors.exit_text),
+        ("EXIT", exits, display.exit_text, colors.exit_text),
     ):
-        for x, y in cells if shown else ():
-            centre, foot = layout.corner(x + 0.5, y + 1)
-            yield Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
+        for cell in cells if shown else ():
+            yield end_text(word, layout, cell, fill)
+
+
+def end_text(word: str, layout: Layout, cell: tuple[int, int], fill: str) -> Text:
+    """Return a word at the bottom of a cell."""
+    centre, foot = layout.corner(cell[0] + 0.5, cell[1] + 1)
+    return Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
 def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -91,7 +97,8 @@ def coordinate_texts(
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     fills = dict.fromkeys(level.starts, colors.start_text)
-    fills |= dict.fromkeys(level.exits, colors.exit_text)
+    if level.exit_one_of is None:
+        fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             left, top = layout.corner(x, y)

@@ -20,17 +20,17 @@ from support.combinations import combined
 from support.fleets import ENGINES, MODES, levels, same, walked
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.tables import (
     ALWAYS,
     Room,
     build_tables,
     empty_tables,
     needed,
-    outcomes_of,
-    write_level,
+    part_of,
+    write_part,
 )
 from babyrobot_levels.envs.observations import OBSERVATIONS
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector import levels as level_slots
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.suite import SuiteVectorEnv
@@ -545,23 +545,28 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
 def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     played: list[Level], first_action: int
 ) -> None:
-    mdps = [level.replace(start=level.starts[0]).compile() for level in played]
-    outcomes = [outcomes_of(mdp, first_action, 0) for mdp in mdps]
-    most = [max(sizes) for sizes in zip(*map(needed, outcomes), strict=True)]
-    room = Room(3, max(mdp.num_states for mdp in mdps), 1, most[0] + 1, most[1] + 1)
-    tables, fresh = (empty_tables(room, first_action, 9) for _ in range(2))
+    one_start = [level.replace(start=level.starts[0]) for level in played]
+    parts = [part_of(level, level.compile(), first_action) for level in one_start]
+    most = [max(sizes) for sizes in zip(*map(needed, parts), strict=True)]
+    room = Room(
+        slots=3,
+        states=max(part.state_info.size for part in parts),
+        starts=1,
+        stochastic=most[0] + 1,
+        outcomes=most[1] + 1,
+    )
+    tables, fresh = (empty_tables(room, 5 - first_action, 9) for _ in range(2))
     span = room.span(1, tables.num_actions)
-    for mdp, each in zip(mdps, outcomes, strict=True):
-        write_level(tables, span, mdp, each)
-    write_level(fresh, span, mdps[-1], outcomes[-1])
+    for part in parts:
+        write_part(tables, span, part)
+    write_part(fresh, span, parts[-1])
     for name in ("stochastic", "threshold", "first", "limit", "starts", "first_start"):
         assert np.array_equal(getattr(tables, name), getattr(fresh, name)), name
-    alone = build_tables(mdps[-1:], [9], first_action)
+    alone = build_tables(parts[-1:], [9])
     base, num_rows = room.states, alone.idle_row
     assert tables.starts[span.starts].tolist() == (alone.starts + base).tolist()
-    for name in ("is_terminal", "state_info"):
-        own = getattr(alone, name)
-        assert np.array_equal(getattr(tables, name)[base : base + own.size], own)
+    own = alone.state_info
+    assert np.array_equal(tables.state_info[base : base + own.size], own)
     for row in range(num_rows):
         ours, theirs = tables.stochastic[span.rows.start + row], alone.stochastic[row]
         assert (ours < 0) == (theirs < 0)

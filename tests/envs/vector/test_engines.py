@@ -16,10 +16,10 @@ from support.fleets import ENGINES, MODES, levels, same, walked
 from support.playing import level_named
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.draws import SharedDraws
 from babyrobot_levels.envs.engine.factory import make_engine
-from babyrobot_levels.envs.engine.tables import ALWAYS, build_tables
-from babyrobot_levels.envs.spaces import ACTION_SETS
+from babyrobot_levels.envs.engine.tables import ALWAYS, TERMINAL, build_tables, info_dtype, part_of
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
 
@@ -127,7 +127,11 @@ def test_both_engines_roll_out_the_same(
 @given(level=levels(), first_action=st.sampled_from([0, 1]))
 def test_the_tables_are_those_of_the_level(level: Level, first_action: int) -> None:
     mdp = level.compile()
-    tables = build_tables([level_named("frozen-lake").compile(), mdp], [1, 1], first_action)
+    parts = [
+        part_of(each, each.compile(), first_action) for each in (level_named("frozen-lake"), level)
+    ]
+    tables = build_tables(parts, [1, 1])
+    end = tables.outcome_info.view(info_dtype(tables.num_actions))["end"]
     base = tables.offset[1]
     for state in range(mdp.num_states):
         for action in range(tables.num_actions):
@@ -139,7 +143,8 @@ def test_the_tables_are_those_of_the_level(level: Level, first_action: int) -> N
             first = tables.first[number] if number >= 0 else row
             outcomes = range(first, first + count)
             ends = tables.next_state[outcomes]
-            told = zip(ends - base, tables.reward[outcomes], tables.is_terminal[ends], strict=True)
+            is_over = end[outcomes] == TERMINAL
+            told = zip(ends - base, tables.reward[outcomes], is_over, strict=True)
             wanted = mdp.outcomes(state, action + first_action)
             assert chances == pytest.approx([outcome[0] for outcome in wanted])
             assert list(told) == [outcome[1:] for outcome in wanted]
@@ -256,8 +261,9 @@ def test_chances_are_those_of_the_level(engine: str) -> None:
 
 
 def engine_of(name: str | None) -> str:
-    tables = build_tables([level_named("default").compile()], [1], 0)
-    return make_engine(name, tables, np.empty((tables.is_terminal.size, 0), np.int64), 1).name
+    level = level_named("default")
+    tables = build_tables([part_of(level, level.compile(), 0)], [1])
+    return make_engine(name, tables, np.empty((tables.state_info.size, 0), np.int64), 1).name
 
 
 def without_numba(monkeypatch: pytest.MonkeyPatch) -> None:

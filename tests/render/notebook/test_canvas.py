@@ -37,7 +37,7 @@ def test_a_level_of_any_size_is_drawn_in_one_message(level: brl.Level, sent: Sen
     assert len(sent.drawings) == 1
     assert sent.layers == ids(stage, *LAYERS)
     # The rest says what canvases there are, and how large.
-    assert len(sent.kinds) <= 30
+    assert len(sent.kinds) <= 38
 
 
 def test_only_layers_that_differ_are_painted(sent: Sent) -> None:
@@ -194,7 +194,7 @@ def test_a_closed_stage_leaves_the_layers_that_a_page_may_still_draw_on(sent: Se
     sent.clear()
     stage.close()
     assert stage.widget.comm is None
-    assert [(layer.comm is None, layer.width, layer.height) for layer in layers] == 6 * [
+    assert [(layer.comm is None, layer.width, layer.height) for layer in layers] == len(LAYERS) * [
         (False, 1, 1)
     ]
     sent.clear()

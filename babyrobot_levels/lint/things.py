@@ -1,0 +1,192 @@
+"""What becomes of a level's things: by configuration, and by transition, from the tables alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.mdp.tables import Mdp
+
+Flags = NDArray[np.bool_]
+
+MAX_OUTCOMES = 20_000_000
+"""In larger tables (states times actions times outcomes), hits are not looked for."""
+
+
+class ThingEffects:
+    """What happens to items, switches, doors and movers.
+
+    A configuration *is played* if an episode can be in it and go on: others only occur in the step
+    that ends an episode.
+
+    Attributes:
+        level: the level.
+        mdp: its tables.
+    """
+
+    def __init__(self, level: Level, mdp: Mdp) -> None:
+        self.level, self.mdp, self._things = level, mdp, level.things()
+
+    # -- by configuration --------------------------------------------------------------------
+
+    @cached_property
+    def is_played(self) -> Flags:
+        """In which configurations an episode can go on, `[configurations]`."""
+        goes_on = ~self.mdp.is_terminal.reshape(self.mdp.num_configurations, -1)
+        is_played: Flags = goes_on.max(axis=1)
+        return is_played
+
+    @cached_property
+    def met(self) -> dict[str, Flags]:
+        """For each item whether it is held, for each switch whether it is on, when played."""
+        values, things = self.mdp.configurations[self.is_played], self._things
+        met = {}
+        for column, item in enumerate(self.level.items, things.items.start):
+            met[item.name] = values[:, column] == len(item.places)
+        for column, switch in enumerate(self.level.switches, things.switches.start):
+            met[switch.name] = values[:, column] == 1
+        return met
+
+    def are_met(self, names: Iterable[str]) -> Flags:
+        """Return in which of the played configurations all names are held or on."""
+        found = np.ones(np.count_nonzero(self.is_played), bool)
+        for name in names:
+            found &= self.met[name]
+        return found
+
+    def is_closed(self, door: int) -> Flags:
+        """Return in which of the played configurations a door is closed, by its index."""
+        closed = ~self.are_met(self.level.doors[door].keys)
+        for name in self.level.doors[door].locks:
+            closed |= self.met[name]
+        return closed
+
+    @property
+    def working_doors(self) -> list[int]:
+        """The doors that are open in some played configurations and closed in others."""
+        closed = [self.is_closed(number) for number in range(len(self.level.doors))]
+        return [number for number, each in enumerate(closed) if each.any() and not each.all()]
+
+    @property
+    def exits_open(self) -> bool:
+        """Whether what the exits need is ever met. They open before the robot arrives there."""
+        return bool(self.are_met(self.level.exit_keys).any())
+
+    def mover_name(self, number: int) -> str:
+        """Return the name of a mover, also of one that has none."""
+        return self._things.names[self._things.static + number]
+
+    def is_item(self, name: str) -> bool:
+        """Return whether a name is that of an item, not of a switch."""
+        return any(item.name == name for item in self.level.items)
+
+    # -- by transition -----------------------------------------------------------------------
+
+    @cached_property
+    def happens(self) -> Flags:
+        """Which outcomes can happen in an episode, `[states, actions, outcomes]`."""
+        return (self.mdp.probability > 0) & ~self.mdp.is_terminal[:, None, None]
+
+    def places_left(self, item: int) -> list[int]:
+        """Return the numbers of the places of an item from which it is never taken."""
+        mdp, column = self.mdp, self._things.items.start + item
+        count = len(self.level.items[item].places)
+        values = mdp.configurations[:, column]
+        if not (values == count).any():
+            return list(range(count))
+        size = mdp.cells
+        taken = np.zeros(count + 1, bool)
+        states, actions, outcomes = self.happens.nonzero()
+        after = values[mdp.next_state[states, actions, outcomes] // size]
+        taken[values[states // size][after == count]] = True
+        # What lies under a start is held from the beginning.
+        starts = {*self.level.starts}
+        places = self.level.items[item].places
+        return [n for n, place in enumerate(places) if not taken[n] and place not in starts]
+
+    def changed(self, before: int, after: int) -> tuple[str | None, int]:
+        """Return the field and number of the item or switch that a transition changes.
+
+        The field is None if there is none.
+        """
+        rows = self.mdp.configurations[[before // self.mdp.cells, after // self.mdp.cells]]
+        for field, columns in (("items", self._things.items), ("switches", self._things.switches)):
+            numbers = np.flatnonzero(rows[0, columns] != rows[1, columns])
+            if numbers.size:
+                return field, int(numbers[0])
+        return None, 0
+
+    @property
+    def can_look_for_hits(self) -> bool:
+        """Whether the tables are small enough to look for hits in all of them."""
+        return self.mdp.probability.size <= MAX_OUTCOMES
+
+    @cached_property
+    def hits(self) -> list[Flags]:
+        """For each mover, which outcomes are a hit by it, `[states, actions, outcomes]`.
+
+        The robot is hit if it stands where the mover stands after the step, or if both changed
+        places.
+        """
+        mdp = self.mdp
+        states = np.arange(mdp.num_states)
+        here = (states % mdp.cells)[:, None, None]
+        there = mdp.next_state % mdp.cells
+        found = []
+        for column, mover in enumerate(self.level.movers, self._things.static):
+            phases = np.array([y * mdp.width + x for x, y in mover.phases])
+            stands = phases[mdp.configurations[:, column]]
+            before = stands[states // mdp.cells][:, None, None]
+            after = stands[mdp.next_state // mdp.cells]
+            swapped = (before == there) & (after == here) & (here != there)
+            found.append(self.happens & ((after == there) | swapped))
+        return found
+
+    # -- in words ----------------------------------------------------------------------------
+
+    def told(self, state: int, alike: Sequence[int], among: Sequence[int]) -> str:
+        """Return what distinguishes a state from others of its cell: `lever` on and `key` held.
+
+        As few things as possible are named: those without which the words would also be true of a
+        state that is not alike. Things that stand still come before movers.
+
+        Args:
+            state: the state.
+            alike: the states of which the words may be true.
+            among: these and those of which they must not be true.
+        """
+        size, configurations = self.mdp.cells, self.mdp.configurations
+        same = {*alike}
+        others = [
+            each // size for each in among if each % size == state % size and each not in same
+        ]
+        values = configurations[state // size]
+        named = list(range(len(values)))
+        for column in reversed(range(len(values))):
+            rest = [each for each in named if each != column]
+            if not (configurations[others][:, rest] == values[rest]).all(axis=1).any():
+                named = rest
+        return listed([self._value(column, int(values[column])) for column in named])
+
+    def _value(self, column: int, value: int) -> str:
+        things, level = self._things, self.level
+        name = f"`{things.names[column]}`"
+        if column >= things.static:
+            return f"{name} on {_cell(level.movers[column - things.static].phases[value])}"
+        if column >= things.switches.start:
+            return f"{name} {'on' if value else 'off'}"
+        if column < things.items.start:
+            return f"the exit on {_cell(level.exits[value])}"
+        places = level.items[column - things.items.start].places
+        if value == len(places):
+            return f"{name} held"
+        return f"{name} not held" if len(places) == 1 else f"{name} on {_cell(places[value])}"
+
+
+def _cell(cell: tuple[int, int]) -> str:
+    return f"[{cell[0]}, {cell[1]}]"

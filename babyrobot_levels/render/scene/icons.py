@@ -1,0 +1,229 @@
+"""The pictures of items, and the lock of an exit: flat shapes with an outline and a light rim.
+
+The dark outline holds on light grounds, the rim on dark ones, so that an icon stands out on any
+theme, and on areas of any colour.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from babyrobot_levels.language.looks import Colors
+from babyrobot_levels.render.colors import over, rgba
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Path,
+    Shape,
+    circle,
+    curve,
+    polygon,
+    polyline,
+    rounded,
+)
+
+INK = "#232c38"
+"""The colour of outlines: that of the robot's."""
+
+RIM = "#ffffff"
+"""The colour around the outlines."""
+
+_LIGHT, _DARK = "#ffffff", "#000000"
+_OUTLINE, _RIM = 2.2, 1.6
+"""The widths of outline and rim in pixels."""
+
+Commands = tuple[Command, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Spot:
+    """Where and how large a figure is drawn; it is designed around (0, 0), 64 pixels wide.
+
+    Attributes:
+        x: its centre in the picture.
+        y: its centre in the picture.
+        scale: its size.
+        faded_on: the colour of the ground into which the whole figure fades; None for a clear one.
+        strength: the share of its colours that a faded figure keeps.
+    """
+
+    x: float
+    y: float
+    scale: float = 1.0
+    faded_on: str | None = None
+    strength: float = 0.72
+
+    def moved(self, commands: Iterable[Command]) -> Commands:
+        """Return a path of the figure in the picture."""
+        return tuple(
+            (
+                letter,
+                tuple(
+                    (self.y if index % 2 else self.x) + self.scale * number
+                    for index, number in enumerate(numbers)
+                ),
+            )
+            for letter, numbers in commands
+        )
+
+    def ink(self, color: str) -> str:
+        """Return the colour in which something of this colour is painted."""
+        return color if self.faded_on is None else mixed(color, self.faded_on, self.strength)
+
+    def fill(self, commands: Iterable[Command], color: str, opacity: float = 1.0) -> Path:
+        """Return a filled outline."""
+        return Path(self.moved(commands), fill=self.ink(color), opacity=opacity)
+
+    def line(
+        self, commands: Iterable[Command], color: str, width: float, opacity: float = 1.0
+    ) -> Path:
+        """Return a line with round ends."""
+        return Path(
+            self.moved(commands),
+            stroke=self.ink(color),
+            width=self.scale * width,
+            cap="round",
+            opacity=opacity,
+        )
+
+    def body(self, commands: Commands, color: str) -> Iterator[Path]:
+        """Yield a filled outline with its rim."""
+        yield self.line(commands, RIM, 2 * (_OUTLINE + _RIM))
+        yield self.line(commands, INK, 2 * _OUTLINE)
+        yield self.fill(commands, color)
+
+    def wire(self, commands: Commands, color: str, width: float) -> Iterator[Path]:
+        """Yield a thick line with its outline and rim."""
+        yield self.line(commands, RIM, width + 2 * (_OUTLINE + _RIM))
+        yield self.line(commands, INK, width + 2 * _OUTLINE)
+        yield self.line(commands, color, width)
+
+
+# -- colours -------------------------------------------------------------------------------------
+
+_COLORS = {
+    "key": "#ffc21a",
+    "coin": "#ffd84d",
+    "gem": "#35c9e8",
+    "star": "#ffe14a",
+    "box": "#d69552",
+    "door": "#b9773a",
+    "switch": "#3ee08a",
+    "guard": "#ff5d73",
+    "wanderer": "#b794ff",
+}
+"""The colours of things that have none of their own, by shape or kind."""
+
+KINDS = tuple(_COLORS)
+
+
+def default_color(kind: str, colors: Colors) -> str:
+    """Return the colour of a kind of thing in a theme; a theme of greys takes a grey."""
+    return _gray(_COLORS[kind]) if is_gray(colors) else _COLORS[kind]
+
+
+def is_gray(colors: Colors) -> bool:
+    """Return whether a theme paints ground, walls, arrows and robot in greys."""
+    parts = (colors.base, colors.walls, colors.arrows, colors.robot)
+    return all(len({*rgba(color)[:3]}) == 1 for color in parts)
+
+
+def mixed(color: str, ground: str, share: float) -> str:
+    """Return a colour of which only a share is left on a ground, as `#rrggbb`."""
+    below = over(ground, (255, 255, 255))
+    parts = zip(over(color, below), below, strict=True)
+    return "#" + "".join(f"{round(share * top + (1 - share) * low):02x}" for top, low in parts)
+
+
+def _gray(color: str) -> str:
+    red, green, blue, _ = rgba(color)
+    level = round(0.299 * red + 0.587 * green + 0.114 * blue)
+    return f"#{level:02x}{level:02x}{level:02x}"
+
+
+# -- items ---------------------------------------------------------------------------------------
+
+
+def item_shapes(shape: str, color: str, spot: Spot) -> Iterator[Shape]:
+    """Yield the picture of an item.
+
+    Args:
+        shape: one of `SHAPES` of the language.
+        color: a CSS colour.
+        spot: where.
+    """
+    yield from _PICTURES[shape](color, spot)
+
+
+def _key(color: str, spot: Spot) -> Iterator[Shape]:
+    bow = circle(-6.5, -6.5, 7.5)
+    shaft = polyline([(-1.2, -1.2), (14.5, 14.5)])
+    teeth = (*polyline([(7, 7), (12, 2)]), *polyline([(13.5, 13.5), (18.0, 9.0)]))
+    yield from spot.wire((*bow, *shaft, *teeth), color, 5.4)
+    yield spot.fill(circle(-6.5, -6.5, 4.0), INK)
+    shine = curve((-13.2, -8.0), (-12.0, -12.0), (-8.0, -13.2))
+    yield spot.line(shine, _LIGHT, 1.8, 0.85)
+
+
+def _coin(color: str, spot: Spot) -> Iterator[Shape]:
+    yield from spot.body(circle(0, 0, 14.5), color)
+    yield spot.line(circle(0, 0, 9.8), _DARK, 1.8, 0.28)
+    yield spot.line(polyline([(0, -4.2), (0, 4.2)]), _DARK, 3.6, 0.55)
+    shine = curve((-11.6, -3.6), (-9.6, -9.6), (-3.6, -11.6))
+    yield spot.line(shine, _LIGHT, 2.2, 0.9)
+
+
+def _gem(color: str, spot: Spot) -> Iterator[Shape]:
+    left, right = (-17.0, -4.0), (17.0, -4.0)
+    crown_left, crown_right, foot = (-9.5, -13.5), (9.5, -13.5), (0.0, 16.0)
+    yield from spot.body(polygon([left, crown_left, crown_right, right, foot]), color)
+    inner_left, inner_right = (-6.0, -4.0), (6.0, -4.0)
+    yield spot.fill(polygon([left, inner_left, foot]), _DARK, 0.16)
+    yield spot.fill(polygon([right, inner_right, foot]), _DARK, 0.30)
+    yield spot.fill(polygon([crown_left, crown_right, inner_right, inner_left]), _LIGHT, 0.5)
+    yield spot.fill(polygon([left, crown_left, inner_left]), _LIGHT, 0.25)
+
+
+def _star(color: str, spot: Spot) -> Iterator[Shape]:
+    points = [
+        (reach * math.sin(math.pi * index / 5), 1.4 - reach * math.cos(math.pi * index / 5))
+        for index in range(10)
+        for reach in ((17.5, 8.0)[index % 2],)
+    ]
+    yield from spot.body(polygon(points), color)
+    # The facets that look to the lower right lie in the shade.
+    shade = [(0.0, 1.4), *points[2:6]]
+    yield spot.fill(polygon(shade), _DARK, 0.16)
+
+
+def _box(color: str, spot: Spot) -> Iterator[Shape]:
+    yield from spot.body(rounded(-15, -13, 30, 27, 2.5), color)
+    yield spot.fill(rounded(-15, -13, 30, 8.5, 2.5), _LIGHT, 0.3)
+    yield spot.line(polyline([(-15, -4.5), (15, -4.5)]), INK, 2.0)
+    yield spot.fill(polygon([(-3.5, -13), (3.5, -13), (3.5, 0.5), (-3.5, 0.5)]), _DARK, 0.45)
+
+
+_PICTURES: dict[str, Callable[[str, Spot], Iterator[Shape]]] = {
+    "key": _key,
+    "coin": _coin,
+    "gem": _gem,
+    "star": _star,
+    "box": _box,
+}
+
+
+def padlock_shapes(color: str, spot: Spot) -> Iterator[Shape]:
+    """Yield a padlock."""
+    shackle: Commands = (
+        ("M", (-6.5, -1)),
+        ("L", (-6.5, -6)),
+        ("C", (-6.5, -14.5, 6.5, -14.5, 6.5, -6)),
+        ("L", (6.5, -1)),
+    )
+    yield from spot.wire(shackle, color, 3.2)
+    yield spot.fill(shackle, INK)
+    yield spot.line(shackle, color, 3.2)
+    yield from spot.body(rounded(-11.5, -2, 23, 16, 3.5), color)
+    yield spot.fill(circle(0, 4.6, 2.7), INK)
+    yield spot.line(polyline([(0, 5), (0, 9.4)]), INK, 2.4)

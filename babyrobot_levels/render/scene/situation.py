@@ -1,0 +1,154 @@
+"""What is where in a picture: the things of a configuration, or of the level as a whole."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.things import Mover
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+Cell = tuple[int, int]
+
+
+class Place(NamedTuple):
+    """What a state means in a picture: the number of the configuration, and the robot's cell."""
+
+    configuration: int
+    x: int
+    y: int
+
+    @property
+    def cell(self) -> Cell:
+        """The robot's cell."""
+        return self.x, self.y
+
+
+def place_of(level: GridWorld, state: int) -> Place:
+    """Return the configuration and the cell of a state, `configuration * cells + y * width + x`.
+
+    This is the numbering of `level.compile()`; of a robot that turns, the heading is given apart.
+
+    Raises:
+        ValueError: the level has no such state.
+    """
+    width, height = level.size
+    configuration, cell = divmod(state, width * height)
+    count = level.compile().num_configurations if configuration and level.has_things else 1
+    if not 0 <= configuration < count:
+        raise ValueError(f"state {state} is not on the level")
+    y, x = divmod(cell, width)
+    return Place(configuration, x, y)
+
+
+def is_at_open_exit(level: GridWorld, state: int) -> bool:
+    """Return whether the robot is at an exit that ends the episode."""
+    place = place_of(level, state)
+    if not level.has_things:
+        return place.cell in level.exits
+    now = level.configuration(place.configuration)
+    return now.exit_is_open and place.cell in now.exits
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """What is where.
+
+    Attributes:
+        exits: the cells that are exits, or of which one is.
+        is_locked: whether the exits need something that is not held, or not on.
+        items: for each item, the cells in which it lies, or in one of which; none while held.
+        on: for each switch, whether it is on.
+        movers: for each mover, the cell in which it stands.
+        looks: for each mover, the way to the next cell of its path, `(dx, dy)`; `(0, 0)` for one
+            that stays, or walks at random.
+        doors: for each door, whether it is closed.
+        is_overview: whether it is the level as a whole, in which several places are possible.
+    """
+
+    exits: tuple[Cell, ...]
+    is_locked: bool
+    items: tuple[tuple[Cell, ...], ...]
+    on: tuple[bool, ...]
+    movers: tuple[Cell, ...]
+    looks: tuple[Cell, ...]
+    doors: tuple[bool, ...]
+    is_overview: bool = False
+
+    @property
+    def standing(self) -> tuple[object, ...]:
+        """Everything but movers: situations in which it is the same have the same pieces."""
+        return self.exits, self.is_locked, self.items, self.on, self.doors, self.is_overview
+
+    @property
+    def lying(self) -> frozenset[Cell]:
+        """The cells in which items lie, or may lie."""
+        return frozenset(cell for cells in self.items for cell in cells)
+
+
+def situation_of(level: GridWorld, configuration: int | None) -> Situation:
+    """Return what is where in a configuration; None for the level as a whole.
+
+    The level as a whole shows everything where it begins, and all places of which one is drawn.
+
+    Raises:
+        ValueError: the level has no such configuration.
+    """
+    if not level.has_things:
+        if configuration:
+            raise ValueError("the level has no things, and so a single configuration")
+        return Situation(level.exits, False, (), (), (), (), ())
+    if configuration is None:
+        return _overview(level)
+    count = level.compile().num_configurations
+    if not 0 <= configuration < count:
+        raise ValueError(f"configuration {configuration} is not one of the level's {count}")
+    found = level.configuration(configuration)
+    return Situation(
+        exits=found.exits,
+        is_locked=not found.exit_is_open,
+        items=tuple(() if cell is None else (cell,) for cell in found.items),
+        on=found.on,
+        movers=found.movers,
+        looks=_looks(level, found.values[level.things().static :]),
+        doors=found.doors,
+    )
+
+
+def _overview(level: GridWorld) -> Situation:
+    met = frozenset(switch.name for switch in level.switches if switch.on)
+    return Situation(
+        exits=level.exits,
+        is_locked=not met.issuperset(level.exit_keys),
+        items=tuple(item.places for item in level.items),
+        on=tuple(switch.on for switch in level.switches),
+        movers=tuple(_first_cell(mover) for mover in level.movers),
+        looks=_looks(level, [0] * len(level.movers)),
+        doors=level.things().closed(met),
+        is_overview=True,
+    )
+
+
+def _looks(level: GridWorld, phases: Sequence[int]) -> tuple[Cell, ...]:
+    """Return where movers look, by the phases of those that walk a path."""
+    looks = []
+    for mover, phase in zip(level.movers, phases, strict=True):
+        cells = mover.phases if mover.within is None else ()
+        if not cells:
+            looks.append((0, 0))
+            continue
+        (x, y), (to_x, to_y) = cells[phase], cells[(phase + 1) % len(cells)]
+        looks.append((to_x - x, to_y - y))
+    return tuple(looks)
+
+
+def _first_cell(mover: Mover) -> Cell:
+    """Return where a mover begins; of one that is drawn, the middle of its rectangle."""
+    if mover.within is None:
+        return mover.phases[0]
+    if mover.start is not None:
+        return mover.start
+    (left, top), (width, height) = mover.within.at, mover.within.size
+    return left + (width - 1) // 2, top + (height - 1) // 2

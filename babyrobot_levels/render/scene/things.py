@@ -1,0 +1,339 @@
+"""Things as they are drawn: pieces that change as one, each with the value that it shows."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels.language.things import Door
+from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.render.scene.ground import flag_shapes
+from babyrobot_levels.render.scene.icons import (
+    INK,
+    Commands,
+    Spot,
+    default_color,
+    item_shapes,
+    mixed,
+    padlock_shapes,
+)
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout
+from babyrobot_levels.render.scene.movers import mover_shapes, mover_spots, track_shapes
+from babyrobot_levels.render.scene.shapes import (
+    Ellipse,
+    Point,
+    Rect,
+    Shape,
+    Text,
+    circle,
+    polyline,
+    rounded,
+)
+from babyrobot_levels.render.scene.situation import Cell, Situation
+from babyrobot_levels.render.scene.texts import end_text, fit
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+_WHITE = "#ffffff"
+_TILE = 4.5
+"""The distance of a drawn exit from the edges of its cell, in pixels."""
+
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A part of the picture that changes as one.
+
+    Attributes:
+        name: what it is and what it shows: the same name gives the same shapes in all pictures of
+            one layout of a level.
+        box: left, top, right and bottom of the rectangle that contains its shapes, in pixels.
+        draw: returns its shapes.
+    """
+
+    name: tuple[Any, ...]
+    box: Box
+    draw: Callable[[], Iterable[Shape]]
+
+    @property
+    def shapes(self) -> tuple[Shape, ...]:
+        """Its shapes, in painting order."""
+        return tuple(self.draw())
+
+
+def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+    """Yield everything but movers that may differ between configurations, from the bottom up.
+
+    A door that is open, and a square for what is not held, are pieces as well; an item that does
+    not lie anywhere is none.
+    """
+    if not level.has_things:
+        return
+    if situation.is_overview:
+        whole = (0.0, 0.0, layout.width, layout.height)
+        yield Piece(("tracks",), whole, partial(track_shapes, level, layout))
+    yield from _exits(level, layout, situation)
+    for number, is_on in enumerate(situation.on):
+        cell = level.switches[number].at
+        draw = partial(_switch, level, layout, number, is_on)
+        yield Piece(("switch", number, is_on), _cell_box(layout, cell), draw)
+    for number, cells in enumerate(situation.items):
+        for cell in cells:
+            faint = len(cells) > 1
+            draw = partial(_item, level, layout, number, cell, faint)
+            yield Piece(("item", number, cell, faint), _cell_box(layout, cell), draw)
+    for number, closed in enumerate(situation.doors):
+        door = level.doors[number]
+        for x, y in sides_of(door):
+            centre, is_upright = _side_centre(layout, door, x, y)
+            draw = partial(_door, level, door, centre, is_upright, closed)
+            reach = max(36.0, (door.width or 0.0) / 2 + 8)
+            box = centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach
+            yield Piece(("door", number, (x, y), closed), box, draw)
+    yield from held_pieces(level, layout, situation)
+
+
+def _cell_box(layout: Layout, cell: Cell) -> Box:
+    return *layout.corner(*cell), *layout.corner(cell[0] + 1, cell[1] + 1)
+
+
+def _centre(layout: Layout, cell: Cell) -> Point:
+    return layout.corner(cell[0] + 0.5, cell[1] + 0.5)
+
+
+# -- items ---------------------------------------------------------------------------------------
+
+
+def _item(
+    level: GridWorld, layout: Layout, number: int, cell: Cell, faint: bool
+) -> Iterator[Shape]:
+    item, colors = level.items[number], level.resolved_theme.colors
+    color = item.color or default_color(item.picture, colors)
+    x, y = _centre(layout, cell)
+    # A label needs room below.
+    y -= 5 if item.label else 0
+    yield from item_shapes(item.picture, color, Spot(x, y, 1.0, colors.base if faint else None))
+    if faint:
+        yield from _question_mark(x + 14, y + 13)
+    yield from _label(level, layout, cell, item.label)
+
+
+def _question_mark(x: float, y: float) -> Iterator[Shape]:
+    """Yield the mark of one of several places."""
+    yield Ellipse(x, y, 8.5, 8.5, _WHITE)
+    yield Ellipse(x, y, 7.3, 7.3, INK)
+    yield Text(x, y + 4.1, "?", 11.5, _WHITE, bold=True)
+
+
+def _label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> Iterator[Shape]:
+    """Yield the label of a thing at the foot of its cell."""
+    line = " ".join((label or "").split())
+    if not line:
+        return
+    colors = level.resolved_theme.colors
+    size, text = fit(line, CELL - 10)
+    width, height = len(text) * size * CHARACTER_WIDTH + 0.8 * size, 1.3 * size
+    centre, foot = layout.corner(cell[0] + 0.5, cell[1] + 1)
+    yield Rect(centre - width / 2, foot - height - 2, width, height, colors.text_bg, height / 2)
+    yield Text(centre, foot - 2 - 0.32 * size, text, size, colors.text_fg)
+
+
+# -- switches ------------------------------------------------------------------------------------
+
+
+def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Iterator[Shape]:
+    """Yield a plate in the floor: an empty frame with a ring while off, filled while on.
+
+    It is larger than the robot, which may stand on it.
+    """
+    switch = level.switches[number]
+    spot = Spot(*_centre(layout, switch.at))
+    color = switch.color or default_color("switch", level.resolved_theme.colors)
+    plate = rounded(-22.5, -22.5, 45, 45, 9)
+    if is_on:
+        yield from spot.body(plate, color)
+        yield spot.fill(rounded(-16.5, -16.5, 33, 33, 5), _WHITE, 0.35)
+        yield spot.line(polyline([(0, -8), (0, 8)]), INK, 6.0)
+    else:
+        yield from spot.wire(plate, color, 3.0)
+        for ink, width in ((INK, 5.6), (color, 3.0)):
+            yield spot.line(circle(0, 0, 7.5), ink, width)
+    yield from _label(level, layout, switch.at, switch.label)
+
+
+# -- doors ---------------------------------------------------------------------------------------
+
+_LEAF = 13.0
+"""The thickness of a door without a width of its own."""
+
+
+def _side_centre(layout: Layout, door: Door, x: int, y: int) -> tuple[Point, bool]:
+    """Return the middle of the side at which a door stands, and whether the side is upright."""
+    is_upright = door.side in ("E", "W")
+    dx, dy = {"N": (0.5, 0.0), "E": (1.0, 0.5), "S": (0.5, 1.0), "W": (0.0, 0.5)}[door.side]
+    return layout.corner(x + dx, y + dy), is_upright
+
+
+def door_color(level: GridWorld, door: Door) -> str:
+    """Return the colour of a door: its own, that of the item it needs first, or that of wood."""
+    colors = level.resolved_theme.colors
+    if door.color is not None:
+        return door.color
+    named = {item.name: item for item in level.items}
+    for name in door.keys:
+        if name in named:
+            item = named[name]
+            return item.color or default_color(item.picture, colors)
+    return default_color("door", colors)
+
+
+def _door(
+    level: GridWorld, door: Door, centre: Point, is_upright: bool, closed: bool
+) -> Iterator[Shape]:
+    """Yield the posts of a door, and its leaf between them, or what is seen of it while open."""
+    spot, color = Spot(*centre), door_color(level, door)
+    thick = _LEAF if door.width is None else max(1.0, door.width)
+
+    def bar(first: float, last: float, thickness: float, radius: float) -> Commands:
+        half = thickness / 2
+        if is_upright:
+            return rounded(-half, first, thickness, last - first, radius)
+        return rounded(first, -half, last - first, thickness, radius)
+
+    def at(along: float, across: float) -> Point:
+        return (across, along) if is_upright else (along, across)
+
+    if closed:
+        yield from spot.body(bar(-24, 24, thick, 2), color)
+        for along in (-12.5, 12.5):
+            line = polyline([at(along, -thick / 2), at(along, thick / 2)])
+            yield spot.line(line, INK, 1.8, 0.7)
+        if _has_lock(level, door):
+            yield spot.fill(circle(0, 0, 5.2), INK)
+            yield spot.fill(circle(0, 0, 2.0), _WHITE)
+    else:
+        for first, last in ((-25, -17), (17, 25)):
+            yield from spot.body(bar(first, last, thick, 2), color)
+    post = mixed(color, INK, 0.35)
+    for along in (-28, 28):
+        yield from spot.body(bar(along - 3.5, along + 3.5, thick + 3, 2), post)
+
+
+def _has_lock(level: GridWorld, door: Door) -> bool:
+    return not {item.name for item in level.items}.isdisjoint(door.keys)
+
+
+# -- exits ---------------------------------------------------------------------------------------
+
+
+def _exits(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+    is_drawn = level.exit_one_of is not None
+    if not (is_drawn or situation.is_locked):
+        return
+    faint = situation.is_overview and is_drawn
+    for cell in situation.exits:
+        box = _cell_box(layout, cell)
+        if is_drawn:
+            draw = partial(_drawn_exit, level, layout, cell, faint)
+            yield Piece(("exit", cell, faint), box, draw)
+        if situation.is_locked:
+            yield Piece(("lock", cell), box, partial(_lock, level, layout, cell))
+        if faint:
+            x, y = _centre(layout, cell)
+            yield Piece(("perhaps", cell), box, partial(_question_mark, x + 14, y + 13))
+
+
+def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> Iterator[Shape]:
+    """Yield the exit of one episode: a tile above the ground; faintly where it is only possible."""
+    colors, (left, top) = level.resolved_theme.colors, layout.corner(*cell)
+    ground = mixed(colors.exit, colors.base, 0.5) if faint else colors.exit
+    side = CELL - 2 * _TILE
+    yield Rect(left + _TILE, top + _TILE, side, side, ground, radius=6.0)
+    yield from flag_shapes(layout, cell, colors.exit_text)
+    if level.display.exit_text:
+        word = end_text("EXIT", layout, cell, colors.exit_text)
+        yield replace(word, y=word.y - _TILE + 2)
+
+
+def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
+    """Yield the hatch that covers the flag of an exit whose needs are not met."""
+    colors, (x, y) = level.resolved_theme.colors, _centre(layout, cell)
+    spot = Spot(x, y - 5)
+    yield from spot.body(rounded(-20, -20, 40, 38, 6), mixed(colors.exit, INK, 0.3))
+    yield from padlock_shapes(default_color("key", colors), Spot(x, y - 5, 0.9))
+
+
+# -- what is held --------------------------------------------------------------------------------
+
+_SQUARE = 50.0
+"""The side of a square for something held at which its picture is as large as on the grid."""
+
+_NOT_HELD = 0.28
+"""How strong what is not held looks."""
+
+
+def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+    """Yield the squares for what is held; what is not held is seen faintly in its own."""
+    slots = layout.slots
+    if slots is None:
+        return
+    colors = level.resolved_theme.colors
+    for number, (item, cells) in enumerate(zip(level.items, situation.items, strict=True)):
+        x, y = slots.centre(number)
+        half = slots.side / 2
+        color = item.color or default_color(item.picture, colors)
+        spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None, _NOT_HELD)
+        box = (x - half, y - half, x + half, y + half)
+        draw = partial(item_shapes, item.picture, color, spot)
+        yield Piece(("held", number, not cells), box, draw)
+
+
+# -- movers --------------------------------------------------------------------------------------
+
+
+def moving_pieces(
+    level: GridWorld,
+    layout: Layout,
+    situation: Situation,
+    robot: Cell | None,
+    *,
+    crowded: bool = False,
+) -> Iterator[tuple[Cell, Piece]]:
+    """Yield the movers, in front of the robot, each with its cell.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        situation: what is where.
+        robot: the robot's cell, None without it. Who shares a cell is drawn smaller, in a corner.
+        crowded: whether cells show something else, such as arrows, beside which all movers are.
+    """
+    spots = mover_spots(level, layout, situation, robot, crowded=crowded)
+    for number, (cell, spot) in enumerate(zip(situation.movers, spots, strict=True)):
+        mover = level.movers[number]
+        faint = situation.is_overview and mover.within is not None and mover.start is None
+        look = situation.looks[number]
+        draw = partial(_mover, level, layout, number, cell, spot, look, faint)
+        yield cell, Piece(("mover", number, cell, spot, look, faint), _cell_box(layout, cell), draw)
+
+
+def _mover(
+    level: GridWorld,
+    layout: Layout,
+    number: int,
+    cell: Cell,
+    spot: Spot,
+    look: Cell,
+    faint: bool,
+) -> Iterator[Shape]:
+    if faint:
+        ground = level.resolved_theme.colors.base
+        yield from mover_shapes(level, number, replace(spot, faded_on=ground), look)
+        yield from _question_mark(spot.x + 14 * spot.scale, spot.y + 13 * spot.scale)
+    else:
+        yield from mover_shapes(level, number, spot, look)
+    yield from _label(level, layout, cell, level.movers[number].label)

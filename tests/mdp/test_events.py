@@ -1,0 +1,79 @@
+"""What outcomes mean: whether the robot comes where the action leads, and whether it is hit."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.random_things import random_level
+from oracles.things_reference import Reference
+from support.each import for_each
+
+import babyrobot_levels as brl
+from babyrobot_levels.mdp.actions import Turn
+from babyrobot_levels.mdp.events import Event, events_of, hits_of
+
+
+def happening(level: dict[str, Any], actions: list[int]) -> list[tuple[str, bool]]:
+    """Take actions from the start of a level without chance; return event and hit of each."""
+    loaded = brl.load({"version": 1, **level})
+    mdp = loaded.compile()
+    events, hits = events_of(mdp), hits_of(loaded, mdp)
+    state, told = int(mdp.start.argmax()), []
+    for action in actions:
+        told.append((Event(events[state, action, 0]).name, bool(hits[state, action, 0])))
+        state = int(mdp.next_state[state, action, 0])
+    return told
+
+
+def test_a_robot_that_takes_an_item_or_flips_a_switch_reaches_its_target() -> None:
+    level = {
+        "size": [3, 1],
+        "items": [{"name": "key", "at": [1, 0]}],
+        "exit": "none",
+        "switches": [{"name": "lever", "at": [2, 0]}],
+    }
+    reached, bumped = ("REACHED", False), ("BUMPED", False)
+    assert happening(level, [2, 2, 2, 1, 4]) == [reached, reached, bumped, bumped, reached]
+
+
+def test_movers_hit_those_whose_cell_they_enter_or_that_they_pass() -> None:
+    level = {
+        "size": [4, 1],
+        "start": [0, 0],
+        "exit": "none",
+        "movers": [{"path": [[2, 0], [3, 0]], "back": True}],
+        "hit": {"ends": False},
+    }
+    # After these steps the mover is at 3, 2, 3, 2, 3, 2, 3 and the robot at 0, 1, 2, 3, 3, 2, 1.
+    hits = [hit for _, hit in happening(level, [0, 2, 2, 2, 0, 4, 4])]
+    assert hits == [False, False, False, True, True, True, False]
+
+
+@for_each("seed", range(100))
+def test_hits_are_those_of_the_reference(seed: int) -> None:
+    fields = random_level(Random(seed))
+    level, reference = brl.Level.from_fields(fields), Reference(fields)
+    mdp = level.compile()
+    for tables in (mdp, mdp.turning("S")):
+        hits = hits_of(level, tables)
+
+        def pair(state: int, tables: Any = tables) -> Any:
+            number = tables.configuration(state)
+            return tuple(tables.configurations[number].tolist()), tables.cell(state)
+
+        for state, action, outcome in np.argwhere(tables.probability > 0).tolist():
+            after = int(tables.next_state[state, action, outcome])
+            wanted = not tables.is_terminal[state] and reference.is_hit(pair(state), pair(after))
+            assert hits[state, action, outcome] == wanted, (fields, state, action)
+
+
+@pytest.mark.parametrize("heading", "NESW")
+def test_a_robot_that_turns_reaches_its_target(heading: str) -> None:
+    level = brl.load({"version": 1, "size": [2, 2], "items": [{"name": "key", "at": [1, 0]}]})
+    mdp = level.compile().turning(heading)
+    events = events_of(mdp)[~mdp.is_terminal]
+    assert (events[:, [Turn.LEFT, Turn.RIGHT], 0] == Event.REACHED).all()
+    assert set(np.unique(events[:, Turn.FORWARD, 0])) == {Event.REACHED, Event.BUMPED}
