@@ -73,7 +73,7 @@ def solve(
     write(_summary(loaded, solution) + "\n" + policy_text(loaded, solution, plain=plain))
     # Wider tables are for `--format json`.
     if loaded.size[0] <= WIDEST:
-        write("\n" + values_text(solution))
+        write("\n" + values_text(loaded, solution))
 
 
 def _data(level: Level, solution: Solution) -> dict[str, Any]:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from babyrobot_levels.envs.spaces import ActionSet
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.tables import Mdp
     from babyrobot_levels.render.frames import FramePainter
@@ -110,10 +110,6 @@ class Pictures:
         now, width = self._level.configuration(number), self._level.size[0]
         return now.exit_is_open and (cell % width, cell // width) in now.exits
 
-    @property
-    def _cell(self) -> int:
-        return self._state % self._num_cells
-
     def show_info(self, info: Mapping[str, Any] | None) -> None:
         """Replace the overlay; None removes it.
 
@@ -169,7 +165,12 @@ class Pictures:
             self._terminal = Terminal()
         terminal = self._terminal
         painter = self._text_painter(plain=not terminal.takes_unicode)
-        lines = painter.lines(self._cell, color=terminal.takes_color, room=terminal.room)
+        lines = painter.lines(
+            self._state,
+            heading=self._pose.heading,
+            color=terminal.takes_color,
+            room=terminal.room,
+        )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))
 
     def _canvas(self) -> LevelView:
@@ -198,7 +199,13 @@ class Pictures:
     def _scene(self) -> Scene:
         from babyrobot_levels.render.scene.build import build_scene
 
-        return build_scene(self._level, state=self._state, pose=self._pose, overlay=self._overlay)
+        return build_scene(
+            self._level,
+            state=self._state,
+            heading=self._pose.heading,
+            pose=self._pose,
+            overlay=self._overlay,
+        )
 
     def svg(self) -> str:
         """Return the picture as an SVG document."""
@@ -208,7 +215,8 @@ class Pictures:
 
     def text(self) -> str:
         """Return the picture as a text; each line ends with a newline."""
-        return "\n".join([*self._text_painter(plain=False).lines(self._cell), ""])
+        lines = self._text_painter(plain=False).lines(self._state, heading=self._pose.heading)
+        return "\n".join([*lines, ""])
 
     def mimebundle(self) -> dict[str, Any]:
         """Return the representations for the last line of a notebook cell."""

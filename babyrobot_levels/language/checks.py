@@ -61,7 +61,9 @@ def check_ends(level: LevelFields, blocked: Callable[[Cell], bool]) -> Iterator[
                     "BR303",
                     _given(level, route, ("exit",)),
                     _start_is_exit(level, cell),
-                    "move one of them, or use `exit: none` for a level without an exit",
+                    "move one of them"
+                    if level.exit_one_of is not None
+                    else "move one of them, or use `exit: none` for a level without an exit",
                 )
             elif field == "start" and cell in left:
                 number = next(n for n, warp in enumerate(level.warps) if warp.at == cell)
@@ -98,6 +100,8 @@ def _blocking(level: LevelFields, cell: Cell) -> Route:
 
 
 def _start_is_exit(level: LevelFields, cell: Cell) -> str:
+    if level.exit_one_of is not None:
+        return f"the start {show_cell(cell)} is also one of the exits that may be drawn"
     start, exit_ = ("start" in level.model_fields_set, "exit" in level.model_fields_set)
     if start and not exit_:
         default = "the default exit is the bottom-right cell"
@@ -140,16 +144,18 @@ def _collect(issues: list[Issue], found: Iterator[Issue]) -> None:
 
 def _check_covered(level: LevelFields) -> list[Issue]:
     cells = sum(area.size[0] * area.size[1] for area in (*level.areas, *level.blocked))
-    cells += sum(opening.length for opening in (*level.walls, *level.openings))
+    cells += sum(opening.length for opening in (*level.walls, *level.openings, *level.doors))
     if cells <= MAX_COVERED:
         return []
     field = "areas" if level.areas else "blocked" if level.blocked else "walls"
+    what = (
+        "areas, blocked cells, walls and doors" if level.doors else "areas, blocked cells and walls"
+    )
     return [
         Issue(
             "BR205",
             (field,),
-            f"areas, blocked cells and walls cover {cells:,} cells, each counted; "
-            f"the limit is {MAX_COVERED:,}",
+            f"{what} cover {cells:,} cells, each counted; the limit is {MAX_COVERED:,}",
         )
     ]
 

@@ -109,15 +109,29 @@ def parse(
     return _Parser(text, is_known, max_size).parse()
 
 
+def mark_of(text: str, x: int, y: int, side: str | None = None) -> Mark:
+    """Return where a drawing shows a cell, or its side E or S."""
+    first, indent, _ = _framed(text)
+    row, column = first + 2 * y + 1, indent + 4 * x + 1
+    if side == "E":
+        return Mark(row, column + 3, 1)
+    return Mark(row + (side == "S"), column, 3)
+
+
+def _framed(text: str) -> tuple[int, int, list[str]]:
+    """Return the number of the drawing's first row, its indentation, and its rows without it."""
+    rows = [row.rstrip() for row in text.split("\n")]
+    first = next((number for number, row in enumerate(rows) if row), 0)
+    while rows and not rows[-1]:
+        rows.pop()
+    rows = rows[first:]
+    indent = min((len(row) - len(row.lstrip(" ")) for row in rows if row), default=0)
+    return first, indent, [row[indent:] for row in rows]
+
+
 class _Parser:
     def __init__(self, text: str, is_known: Callable[[str], bool], max_size: int):
-        rows = [row.rstrip() for row in text.split("\n")]
-        self.first = next((number for number, row in enumerate(rows) if row), 0)
-        while rows and not rows[-1]:
-            rows.pop()
-        rows = rows[self.first :]
-        self.indent = min((len(row) - len(row.lstrip(" ")) for row in rows if row), default=0)
-        self.rows = [row[self.indent :] for row in rows]
+        self.first, self.indent, self.rows = _framed(text)
         self.is_known = is_known
         self.max_size = max_size
         self.issues: list[Issue] = []

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.diagnostics import Issue, Location
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.cells import Rectangle
@@ -56,12 +56,12 @@ def show_cell(cell: Cell) -> str:
     return f"[{cell[0]}, {cell[1]}]"
 
 
-def off_the_grid(level: LevelFields, what: str, cell: Cell, route: Route) -> Issue:
+def off_the_grid(level: LevelFields, what: str, cell: Cell, location: Location) -> Issue:
     """Return the error of something that is outside the grid."""
     width, height = level.size
     return Issue(
         "BR301",
-        route,
+        location,
         f"{what} {show_cell(cell)} is off the grid, which is {width} wide and {height} high",
         f"x goes from 0 to {width - 1}, y from 0 to {height - 1}",
     )

@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections import ChainMap
+from collections.abc import Iterable
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -19,6 +20,7 @@ from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.things import LEGEND_FIELDS, LegendEntry
 
 # Draft 7 is what the editors know best.
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -41,8 +43,36 @@ def level_schema() -> dict[str, Any]:
             "if": {"properties": {"map": {"type": "string"}}},
             "then": {"not": {"anyOf": [{"required": [field]} for field in fields_with(DRAWN)]}},
         },
+        "exit_one_of": {
+            "if": {"properties": {"exit_one_of": {"type": "array"}}},
+            "then": {"not": {"required": ["exit"]}},
+        },
     }
+    definitions = schema["$defs"]
+    definitions["Item"]["oneOf"] = [_given("at", ["one_of"]), _given("one_of", ["at"])]
+    within = _given("within", ["path"])
+    within["properties"]["back"] = {"const": False}
+    definitions["Mover"]["oneOf"] = [_given("path", ["within", "start"]), within]
+    others = {
+        kind: [name for name in LegendEntry.model_fields if name not in fields]
+        for kind, fields in LEGEND_FIELDS.items()
+    }
+    definitions["LegendEntry"]["oneOf"] = [
+        _without(others["area"]),
+        *(_given(kind, others[kind]) for kind in ("item", "switch")),
+    ]
     return schema
+
+
+def _given(name: str, without: Iterable[str]) -> dict[str, Any]:
+    """Return the schema of a mapping that has a field, and some others not."""
+    others = _without(without)["properties"]
+    return {"required": [name], "properties": {name: {"not": {"type": "null"}}, **others}}
+
+
+def _without(names: Iterable[str]) -> dict[str, Any]:
+    """Return the schema of a mapping without some fields; null means the same as leaving out."""
+    return {"properties": {name: {"type": "null"} for name in names}}
 
 
 def theme_schema() -> dict[str, Any]:

@@ -9,8 +9,9 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.cells import Area, Puddle, Rectangle
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
-from babyrobot_levels.language.things import Item, LegendEntry, Switch
-from babyrobot_levels.language.walls import Opening, Wall, sides_of
+from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.things import LEGEND_FIELDS, Door, Item, LegendEntry, Switch
+from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
 
 GLASS_PASS = 0.5
@@ -47,6 +48,7 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
         for field in fields_with(DRAWN)
         if field in level.model_fields_set
     ]
+    issues += _check_legend(level)
     if level.map.strip() and "\n" not in level.map.strip():
         return None, [
             *issues,
@@ -64,11 +66,12 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
     if not starts:
         issues.append(Issue("BR313", ("map",), "the drawing has no start", "mark a cell with `S`"))
     if exits and level.exit_one_of is not None:
-        message = "`exit_one_of` takes the place of exits, and the drawing has `E`"
-        issues.append(Issue("BR206", Key(("exit_one_of",)), message, "remove one of them"))
+        message = "`exit_one_of` cannot be combined with an exit, and the drawing shows `E`"
+        help_text = "remove `exit_one_of`, or draw its cells without `E`"
+        issues.append(Issue("BR206", Key(("exit_one_of",)), message, help_text))
     issues += _check_wall_entries(level, drawing)
     issues += _check_doors(level, drawing)
-    issues += _check_legend(level, drawing)
+    issues += _check_drawn_switches(level, drawing)
     if issues:
         return None, issues
     walls, areas = drawn_walls(drawing), legend_areas(level, drawing)
@@ -117,7 +120,7 @@ def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
     return [
         Area.model_validate({"at": cell, **_given(traits)})
         for character, traits in level.legend.items()
-        if traits.thing is None
+        if traits.kind == "area"
         for cell in drawing.find(character)
     ]
 
@@ -133,7 +136,7 @@ def legend_items(level: LevelFields, drawing: d.Drawing) -> list[Item]:
             }
         )
         for character, entry in level.legend.items()
-        if entry.item is not None
+        if entry.kind == "item"
         for cells in [drawing.find(character)]
         if cells
     ]
@@ -144,49 +147,88 @@ def legend_switches(level: LevelFields, drawing: d.Drawing) -> list[Switch]:
     return [
         Switch.model_validate({"name": entry.switch, "at": cell, **_given(entry)})
         for character, entry in level.legend.items()
-        if entry.switch is not None
+        if entry.kind == "switch"
         for cell in drawing.find(character)
     ]
 
 
 def _given(entry: LegendEntry) -> dict[str, Any]:
-    names = sorted(entry.model_fields_set - {"item", "switch"})
-    return {name: getattr(entry, name) for name in names}
+    """Return the given properties of what an entry stands for, without its name."""
+    names = [name for name in LEGEND_FIELDS[entry.kind] if name not in ("item", "switch")]
+    return {name: getattr(entry, name) for name in names if name in entry.model_fields_set}
 
 
-def _check_legend(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
-    """Check that what the legend names is drawn, a switch once."""
-    return [
-        Issue(
-            "BR314",
-            ("legend", character, "switch"),
-            f"the map shows the switch {entry.switch} in {len(drawing.find(character))} cells",
-            "draw it once: each switch has a name of its own",
-        )
-        for character, entry in level.legend.items()
-        if entry.switch is not None and len(drawing.find(character)) > 1
-    ]
-
-
-def _check_doors(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
-    """Check that `doors` tells of all drawn doors, and of no others."""
-    issues, told = [], set()
-    for index, door in enumerate(level.doors):
-        edges = _edges(door)
-        told |= edges
-        if any(_mark_of(drawing, edge) != d.DOOR for edge in edges):
-            message = "the map shows no door there"
-            help_text = "draw it as `-/-` or `/`"
-            issues.append(Issue("BR314", ("doors", index), message, help_text))
-    for x, y, side in sorted(set(_drawn_doors(drawing)) - told)[:10]:
-        message = f"nothing says what opens the door that the map shows {_beside(x, y, side)}"
-        help_text = f"add `{{at: [{x}, {y}], side: {side}, needs: …}}` to `doors`"
-        issues.append(Issue("BR314", ("map",), message, help_text))
+def _check_legend(level: LevelFields) -> list[Issue]:
+    """Check that an entry has only fields of what it stands for: an area, an item, or a switch."""
+    issues = []
+    for character, entry in level.legend.items():
+        allowed = LEGEND_FIELDS[entry.kind]
+        for name in LegendEntry.model_fields:
+            if name in allowed or name not in entry.model_fields_set or _is_none(entry, name):
+                continue
+            if name == "switch":
+                message = "`switch` cannot be combined with `item`: a character stands for one"
+                help_text: str | None = "use a character for each of them"
+            elif entry.kind == "area":
+                owner = "an `item`" if name == "shape" else "a `switch`"
+                message = f"`{name}` needs {owner}: `{character}` stands for an area"
+                help_text = f"add {owner} with a name, or remove `{name}`"
+            else:
+                message = f"`{name}` cannot be combined with `{entry.kind}`"
+                help_text = f"fields beside `{entry.kind}`: " + ", ".join(allowed[1:])
+            issues.append(Issue("BR206", Key(("legend", character, name)), message, help_text))
     return issues
 
 
-def _beside(x: int, y: int, side: str) -> str:
-    return f"{'east' if side == 'E' else 'south'} of [{x}, {y}]"
+def _is_none(entry: LegendEntry, name: str) -> bool:
+    return getattr(entry, name) is None
+
+
+def _check_drawn_switches(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+    """Check that the drawing shows each switch once."""
+    return [
+        Issue(
+            "BR314",
+            d.mark_of(level.map or "", *cell),
+            f"the switch `{entry.switch}` is drawn twice",
+            "draw it once, and give other switches a character and a name of their own",
+        )
+        for character, entry in level.legend.items()
+        if entry.kind == "switch"
+        for cell in drawing.find(character)[1:2]
+    ]
+
+
+MAX_UNDRAWN = 20
+"""At most so many drawn doors without an entry are reported."""
+
+
+def _check_doors(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+    """Check that `doors` has an entry for all drawn doors, and for no others."""
+    issues: list[Issue] = []
+    entered: set[tuple[int, int, str]] = set()
+    for index, door in enumerate(level.doors):
+        for cell, edge in zip(sides_of(door), _edges(door), strict=True):
+            if edge in entered:
+                # Looked at already; that a side has two doors is told with the walls.
+                break
+            entered.add(edge)
+            if _mark(drawing, *edge, off=d.DOOR) != d.DOOR:
+                message = f"the map shows no door on side {door.side} of {show_cell(cell)}"
+                help_text = f"draw it there as `{'/' if door.side in 'EW' else '-/-'}`"
+                issues.append(Issue("BR314", ("doors", index), message, help_text))
+                break
+    missing = [edge for edge in _drawn_doors(drawing) if edge not in entered]
+    for x, y, side in missing[:MAX_UNDRAWN]:
+        issues.append(
+            Issue(
+                "BR314",
+                d.mark_of(level.map or "", x, y, side),
+                "`doors` has no entry for this door",
+                f"add `{{at: [{x}, {y}], side: {side}, needs: …}}` to `doors`",
+            )
+        )
+    return issues
 
 
 def _drawn_doors(drawing: d.Drawing) -> list[tuple[int, int, str]]:
@@ -199,14 +241,10 @@ def _drawn_doors(drawing: d.Drawing) -> list[tuple[int, int, str]]:
     ]
 
 
-def _edges(opening: Opening) -> set[tuple[int, int, str]]:
-    """Return the sides along which an entry runs, each as the E or S side of a cell."""
-    dx, dy, side = {"W": (-1, 0, "E"), "N": (0, -1, "S")}.get(opening.side, (0, 0, opening.side))
-    return {(x + dx, y + dy, side) for x, y in sides_of(opening)}
-
-
-def _mark_of(drawing: d.Drawing, edge: tuple[int, int, str]) -> str:
-    return _mark(drawing, *edge)
+def _edges(door: Door) -> list[tuple[int, int, str]]:
+    """Return the sides along which a door runs, each as the E or S side of a cell."""
+    dx, dy, side = {"W": (-1, 0, "E"), "N": (0, -1, "S")}.get(door.side, (0, 0, door.side))
+    return [(x + dx, y + dy, side) for x, y in sides_of(door)]
 
 
 def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
@@ -245,8 +283,8 @@ def _check_wall_entries(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
     return issues
 
 
-def _mark(drawing: d.Drawing, x: int, y: int, side: str) -> str:
-    """Return the mark of a side; a side off the drawing counts as the solid outer wall."""
+def _mark(drawing: d.Drawing, x: int, y: int, side: str, off: str = d.SOLID) -> str:
+    """Return the mark of a side; one off the drawing counts as `off`, a solid outer wall."""
     if side == "W":
         x, side = x - 1, "E"
     elif side == "N":
@@ -254,4 +292,4 @@ def _mark(drawing: d.Drawing, x: int, y: int, side: str) -> str:
     rows = drawing.east if side == "E" else drawing.south
     if 0 <= y < len(rows) and 0 <= x < len(rows[y]):
         return rows[y][x]
-    return d.SOLID
+    return off

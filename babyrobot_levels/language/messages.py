@@ -60,6 +60,15 @@ ENTRY_KEYS = {
 }
 """What follows the cell in an entry that was written as a list."""
 
+SINGLES = {
+    "one_of": "use `at: [x, y]` for a single cell",
+    "exit_one_of": "use `exit: [x, y]` for a single cell",
+}
+"""What to write in the place of a list with one entry, where it needs several."""
+
+THINGS = {"items", "doors", "switches", "movers", "exit_needs", "legend"}
+"""Fields with names of things in them."""
+
 DIRECTIONS = {
     **dict.fromkeys(("up", "top", "above"), "N"),
     **dict.fromkeys(("right",), "E"),
@@ -111,9 +120,9 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
     if kind == "finite_number":
         return "BR205", f"must be a finite number, not {show(value)}", None
     if kind in ("too_short", "too_long"):
-        return _length(kind, context)
+        return _length(kind, context, field, value)
     if kind == "string_pattern_mismatch":
-        return _pattern(context["pattern"], value)
+        return _pattern(context["pattern"], names[0] if names else "", value)
     if kind == "string_too_long":
         return "BR205", f"must have at most {context['max_length']} characters", None
     return "BR203", str(error["msg"]), None
@@ -164,6 +173,8 @@ def _type_help(field: str, kind: str, value: Any) -> str | None:
         return f"write `{value.replace(',', '.')}`, with a decimal point"
     if field == "maze" and (_is_word(value, "random") or isinstance(value, int)):
         return f"write `maze: {{seed: {value}}}`"
+    if field == "hit" and isinstance(value, int | float):
+        return f"write `hit: {{reward: {value}}}`"
     if kind.startswith("model_"):
         return _entry_help(field, value)
     return None
@@ -225,13 +236,16 @@ def _bound(kind: str, context: dict[str, Any]) -> str:
     return f"{text} {int(bound) if float(bound).is_integer() else bound}"
 
 
-def _length(kind: str, context: dict[str, Any]) -> Complaint:
-    if kind == "too_short":
+def _length(kind: str, context: dict[str, Any], field: str, value: Any) -> Complaint:
+    if kind == "too_long":
+        return "BR205", f"must have at most {context['max_length']} entries", None
+    least = context["min_length"]
+    if least == 1 or not value:
         return "BR203", "must not be an empty list", None
-    return "BR205", f"must have at most {context['max_length']} entries", None
+    return "BR205", f"must have at least {least} entries, not {len(value)}", SINGLES.get(field)
 
 
-def _pattern(pattern: str, value: Any) -> Complaint:
+def _pattern(pattern: str, root: str, value: Any) -> Complaint:
     if pattern == PATTERN:
         return (
             "BR403",
@@ -239,11 +253,10 @@ def _pattern(pattern: str, value: Any) -> Complaint:
             'use a CSS name in lower case, `"#rrggbb"`, `rgb(…)`, `rgba(…)` or `hsl(…)`',
         )
     if pattern == SLUG:
-        return (
-            "BR207",
-            f"must be lower-case letters and digits joined by `-`, not {show(value)}",
-            "use a name such as `first-maze`; `title` takes any text",
-        )
+        message = f"must be lower-case letters and digits joined by `-`, not {show(value)}"
+        if root in THINGS:
+            return "BR207", message, "use a name such as `red-key`"
+        return "BR207", message, "use a name such as `first-maze`; `title` takes any text"
     if pattern == VERSION:
         return (
             "BR207",

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.drawing import mark_of
 from babyrobot_levels.language.geometry import (
     Cell,
     Route,
@@ -13,15 +14,18 @@ from babyrobot_levels.language.geometry import (
     off_the_grid,
     show_cell,
 )
-from babyrobot_levels.language.things import Item, Mover, as_names
+from babyrobot_levels.language.things import Item, Mover, Switch, as_names
 from babyrobot_levels.language.walls import sides_of
-from babyrobot_levels.text.diagnostics import Issue, Key
+from babyrobot_levels.text.diagnostics import Issue, Key, Location
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.fields import LevelFields
 
 IsBlocked = Callable[[Cell], bool]
+
+MAX_WAYS = 1 << 14
+"""The most cells that the paths and rectangles of all movers may have together."""
 
 
 def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
@@ -38,121 +42,163 @@ def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
     yield from _check_names(level)
     yield from _check_needs(level)
     yield from _check_places(level, blocked)
-    for index, _ in level.written("doors"):
+    for index, _ in enumerate(level.doors):
         yield from _check_door(level, index)
-    for index, mover in enumerate(level.movers):
-        yield from _check_mover(level, mover, ("movers", index), blocked)
-    if _has_random_maze(level):
+    if _cells_of_movers(level) > MAX_WAYS:
+        message = f"the movers' paths and rectangles have {_cells_of_movers(level):,} cells"
+        yield Issue("BR205", ("movers",), f"{message}; the limit is {MAX_WAYS:,}")
+    else:
+        for index, mover in enumerate(level.movers):
+            yield from _check_mover(level, mover, ("movers", index), blocked)
+    if level.maze is not None and level.maze.seed == "random":
         yield from _check_random_maze(level)
 
 
+# -- names ---------------------------------------------------------------------------------
+
+
 def _check_names(level: LevelFields) -> Iterator[Issue]:
-    seen: set[str] = set()
-    for field in ("items", "switches", "movers"):
+    seen: dict[str, str] = {}
+    for field, what in (("items", "item"), ("switches", "switch"), ("movers", "mover")):
         for index, thing in enumerate(getattr(level, field)):
-            name = thing.name
-            if name is not None and name in seen:
+            if thing.name is not None and thing.name in seen:
                 yield Issue(
                     "BR320",
-                    _entry(level, field, index, "name"),
-                    f"the name `{name}` is used twice",
+                    _place(level, field, index, "name"),
+                    f"the name `{thing.name}` is already that of {_article(seen[thing.name])}",
                     "give each item, switch and mover a name of its own",
                 )
-            seen.add(name)
+            seen.setdefault(thing.name, what)
 
 
-def _entry(level: LevelFields, field: str, index: int, *more: str | int) -> Route:
-    """Return the route of an entry, that of the drawing for what the drawing gives."""
+def _article(noun: str) -> str:
+    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
+
+
+Part = tuple[str, int, str, *tuple[int, ...]]
+"""A part of an item, a switch or a mover: the field of the level, its number there, and which."""
+
+
+def _place(level: LevelFields, field: str, index: int, *more: str | int) -> Location:
+    """Return the location of a part of an item, a switch or a mover, drawn or written."""
     drawn = level._drawn.get(field, 0)
-    return (field, index - drawn, *more) if index >= drawn else ("map",)
+    if index >= drawn:
+        return (field, index - drawn, *more)
+    thing: Item | Switch = getattr(level, field)[index]
+    cells = thing.places if isinstance(thing, Item) else (thing.at,)
+    number = more[-1] if isinstance(more[-1], int) else 0
+    return mark_of(level.map or "", *cells[number])
 
 
 def _check_needs(level: LevelFields) -> Iterator[Issue]:
-    known = [*(item.name for item in level.items), *(each.name for each in level.switches)]
+    known = {
+        thing.name: what
+        for what, things in (("item", level.items), ("switch", level.switches))
+        for thing in things
+    }
     movers = {mover.name for mover in level.movers}
     told: list[tuple[str | tuple[str, ...], Route]] = [(level.exit_needs, ("exit_needs",))]
     for index, door in enumerate(level.doors):
         told += [(door.needs, ("doors", index, "needs")), (door.unless, ("doors", index, "unless"))]
     for names, route in told:
         for number, name in enumerate(as_names(names)):
-            if name in known:
-                continue
-            where = route if isinstance(names, str) else (*route, number)
-            if name in movers:
-                message = f"`{name}` is a mover, which is neither held nor switched on"
-                yield Issue("BR321", where, message, "name an item or a switch")
-            else:
-                message = f"there is no item or switch `{name}`{did_you_mean(name, known)}"
-                yield Issue("BR321", where, message, _known(known))
+            if name not in known:
+                where = route if isinstance(names, str) else (*route, number)
+                yield _unknown_name(level, name, where, [*known], is_mover=name in movers)
 
 
-def _known(names: list[str]) -> str:
-    if not names:
-        return "the level has no items and no switches"
-    return "known names: " + ", ".join(names[:8]) + (", …" if len(names) > 8 else "")
+def _unknown_name(
+    level: LevelFields, name: str, route: Route, known: list[str], *, is_mover: bool
+) -> Issue:
+    if is_mover:
+        message = f"`{name}` is a mover, which can be neither held nor switched on"
+        return Issue("BR321", route, message, "name an item or a switch")
+    for character, entry in level.legend.items():
+        if name in (entry.item, entry.switch):
+            message = f"the map does not show `{character}`, the {entry.kind} `{name}`"
+            return Issue("BR321", route, message, f"draw `{character}` in a cell")
+    # Comparing with very many names would take long.
+    guess = did_you_mean(name, known) if len(known) <= 200 else ""
+    shown = ", ".join(known[:8]) + (", …" if len(known) > 8 else "")
+    help_text = f"known names: {shown}" if known else "the level has no items and no switches"
+    return Issue("BR321", route, f"there is no item or switch `{name}`{guess}", help_text)
+
+
+# -- items, switches, doors ----------------------------------------------------------------
 
 
 def _check_places(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
     """Check where items and switches lie."""
     exits = set(level.exits)
     entered = {warp.at for warp in level.warps if warp.when == "enter"}
-    seen: dict[Cell, str] = {}
-    for what, name, cell, route in _lying(level):
+    seen: dict[Cell, tuple[str, str]] = {}
+    for what, name, cell, part in _lying(level):
+        kind, other = seen.setdefault(cell, (what, name))
+        ground = (
+            "a blocked cell"
+            if blocked(cell)
+            else "an exit"
+            if cell in exits
+            else "a warp that acts on entering"
+            if cell in entered
+            else None
+        )
         if not is_inside(level, cell):
-            yield off_the_grid(level, f"the {what}", cell, route)
-        elif blocked(cell) or cell in exits or cell in entered:
-            on = (
-                "a blocked cell"
-                if blocked(cell)
-                else "an exit"
-                if cell in exits
-                else "a warp that acts on entering"
-            )
-            yield Issue(
-                "BR318", route, f"the {what} `{name}` {show_cell(cell)} is on {on}", "move it"
-            )
-        elif seen.get(cell) == name:
-            yield Issue("BR305", route, f"{show_cell(cell)} is listed twice")
-        elif cell in seen:
-            yield Issue(
-                "BR319",
-                route,
-                f"`{name}` and `{seen[cell]}` may both lie in {show_cell(cell)}",
-                "move one of them: a cell holds one item or switch",
-            )
-        seen.setdefault(cell, name)
+            yield off_the_grid(level, f"the {what}", cell, _place(level, *part))
+        elif ground is not None:
+            message = f"the {what} `{name}` {show_cell(cell)} is on {ground}"
+            yield Issue("BR318", _place(level, *part), message, f"move the {what}")
+        elif other != name:
+            message = f"the {what} `{name}` {show_cell(cell)} is on the cell of the {kind}"
+            help_text = "move one of them: a cell holds one item or switch"
+            yield Issue("BR319", _place(level, *part), f"{message} `{other}`", help_text)
     for index, item in enumerate(level.items):
         yield from _check_item(level, item, index)
 
 
-def _lying(level: LevelFields) -> Iterator[tuple[str, str, Cell, Route]]:
-    """Yield what lies where: what it is, its name, its cell, and the route of the latter."""
+def _lying(level: LevelFields) -> Iterator[tuple[str, str, Cell, Part]]:
+    """Yield what lies where: what it is, its name, its cell, and which part says so."""
     for index, item in enumerate(level.items):
         if item.at is not None:
-            yield "item", item.name, item.at, _entry(level, "items", index, "at")
+            yield "item", item.name, item.at, ("items", index, "at")
         for number, cell in enumerate(item.one_of or ()):
-            yield "item", item.name, cell, _entry(level, "items", index, "one_of", number)
+            yield "item", item.name, cell, ("items", index, "one_of", number)
     for index, switch in enumerate(level.switches):
-        yield "switch", switch.name, switch.at, _entry(level, "switches", index, "at")
+        yield "switch", switch.name, switch.at, ("switches", index, "at")
 
 
 def _check_item(level: LevelFields, item: Item, index: int) -> Iterator[Issue]:
-    route = _entry(level, "items", index)
+    route = ("items", index - level._drawn.get("items", 0))
     if item.at is not None and item.one_of is not None:
         message = f"the item `{item.name}` has both `at` and `one_of`"
         yield Issue("BR206", route, message, "remove one of them")
     elif item.at is None and item.one_of is None:
-        message = f"the item `{item.name}` lies nowhere"
+        message = f"the item `{item.name}` has no place"
         yield Issue("BR202", route, message, "add `at: [x, y]`, or `one_of` with several cells")
+    listed: set[Cell] = set()
+    for number, cell in enumerate(item.one_of or ()):
+        if cell in listed:
+            yield Issue("BR305", (*route, "one_of", number), f"{show_cell(cell)} is listed twice")
+        listed.add(cell)
 
 
 def _check_door(level: LevelFields, index: int) -> Iterator[Issue]:
     door, route = level.doors[index], ("doors", index)
-    cells = sides_of(door)
+    last = sides_of(door)[-1]
     if not is_inside(level, door.at):
         yield off_the_grid(level, "the cell", door.at, (*route, "at"))
-    elif not is_inside(level, cells[-1]):
-        yield off_the_grid(level, "the last cell of the door", cells[-1], (*route, "length"))
+    elif not is_inside(level, last):
+        yield off_the_grid(level, "the last cell of the door", last, (*route, "length"))
+
+
+# -- movers --------------------------------------------------------------------------------
+
+
+def _cells_of_movers(level: LevelFields) -> int:
+    return sum(
+        len(mover.path or ()) + (mover.within.size[0] * mover.within.size[1] if mover.within else 0)
+        for mover in level.movers
+    )
 
 
 def _check_mover(
@@ -170,45 +216,36 @@ def _check_mover(
         yield from _check_region(level, mover, route, blocked)
 
 
-MAX_PATH = 1 << 14
-"""The most cells of a path."""
-
-
 def _check_path(
     level: LevelFields, mover: Mover, route: Route, blocked: IsBlocked
 ) -> Iterator[Issue]:
     path = mover.path or ()
-    if len(path) > MAX_PATH:
-        message = f"the path has {len(path):,} cells; the limit is {MAX_PATH:,}"
-        yield Issue("BR205", (*route, "path"), message)
-        return
     if mover.start is not None:
-        message = "`start` belongs to `within`: a path begins with its first cell"
-        yield Issue("BR206", (*route, "start"), message, "remove it")
+        message = "`start` cannot be combined with `path`, which begins with its first cell"
+        yield Issue("BR206", Key((*route, "start")), message, "remove `start`")
     for number, cell in enumerate(path):
         where = (*route, "path", number)
         if not is_inside(level, cell):
             yield off_the_grid(level, "the path's cell", cell, where)
         elif blocked(cell):
-            yield Issue("BR323", where, f"the path's cell {show_cell(cell)} is blocked")
+            message = f"the path's cell {show_cell(cell)} is blocked"
+            yield Issue("BR323", where, message, "lead the path around it")
+    is_whole = True
     for number, (one, two) in enumerate(pairwise(path), 1):
         if _distance(one, two) > 1:
+            is_whole = False
             message = f"{show_cell(two)} is no neighbour of {show_cell(one)}"
-            yield Issue("BR323", (*route, "path", number), message, "a mover goes one cell a step")
-    if not mover.back and len(path) > 1 and _distance(path[-1], path[0]) > 1:
-        message = (
-            f"the path is a loop, and {show_cell(path[-1])} is no neighbour of {show_cell(path[0])}"
-        )
-        help_text = "close the loop, or let the mover walk there and back with `back: true`"
+            help_text = "list every cell of the path: a mover goes at most one cell a step"
+            yield Issue("BR323", (*route, "path", number), message, help_text)
+    if is_whole and not mover.back and _distance(path[-1], path[0]) > 1:
+        ends = f"its last cell {show_cell(path[-1])} is no neighbour of its first, "
+        message = f"the path is not a loop: {ends}{show_cell(path[0])}"
+        help_text = "add the cells of the way back, or walk there and back with `back: true`"
         yield Issue("BR323", (*route, "path", len(path) - 1), message, help_text)
 
 
 def _distance(one: Cell, two: Cell) -> int:
     return abs(one[0] - two[0]) + abs(one[1] - two[1])
-
-
-MAX_REGION = 4096
-"""The most cells of the rectangle of a mover."""
 
 
 def _check_region(
@@ -218,36 +255,31 @@ def _check_region(
     (left, top), (width, height) = mover.within.at, mover.within.size
     last = (left + width - 1, top + height - 1)
     if mover.back:
-        message = "`back` belongs to `path`: in a rectangle the mover walks at random"
-        yield Issue("BR206", (*route, "back"), message, "remove it")
+        message = "`back` cannot be combined with `within`, where the mover walks at random"
+        yield Issue("BR206", Key((*route, "back")), message, "remove `back`")
     if not is_inside(level, mover.within.at):
         yield off_the_grid(level, "the cell", mover.within.at, (*route, "within", "at"))
     elif not is_inside(level, last):
         yield off_the_grid(level, "the last cell of the rectangle", last, (*route, "within"))
-    elif width * height > MAX_REGION:
-        message = f"the rectangle has {width * height:,} cells; the limit is {MAX_REGION:,}"
-        yield Issue("BR205", (*route, "within", "size"), message)
     else:
-        for cell in mover.phases:
-            if blocked(cell):
-                message = f"the mover's rectangle contains the blocked cell {show_cell(cell)}"
-                yield Issue("BR324", (*route, "within"), message, "make it smaller")
-                break
-        if mover.start is not None and mover.start not in mover.phases:
-            message = f"the start {show_cell(mover.start)} is outside of the mover's rectangle"
-            yield Issue("BR324", (*route, "start"), message)
-
-
-def _has_random_maze(level: LevelFields) -> bool:
-    return level.maze is not None and level.maze.seed == "random"
+        cells = mover.phases
+        inside = next(filter(blocked, cells), None)
+        if inside is not None:
+            message = f"the mover's rectangle contains the blocked cell {show_cell(inside)}"
+            yield Issue("BR324", (*route, "within"), message, "make it smaller, or move it")
+        if mover.start is not None and mover.start not in cells:
+            message = f"the mover's start {show_cell(mover.start)} is outside its rectangle"
+            help_text = f"the rectangle goes from {show_cell(cells[0])} to {show_cell(cells[-1])}"
+            yield Issue("BR324", (*route, "start"), message, help_text)
 
 
 def _check_random_maze(level: LevelFields) -> Iterator[Issue]:
     help_text = "give the maze a seed"
-    for index, _ in enumerate(level.doors):
-        message = "a door needs a maze with a seed: walls that change may stand in its place"
-        yield Issue("BR325", ("doors", index), message, help_text)
+    if level.doors:
+        message = "doors need a maze with a seed: in a random one, walls may stand in their place"
+        yield Issue("BR325", Key(("doors",)), message, help_text)
     for index, mover in enumerate(level.movers):
         if mover.path is not None:
-            message = "a path needs a maze with a seed: walls that change may cut it off"
+            message = "a path needs a maze with a seed: in a random one, walls may cut it off"
             yield Issue("BR325", ("movers", index, "path"), message, help_text)
+            break

@@ -29,9 +29,15 @@ def as_names(value: Any) -> tuple[str, ...]:
     return (value,) if isinstance(value, str) else tuple(value)
 
 
-class ItemLooks(Model):
-    """What an item gives, and how it is shown."""
+class Item(Model):
+    """Something to take: by coming to stand where it lies. It is kept to the end."""
 
+    name: Slug
+    """The name, unique among all things of the level."""
+    at: Cell | None = None
+    """Where it lies."""
+    one_of: Places | None = None
+    """Cells of which one is drawn uniformly at each reset: it lies there."""
     reward: Number | None = None
     """The reward of the step that takes it, which replaces that of the cell."""
     shape: Shape | None = None
@@ -40,21 +46,6 @@ class ItemLooks(Model):
     """The colour, if it is not the theme's."""
     label: Text | None = None
     """A text to show on it."""
-
-
-class ItemPlace(Model):
-    """What an item is called, and where it lies."""
-
-    name: Slug
-    """The name, unique among all things of the level."""
-    at: Cell | None = None
-    """Where it lies."""
-    one_of: Places | None = None
-    """Cells of which one is drawn uniformly at each reset: it lies there."""
-
-
-class Item(ItemLooks, ItemPlace):
-    """Something to take: by coming to stand where it lies. It is kept to the end."""
 
     @property
     def places(self) -> tuple[tuple[int, int], ...]:
@@ -90,9 +81,13 @@ class Door(Opening):
         return as_names(self.unless)
 
 
-class SwitchTraits(Model):
-    """How a switch works, and how it is shown."""
+class Switch(Model):
+    """A switch, which flips whenever the robot arrives there."""
 
+    name: Slug
+    """The name, unique among all things of the level."""
+    at: Cell
+    """The cell."""
     once: Flag = False
     """Whether it flips only the first time."""
     on: Flag = False
@@ -101,19 +96,6 @@ class SwitchTraits(Model):
     """The colour, if it is not the theme's."""
     label: Text | None = None
     """A text to show on it."""
-
-
-class SwitchPlace(Model):
-    """What a switch is called, and where it is."""
-
-    name: Slug
-    """The name, unique among all things of the level."""
-    at: Cell
-    """The cell."""
-
-
-class Switch(SwitchTraits, SwitchPlace):
-    """A switch, which flips whenever the robot arrives there."""
 
 
 class Mover(Model):
@@ -155,8 +137,8 @@ class Hit(Model):
     """Whether the episode ends."""
 
 
-class LegendEntry(Traits):
-    """The meaning of a character of the drawing: an area of one cell, an item, or a switch."""
+class DrawnThing(Model):
+    """An item or a switch of a drawing."""
 
     item: Slug | None = None
     """The name of an item; drawn in several cells, it lies in one of them."""
@@ -169,7 +151,26 @@ class LegendEntry(Traits):
     on: Flag = False
     """Whether the switch is on at the beginning."""
 
+
+class LegendEntry(Traits, DrawnThing):
+    """The meaning of a character of the drawing: an area of one cell, an item, or a switch."""
+
+    color: Color | None = None
+    """The colour of the ground, the item or the switch."""
+    reward: Number | None = None
+    """The reward for entering the cell, or of the step that takes the item."""
+    label: Text | None = None
+    """A text to show on it."""
+
     @property
-    def thing(self) -> str | None:
-        """The name of the item or the switch, None for an area."""
-        return self.item or self.switch
+    def kind(self) -> Literal["area", "item", "switch"]:
+        """What the character stands for."""
+        return "item" if self.item is not None else "switch" if self.switch is not None else "area"
+
+
+LEGEND_FIELDS = {
+    "area": (*Traits.model_fields,),
+    "item": ("item", "shape", "reward", "color", "label"),
+    "switch": ("switch", "once", "on", "color", "label"),
+}
+"""The fields of an entry of the legend, by what it stands for."""

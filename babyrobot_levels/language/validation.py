@@ -24,7 +24,7 @@ ModelT = TypeVar("ModelT", bound=BaseModel)
 Check = Callable[[ModelT], Iterable[Issue]]
 """Looks at a model that is valid by itself and may find more."""
 
-_GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit"}
+_GEOMETRY_NEEDS = {"size", "map", "legend", "start", "exit", "exit_one_of"}
 """Where one of these is invalid, checks of the geometry would only report its consequences."""
 
 
@@ -102,7 +102,8 @@ def validate(data: dict[str, Any], model: type[ModelT]) -> tuple[ModelT | None, 
                 model.model_validate(rest.data)
             except ValidationError as error:
                 whole = [d for d in error.errors(include_url=False) if _issues_of(d)]
-                issues += map(rest.in_whole, _issues(whole, model))
+                found = (issue for issue in _issues(whole, model) if not rest.causes(issue))
+                issues += map(rest.in_whole, found)
     return None, issues[:MAX_PROBLEMS]
 
 
@@ -154,7 +155,8 @@ def _beginning(model: type[BaseModel]) -> str | None:
 
 def _is_fault(detail: Any) -> bool:
     # Pydantic counts valid entries only, so a list of invalid ones is too short for it.
-    return not (detail["type"] == "too_short" and detail["input"])
+    least: int = detail["ctx"]["min_length"] if detail["type"] == "too_short" else 0
+    return not least or len(detail["input"]) < least
 
 
 def _issues_of(detail: Any) -> tuple[Issue, ...]:
@@ -222,6 +224,7 @@ class _Rest:
     def __init__(self, data: dict[str, Any], routes: list[Route]):
         faulty = {route[:2] if _is_entry(route, data) else route[:1] for route in routes if route}
         self.is_enough = not any(route[0] in _GEOMETRY_NEEDS for route in faulty)
+        self.without = {route[0] for route in faulty}
         self.data: dict[str, Any] = {"version": 1}
         self.kept: dict[str, list[int]] = {}
         for field, value in data.items():
@@ -232,6 +235,14 @@ class _Rest:
                 self.kept[field] = kept
                 value = [value[index] for index in kept]
             self.data[field] = value
+
+    def causes(self, issue: Issue) -> bool:
+        """Tell whether an issue may only be there because invalid entries were left out."""
+        if issue.code == "BR321":
+            return not self.without.isdisjoint(("items", "switches", "movers"))
+        # A drawn door without an entry.
+        is_drawn = issue.code == "BR314" and isinstance(issue.location, Mark)
+        return is_drawn and "doors" in self.without
 
     def in_whole(self, issue: Issue) -> Issue:
         """Return the issue with the number that its list entry has in the whole data."""

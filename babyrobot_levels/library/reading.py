@@ -55,7 +55,8 @@ def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
     try:
         level.compile()
     except UnplayableError as error:
-        return Checked(None, [document.diagnostic(issue) for issue in error.issues])
+        found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
+        return Checked(None, found)
     return checked
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from functools import cache
 
+import numpy as np
+
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.configurations import Things, listed
 from babyrobot_levels.mdp.gridworld import GridWorld

@@ -7,9 +7,11 @@ the cells; by taking an item or flipping a switch it comes to another layer.
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import prod
+from typing import NamedTuple
 
 import numpy as np
 
@@ -80,6 +82,14 @@ class Ground:
     begin: Sequence[int]
 
 
+class Change(NamedTuple):
+    """What an arrival changes: the value of the thing in a column. `reward` is that of an item."""
+
+    column: int
+    value: int
+    reward: float | None
+
+
 @dataclass(eq=False)
 class Layer:
     """A layer, and what the search found in it.
@@ -87,25 +97,54 @@ class Layer:
     Attributes:
         number: its number, in the order in which layers were found.
         values: the values of all things but the movers.
-        closed: for each door, whether it is closed.
         exits: the numbers of the cells that are exits.
         is_open: whether an exit ends the episode.
         over: for each cell, whether the episode is over there.
-        arrivals: for each cell at which something changes, the values after it, and the reward.
         found: for each joint state of the movers and each cell, `REACHED`, `ON` or 0.
         occurs: for each joint state, whether it occurs.
+        waiting: the pairs from which the search has not gone on yet.
+        leads: the layers to which arriving at a cell was found to lead.
     """
 
+    level: LevelFields
+    things: Things
     number: int
     values: Values
-    closed: tuple[bool, ...]
     exits: tuple[int, ...]
     is_open: bool
     over: bytes
-    arrivals: dict[int, tuple[Values, float | None]]
     found: bytearray
     occurs: bytearray
     waiting: list[int] = field(default_factory=list)
+    leads: dict[int, Layer] = field(default_factory=dict)
+
+    # The search notes many layers, and walks through few of a level that is too large.
+
+    @cached_property
+    def closed(self) -> tuple[bool, ...]:
+        """For each door, whether it is closed."""
+        values = (*self.values, *[0] * len(self.level.movers))
+        return self.things.closed(self.things.met(values)) if self.level.doors else ()
+
+    @cached_property
+    def arrivals(self) -> dict[int, Change]:
+        """What changes at the cells at which something does."""
+        width, found = self.level.size[0], {}
+        for column, item in enumerate(self.level.items, self.things.items.start):
+            if (value := self.values[column]) < len(item.places):
+                x, y = item.places[value]
+                found[y * width + x] = Change(column, len(item.places), item.reward)
+        for column, switch in enumerate(self.level.switches, self.things.switches.start):
+            value = self.values[column]
+            if not switch.once or value == int(switch.on):
+                x, y = switch.at
+                found[y * width + x] = Change(column, 1 - value, None)
+        return found
+
+    def after(self, change: Change) -> Values:
+        """Return the values after a change."""
+        column = change.column
+        return (*self.values[:column], change.value, *self.values[column + 1 :])
 
 
 class Layers:
@@ -132,6 +171,9 @@ class Layers:
         self.layers: list[Layer] = []
         self.count = 0
         self._numbers: dict[Values, int] = {}
+        places = [level.exits] if level.exit_one_of is None else [[c] for c in level.exit_one_of]
+        self._exits = [tuple(y * grid.width + x for x, y in cells) for cells in places]
+        self._exit_needs = [*self._columns(level.exit_keys)]
         self._grounds: dict[tuple[tuple[bool, ...], tuple[int, ...]], Ground] = {}
         self._overs: dict[tuple[tuple[int, ...], bool], bytes] = {}
         self._steps: dict[tuple[bool, ...], list[list[int]]] = {}
@@ -143,6 +185,13 @@ class Layers:
         self._cells = self.crowd.cells.tolist()
         self.starts = self._begin()
         self._search()
+
+    def _columns(self, names: Iterable[str]) -> Iterator[tuple[int, int]]:
+        """Yield for each item and switch named its column, and its value while held or on."""
+        column = {name: number for number, name in enumerate(self.things.names)}
+        for name in names:
+            is_switch = column[name] >= self.things.switches.start
+            yield column[name], 1 if is_switch else self.things.radices[column[name]] - 1
 
     def _check_draws(self) -> None:
         """Refuse at once what cannot be within the bound: more draws, or a change of anything."""
@@ -191,10 +240,8 @@ class Layers:
         number = self._numbers.get(values)
         if number is not None:
             return self.layers[number]
-        things, level = self.things, self.level
-        met = things.met((*values, *[0] * len(level.movers)))
-        exits = tuple(y * self.grid.width + x for x, y in things.exits(values))
-        is_open = met.issuperset(level.exit_keys)
+        exits = self._exits[values[0] if self.level.exit_one_of is not None else 0]
+        is_open = all(values[column] == value for column, value in self._exit_needs)
         over = self._overs.get((exits, is_open))
         if over is None:
             marked = bytearray(self._ends)
@@ -205,13 +252,13 @@ class Layers:
         if (len(self.layers) + 1) * joints > 4 * self._most:
             raise TooManyStates
         layer = Layer(
+            level=self.level,
+            things=self.things,
             number=len(self.layers),
             values=values,
-            closed=things.closed(met),
             exits=exits,
             is_open=is_open,
             over=over,
-            arrivals=self._arrivals(values),
             found=bytearray(joints * self.size),
             occurs=bytearray(joints),
         )
@@ -219,25 +266,12 @@ class Layers:
         self.layers.append(layer)
         return layer
 
-    def find(self, values: Values) -> Layer | None:
-        """Return the layer of some values, None where no episode comes to it."""
-        number = self._numbers.get(values)
-        return None if number is None else self.layers[number]
-
-    def _arrivals(self, values: Values) -> dict[int, tuple[Values, float | None]]:
-        width, found = self.grid.width, {}
-        for column, item in enumerate(self.level.items, self.things.items.start):
-            value = values[column]
-            if value < len(item.places):
-                x, y = item.places[value]
-                after = (*values[:column], len(item.places), *values[column + 1 :])
-                found[y * width + x] = after, item.reward
-        for column, switch in enumerate(self.level.switches, self.things.switches.start):
-            if not switch.once or values[column] == int(switch.on):
-                x, y = switch.at
-                after = (*values[:column], 1 - values[column], *values[column + 1 :])
-                found[y * width + x] = after, None
-        return found
+    def _led(self, layer: Layer, cell: int) -> Layer:
+        """Return the layer to which arriving at a cell leads, where something changes."""
+        other = layer.leads.get(cell)
+        if other is None:
+            other = layer.leads[cell] = self.layer(layer.after(layer.arrivals[cell]))
+        return other
 
     def ground(self, layer: Layer) -> Ground:
         """Return what moves come to in a layer."""
@@ -301,7 +335,7 @@ class Layers:
             cell = stack.pop()
             for target in follow[begin[cell] : begin[cell + 1]]:
                 if target in arrivals:
-                    other = self.layer(arrivals[target][0])
+                    other = self._led(layer, target)
                     if not other.found[target]:
                         self._note(other, 0, target, REACHED if other.over[target] else ON)
                         touched[other.number] = other
@@ -324,7 +358,7 @@ class Layers:
             for number, target in enumerate((cell, *follow[begin[cell] : begin[cell + 1]])):
                 other = layer
                 if number and target in layer.arrivals:
-                    other = self.layer(layer.arrivals[target][0])
+                    other = self._led(layer, target)
                 found = other.found
                 for after in steps[joint]:
                     if found[after * size + target] == ON:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from math import prod
+from math import log10, prod
 from typing import Any
 
 import numpy as np
@@ -32,7 +32,7 @@ from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.placement import placement_issues
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
-from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 
 PART = 1 << 17
@@ -55,51 +55,59 @@ def compile_things(level: LevelFields, grid: Grid) -> Mdp:
     except TooManyStates:
         raise _too_many_states(level, things) from None
     except TooManyWays as error:
-        count = sum(mover.within is not None for mover in level.movers)
-        what = f"{count} movers that walk at random have {error.ways:,} ways to go"
-        raise _too_many_outcomes(what) from None
+        raise _too_many_outcomes(level, error.ways) from None
     return _Compiler(level, layers).tables()
 
 
 def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
     """Return the error that names what costs most."""
-    costs: list[tuple[int, str, tuple[str | int, ...]]] = []
+    costs: list[tuple[int, str, str]] = []
     if level.exit_one_of is not None:
         count = len(level.exit_one_of)
-        costs.append((count, f"`exit_one_of` with {count} cells", ("exit_one_of",)))
+        costs.append((count, f"{count} exits to draw from", "exit_one_of"))
     factor = prod(len(item.places) + 1 for item in level.items)
-    items = f"{len(level.items)} item{'s' * (len(level.items) != 1)}"
-    costs.append((factor, items, ("items",)))
-    switches = f"{len(level.switches)} switch{'es' * (len(level.switches) != 1)}"
-    costs.append((2 ** len(level.switches), switches, ("switches",)))
-    radices = things.radices[things.static :]
-    if len(radices) > 1:
-        costs.append((prod(radices), f"{len(radices)} movers", ("movers",)))
-    elif radices:
-        costs.append((radices[0], f"the mover `{things.names[-1]}`", ("movers", 0)))
+    costs.append((factor, _counted(len(level.items), "item", "items"), _field_of(level, "items")))
+    factor = 2 ** len(level.switches)
+    switches = _counted(len(level.switches), "switch", "switches")
+    costs.append((factor, switches, _field_of(level, "switches")))
+    factor = prod(things.radices[things.static :])
+    costs.append((factor, _counted(len(level.movers), "mover", "movers"), "movers"))
     costs = sorted((cost for cost in costs if cost[0] > 1), key=lambda cost: -cost[0])
-    width, height = level.size
-    told = ", ".join(f"{what} ({_times(factor)})" for factor, what, _ in costs[:3])
+    told = ", ".join(f"{what} ({_up_to(factor)})" for factor, what, _ in costs[:3])
     message = (
-        f"the level has more than {MAX_STATES:,} states: {width * height:,} cells, "
-        f"times what things can be; most of it from {told}"
+        f"the level has more than {MAX_STATES:,} states: "
+        f"{level.size[0] * level.size[1]:,} cells, times the combinations of {told}"
     )
-    help_text = "use fewer of them, or a smaller level"
-    return UnplayableError(
-        [Issue("BR404", costs[0][2] if costs else ("size",), message, help_text)]
-    )
+    help_text = "use fewer of them, fewer cells for them, or a smaller level"
+    return UnplayableError([Issue("BR404", Key((costs[0][2],)), message, help_text)])
 
 
-def _times(factor: int) -> str:
-    return (
-        f"up to {factor:,} values" if factor < 10**9 else f"up to 10^{len(str(factor)) - 1} values"
-    )
+def _field_of(level: LevelFields, field: str) -> str:
+    return "legend" if level._drawn.get(field) else field
 
 
-def _too_many_outcomes(what: str) -> UnplayableError:
+def _counted(count: int, one: str, several: str) -> str:
+    return f"{count} {one if count == 1 else several}"
+
+
+def _up_to(factor: int) -> str:
+    return f"up to {factor:,}" if factor < 10**9 else f"up to 10^{int(log10(factor))}"
+
+
+def _too_many_outcomes(level: LevelFields, ways: int = 0) -> UnplayableError:
+    """Return the error that says why. `ways` is how many ways the movers alone have."""
+    count = sum(mover.within is not None for mover in level.movers)
+    wanderers = f"{_counted(count, 'mover', 'movers')} in a rectangle"
+    field, help_text = "movers", "use fewer movers, or let them walk a path"
+    if ways:
+        what = f"{wanderers} may go {ways:,} ways at once"
+    elif count:
+        what = f"those of a move, times the ways that {wanderers} may go"
+    else:
+        what = f"a warp leads to one of {len(level.starts)} starts"
+        field, help_text = "start", "use fewer starts, or let the warp lead to a cell"
     message = f"an action has more than {MAX_OUTCOMES} outcomes: {what}"
-    help_text = "use fewer movers, or let them walk a path"
-    return UnplayableError([Issue("BR405", ("movers",), message, help_text)])
+    return UnplayableError([Issue("BR405", Key((field,)), message, help_text)])
 
 
 class _Compiler:
@@ -152,7 +160,7 @@ class _Compiler:
             intended_next_state=intended,
             obstruction=obstruction,
             configurations=self.configurations,
-            **_wide(parts, over),
+            **_wide(self.level, parts, over),
         ).freeze()
 
     def _groups(self) -> Iterator[tuple[Ground, list[Layer]]]:
@@ -177,10 +185,9 @@ class _Compiler:
         pairs: list[tuple[Ints, Ints, Ints]] = []
         for index, layer in enumerate(members):
             after[index] = layer.number
-            for at, (values, reward) in layer.arrivals.items():
-                following = self.layers.find(values)
-                # What nobody arrives at is never looked up.
-                after[index, at] = layer.number if following is None else following.number
+            for at, following in layer.leads.items():
+                after[index, at] = following.number
+                reward = layer.arrivals[at].reward
                 taken[index, at] = np.nan if reward is None else reward
             joints, cells = self._on(layer)
             pairs.append((np.full(cells.size, index), joints, cells))
@@ -316,7 +323,7 @@ def _merged(
     return _Outcomes(row[first], total, next_state[first], reward[first], terminal[first])
 
 
-def _wide(parts: list[_Outcomes], over: Flags) -> dict[str, Any]:
+def _wide(level: LevelFields, parts: list[_Outcomes], over: Flags) -> dict[str, Any]:
     """Return the tables with the outcomes in their rows; where it is over, states lead back."""
     slots, width = [], 1
     for part in parts:
@@ -327,7 +334,7 @@ def _wide(parts: list[_Outcomes], over: Flags) -> dict[str, Any]:
         slots.append(np.arange(part.row.size) - np.repeat(first, length))
         width = max(width, int(length.max()))
     if width > MAX_OUTCOMES:
-        raise _too_many_outcomes("skids and movers together")
+        raise _too_many_outcomes(level)
     states = over.size
     tables: dict[str, NDArray[Any]] = {
         "probability": np.zeros((states * NUM_ACTIONS, width)),
