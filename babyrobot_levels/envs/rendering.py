@@ -75,10 +75,12 @@ class Pictures:
     def reset(self, level: Level, state: int, heading: int | None) -> None:
         """Show the start of an episode, perhaps in another level.
 
-        Overlays stay if the level is as large as the one before.
+        Overlays stay if the level is as large as the one before, unless they differ between its
+        configurations or headings.
         """
         if level is not self._level:
-            if level.size != self._level.size:
+            varies = self._overlay is not None and self._overlay.parts is not None
+            if varies or level.size != self._level.size:
                 self._overlay = None
                 if self._view is not None:
                     self._view.set_overlay(None)
@@ -109,10 +111,6 @@ class Pictures:
         number, cell = divmod(state, self._num_cells)
         now, width = self._level.configuration(number), self._level.size[0]
         return now.exit_is_open and (cell % width, cell // width) in now.exits
-
-    @property
-    def _cell(self) -> int:
-        return self._state % self._num_cells
 
     def show_info(self, info: Mapping[str, Any] | None) -> None:
         """Replace the overlay; None removes it.
@@ -169,7 +167,12 @@ class Pictures:
             self._terminal = Terminal()
         terminal = self._terminal
         painter = self._text_painter(plain=not terminal.takes_unicode)
-        lines = painter.lines(self._cell, color=terminal.takes_color, room=terminal.room)
+        lines = painter.lines(
+            self._state,
+            heading=self._pose.heading,
+            color=terminal.takes_color,
+            room=terminal.room,
+        )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))
 
     def _canvas(self) -> LevelView:
@@ -208,7 +211,8 @@ class Pictures:
 
     def text(self) -> str:
         """Return the picture as a text; each line ends with a newline."""
-        return "\n".join([*self._text_painter(plain=False).lines(self._cell), ""])
+        painter = self._text_painter(plain=False)
+        return "\n".join([*painter.lines(self._state, heading=self._pose.heading), ""])
 
     def mimebundle(self) -> dict[str, Any]:
         """Return the representations for the last line of a notebook cell."""
