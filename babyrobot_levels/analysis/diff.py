@@ -50,7 +50,8 @@ class Difference:
 
     Cells, walls and transitions are those that both levels have, counted from the top-left corner;
     transitions also only of configurations that both have. There, things that only one of the
-    levels has are as at the beginning.
+    levels has, or with other numbers of places, are as at the beginning, and what becomes of them
+    is not compared.
     """
 
     __module__ = "babyrobot_levels"

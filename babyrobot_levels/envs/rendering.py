@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from babyrobot_levels.envs.spaces import ActionSet
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.tables import Mdp
     from babyrobot_levels.render.frames import FramePainter
@@ -201,7 +201,13 @@ class Pictures:
     def _scene(self) -> Scene:
         from babyrobot_levels.render.scene.build import build_scene
 
-        return build_scene(self._level, state=self._state, pose=self._pose, overlay=self._overlay)
+        return build_scene(
+            self._level,
+            state=self._state,
+            heading=self._pose.heading,
+            pose=self._pose,
+            overlay=self._overlay,
+        )
 
     def svg(self) -> str:
         """Return the picture as an SVG document."""
@@ -211,8 +217,8 @@ class Pictures:
 
     def text(self) -> str:
         """Return the picture as a text; each line ends with a newline."""
-        painter = self._text_painter(plain=False)
-        return "\n".join([*painter.lines(self._state, heading=self._pose.heading), ""])
+        lines = self._text_painter(plain=False).lines(self._state, heading=self._pose.heading)
+        return "\n".join([*lines, ""])
 
     def mimebundle(self) -> dict[str, Any]:
         """Return the representations for the last line of a notebook cell."""

@@ -12,6 +12,7 @@ from gymnasium import error
 from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
     check_names,
@@ -27,7 +28,7 @@ from babyrobot_levels.envs.rendering import (
     RenderedEnv,
     show_wrapped_environments,
 )
-from babyrobot_levels.envs.spaces import ACTION_SETS, ValidActions, make_action_space
+from babyrobot_levels.envs.spaces import ValidActions, make_action_space
 from babyrobot_levels.envs.views import VIEW_PLANES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -138,7 +139,7 @@ class LevelEnv(RenderedEnv):
         self._given = load(level)
         self._options = ("start", "maze_seed") if self._given.has_random_maze else ("start",)
         self._actions = ACTION_SETS[actions]
-        space, _ = make_action_space(actions)
+        space = make_action_space(self._actions)
         self.action_space = space
         self._valid = space if isinstance(space, ValidActions) else None
         self._spec: EnvSpec | None = None

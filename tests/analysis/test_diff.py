@@ -360,16 +360,28 @@ def test_transitions_are_told_with_their_configuration() -> None:
 
 
 def test_things_of_one_level_are_as_at_the_beginning() -> None:
-    gem = {"name": "gem", "at": [3, 0]}
+    gem = {"name": "gem", "at": [3, 0], "reward": 7}
     difference = changed_things(items=[*THINGS["items"], gem])
-    # With the gem still there, only taking it differs.
     assert difference.transitions.total == 5 * level_of(THINGS).compile().num_states
-    assert {change.after[0]["cell"] == [3, 0] for change in difference.transitions.first} == {True}
-    assert {change.name for change in difference.transitions.first} == {"north", "east"}
+    # With the gem still there, only its reward differs.
+    first = difference.transitions.first
+    assert {(change.cell, change.name) for change in first} == {((2, 0), "east"), ((3, 1), "north")}
+    assert {change.after[0]["reward"] for change in first} == {7.0}
     plain = {name: THINGS[name] for name in ("version", "size")}
     added = diff(plain, THINGS)
     assert added.transitions.total == 5 * 12
     assert added.things.count == added.things.total == 5
+
+
+def test_a_mover_with_another_path_changes_where_it_is_met() -> None:
+    bat = {"name": "bat", "within": {"at": [2, 0], "size": [2, 1]}, "start": [3, 0]}
+    transitions = changed_things(movers=[*THINGS["movers"], bat]).transitions
+    # The bat goes one of two ways, which is one and the same where it is not met.
+    assert {change.cell for change in transitions.first} <= {(1, 0), (2, 0), (3, 0), (2, 1), (3, 1)}
+    assert ((0, 0), "stay") not in {(change.cell, change.name) for change in transitions.first}
+    path = [[1, 1], [2, 1], [3, 1]]
+    longer = changed_things(movers=[{"name": "guard", "path": path, "back": True}])
+    assert longer.transitions.count == 0
 
 
 def test_limits() -> None:

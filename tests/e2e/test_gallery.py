@@ -323,6 +323,26 @@ def test_every_level_with_things_has_its_optimum_here() -> None:
     assert len(things) >= 10
 
 
+# The fewest moves and the fewest turning actions to the goal.
+MINIGRID = {
+    "door-key": (10, 14),
+    "key-corridor": (16, 24),
+    "locked-room": (45, 55),
+    "red-blue-doors": (13, 19),
+}
+
+
+@pytest.mark.parametrize("name", MINIGRID)
+def test_the_optimum_of_a_layout_of_minigrid(name: str) -> None:
+    level = load(name)
+    mdp, (moves, turns) = level.compile(), MINIGRID[name]
+    assert {"minigrid", "things"} <= {*level.tags}
+    for tables, steps in ((mdp, moves), (mdp.turning(level.heading), turns)):
+        optimum = tables.start @ optimal_values(tables, level.discount)
+        # A reward of 1 for the last step alone.
+        assert optimum == pytest.approx(level.discount ** (steps - 1), abs=1e-9)
+
+
 # The free cells, the fewest moves and the fewest turning actions, as published.
 TEST_MAZES = {
     "sixteen-rooms": (123, 20, 26),

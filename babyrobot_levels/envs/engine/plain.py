@@ -82,7 +82,7 @@ class PlainEngine:
         end = results.infos["end"]
         # The bit of terminal outcomes is the highest.
         greater(end, self._hit, terminated)
-        if tables.has_hits:
+        if tables.tells_hits:
             bitwise_and(end, self._hit, results.hit.view(np.uint8))
         if self._has_limits:
             np.less_equal(envs.deadline, np.array(envs.clock), truncated)

@@ -11,6 +11,7 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
     checked_actions,
@@ -25,7 +26,7 @@ from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
 from babyrobot_levels.envs.rendering import RENDER_FPS
-from babyrobot_levels.envs.spaces import ACTION_SETS, BatchActions, make_action_space
+from babyrobot_levels.envs.spaces import BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
     ChangingVectorEnv,
     checked_levels,
@@ -127,7 +128,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             "render_fps": RENDER_FPS,
             "autoreset_mode": self._mode,
         }
-        self.single_action_space, _ = make_action_space(actions)
+        self.single_action_space = make_action_space(action_set)
         num_actions = action_set.num_actions
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)
@@ -144,6 +145,11 @@ class LevelVectorEnv(ChangingVectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
         self._num_items, self._has_movers = played.num_items, played.has_movers
+        fixed = self.levels if isinstance(self.levels, tuple) else ()
+        self._all_tell = (
+            bool(fixed) and all(each.items for each in fixed),
+            bool(fixed) and all(each.movers for each in fixed),
+        )
         self._info_dtype = info_dtype(num_actions)
         self._layout = Layout(
             self.num_envs, self._observer.table.shape[1], num_actions, played.num_items
@@ -216,12 +222,8 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset[which] = True
         results.words[~is_reset] = 0
         results.held_words[~is_reset] = 0
-        values = {
-            "action_mask": results.infos["mask"],
-            **self._things(results),
-            **self._digests(which),
-        }
-        info = self._masked(values, is_reset)
+        values = {"action_mask": results.infos["mask"], **self._digests(which)}
+        info = self._masked(values, is_reset) | self._things(results, is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
@@ -272,9 +274,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             "_skidded": acted,
         }
         if self._num_items or self._has_movers:
-            for key, value in self._things(results).items():
-                info[key] = value
-                info[f"_{key}"] = all_true
+            info |= self._things(results, all_true)
         if self._has_level_numbers:
             for key, numbers in self._level_numbers().items():
                 info[key] = numbers
@@ -314,13 +314,26 @@ class LevelVectorEnv(ChangingVectorEnv):
         results.held_words[which] = self._tables.held[state]
         results.observations[which] = self._observer.table[state]
 
-    def _things(self, results: Results) -> dict[str, NDArray[np.bool_]]:
-        """Return what infos say about things."""
-        told: dict[str, NDArray[np.bool_]] = {}
+    def _things(
+        self, results: Results, where: NDArray[np.bool_], *, copy: bool = False
+    ) -> dict[str, NDArray[np.bool_]]:
+        """Return what infos say about things in some environments.
+
+        Args:
+            results: what an engine wrote.
+            where: the environments, bool `[num_envs]`.
+            copy: whether to return new arrays, which are False for other environments.
+        """
+        told, level = {}, self._envs.level
         if self._num_items:
-            told["held"] = results.items["held"]
+            held = results.items["held"]
+            told["held"] = held & where[:, None] if copy else held
+            has = self._tables.has_items
+            told["_held"] = where if self._all_tell[0] else where & has.take(level)
         if self._has_movers:
-            told["hit"] = results.hit
+            told["hit"] = results.hit & where if copy else results.hit
+            has = self._tables.has_movers
+            told["_hit"] = where if self._all_tell[1] else where & has.take(level)
         return told
 
     def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
@@ -345,9 +358,6 @@ class LevelVectorEnv(ChangingVectorEnv):
             "target_reached": infos["reached"],
             "skidded": infos["skidded"],
         }
-        for key, told in self._things(results).items():
-            values[key] = np.zeros_like(told)
-            values[key][done] = told[done]
         observations = np.full(self.num_envs, None, object)
         final = self._observer.at(envs.state[done])
         for number, one in zip(done, final if final.ndim > 1 else final.tolist(), strict=True):
@@ -355,7 +365,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         info = {
             "final_obs": observations,
             "_final_obs": where,
-            "final_info": self._masked(values, where),
+            "final_info": self._masked(values, where) | self._things(results, where, copy=True),
             "_final_info": where,
         }
         if self._slots is not None:

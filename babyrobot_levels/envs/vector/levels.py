@@ -37,9 +37,10 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 
 if TYPE_CHECKING:
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import Engine
     from babyrobot_levels.envs.engine.tables import Ints, Tables
-    from babyrobot_levels.envs.spaces import ActionSet, BatchActions
+    from babyrobot_levels.envs.spaces import BatchActions
     from babyrobot_levels.envs.vector.observations import BatchObserver
 
 KEPT_STATES = 2**19
