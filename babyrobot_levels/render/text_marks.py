@@ -129,7 +129,7 @@ def without_things(level: GridWorld, drawing: d.Drawing) -> d.Drawing:
     """Return a drawing without the doors, items and switches that the language's drawing shows."""
     if not level.has_things:
         return drawing
-    named = {ord(letter): d.PLAIN for letter, entry in level.legend.items() if entry.thing}
+    named = {ord(letter): d.PLAIN for letter, entry in level.legend.items() if entry.kind != "area"}
     doors = {ord(d.DOOR): d.OPEN}
     return d.Drawing(
         tuple(row.translate(named) for row in drawing.cells),
