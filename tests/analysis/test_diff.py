@@ -14,8 +14,9 @@ from oracles.random_things import random_level
 from support.worlds import World, decorated_worlds, level_of, worlds
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.changes import Change
 from babyrobot_levels.analysis.compare import compare
-from babyrobot_levels.analysis.diff import Change, Difference, diff
+from babyrobot_levels.analysis.diff import Difference, diff
 
 PLAIN: World = {"version": 1, "size": [3, 2]}
 

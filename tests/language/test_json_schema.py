@@ -222,6 +222,20 @@ def test_they_agree_on_single_fields_of_all_shapes(fields: dict[str, Any]) -> No
 DRAWN = "+---+---+\n| S   E |\n+---+---+\n"
 
 
+MOVERS: list[dict[str, Any]] = [
+    {},
+    {"path": [[1, 1]]},
+    {"path": []},
+    {"path": [[1, 1]], "start": None, "within": None},
+    {"path": [[1, 1]], "start": [1, 1]},
+    {"path": [[1, 1]], "within": {"at": [1, 1]}},
+    {"within": {"at": [1, 1]}, "start": [1, 1], "path": None},
+    {"within": {"at": [1, 1]}, "back": False},
+    {"within": {"at": [1, 1]}, "back": True},
+]
+"""Movers, valid ones and others."""
+
+
 @pytest.mark.parametrize(
     "fields",
     [
@@ -298,20 +312,7 @@ DRAWN = "+---+---+\n| S   E |\n+---+---+\n"
         {"doors": [{"at": [1, 1], "side": "E", "width": 101}]},
         {"switches": [{"name": "lever", "at": [1, 1], "once": True, "on": False}]},
         {"switches": [{"name": "lever"}]},
-        *(
-            {"movers": [mover]}
-            for mover in (
-                {},
-                {"path": [[1, 1]]},
-                {"path": []},
-                {"path": [[1, 1]], "start": None, "within": None},
-                {"path": [[1, 1]], "start": [1, 1]},
-                {"path": [[1, 1]], "within": {"at": [1, 1]}},
-                {"within": {"at": [1, 1]}, "start": [1, 1], "path": None},
-                {"within": {"at": [1, 1]}, "back": False},
-                {"within": {"at": [1, 1]}, "back": True},
-            )
-        ),
+        *({"movers": [mover]} for mover in MOVERS),
         *(
             {"map": DRAWN, "legend": {"x": entry}}
             for entry in (

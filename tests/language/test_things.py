@@ -137,7 +137,7 @@ def test_a_level_writes_what_it_read(world: World) -> None:
 def test_drawn_with_its_doors_a_level_has_the_same_sides(world: World) -> None:
     level = level_of(world)
     text = level.draw()
-    beside = {name: world[name] for name in ("doors", "items", "switches") if name in world}
+    beside: World = {n: world[n] for n in ("doors", "items", "switches") if n in world}
     # Where there is a start or an exit, the drawing shows it, and lists of things stay lists.
     ends = {"exit_one_of": world["exit_one_of"]} if "exit_one_of" in world else {}
     copy = level_of({"version": 1, "map": text, **beside, **ends})

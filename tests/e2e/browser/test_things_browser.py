@@ -303,7 +303,7 @@ def field(value: Any, *route: Any) -> Callable[[Any], None]:
     return put
 
 
-HOSTILE: dict[str, Callable[[Any], None]] = {
+HOSTILE: dict[str, Callable[[Any], object]] = {
     "things that are none": field({}, "things"),
     "a thing that is none": field([5], "things"),
     "a thing of another kind": field("script", "things", "lever", "kind"),
