@@ -22,6 +22,9 @@ LevelArgument = Annotated[
 ]
 
 
+NOTHING = "nothing"
+"""The value of `--held` for what nobody holds and no switch that is on."""
+
 MazeSeedOption = Annotated[
     int | None,
     typer.Option(
@@ -50,6 +53,17 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
     if one == other == str(STANDARD_INPUT):
         fail("only one of the two levels can be standard input")
     return load_level(one), load_level(other)
+
+
+def configuration_of(level: Level, held: str) -> int:
+    """Return the configuration that `--held` names: just these items held, and switches on."""
+    from babyrobot_levels.mdp.states import configuration_with
+
+    names = [name for name in (part.strip() for part in held.split(",")) if name]
+    try:
+        return configuration_with(level, () if names == [NOTHING] else names)
+    except ValueError as error:
+        fail(str(error))
 
 
 def json_mapping(text: str) -> dict[str, Any]:

@@ -172,13 +172,13 @@ def _episode(level: Level, policy_name: PolicyName, seed: int) -> list[Step]:
     return steps
 
 
-def solution_of(level: Level, discount: float | None = None) -> Solution:
+def solution_of(level: Level, discount: float | None = None, actions: str = "all") -> Solution:
     """Return the solution of a level; end the command if it has none."""
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
-        return solve(level, discount)
+        return solve(level, discount, actions=actions)
     except UndefinedReturnError as error:
         note(f"error: the level has no optimal policy: {error}")
         raise typer.Exit(FINDINGS) from None

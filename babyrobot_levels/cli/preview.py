@@ -18,7 +18,7 @@ from babyrobot_levels.cli.console import (
     save,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
     MAX_SCALE,
@@ -61,10 +61,6 @@ _SUFFIXES = {
 _TEXTS = (PictureFormat.TEXT, PictureFormat.ASCII)
 _SCALED = (PictureFormat.SVG, PictureFormat.PNG, PictureFormat.GIF)
 _PLAYED = (PictureFormat.GIF, PictureFormat.HTML)
-
-
-NOTHING = "nothing"
-"""The value of `--held` for what nobody holds and no switch that is on."""
 
 
 class PreviewCommand(TyperCommand):
@@ -189,7 +185,7 @@ def preview(
         fail("--held is for text and still pictures", "leave out --held")
     times = _scale(scale, cell, chosen)
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-    configuration = None if held is None else _configuration(shown, held)
+    configuration = None if held is None else configuration_of(shown, held)
     options = PictureOptions(values, policy, seed or 0, times, configuration)
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
@@ -267,17 +263,6 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
     elif maze_seed is not None:
         fail("the level's maze is not random", "leave out --maze-seed")
     return level
-
-
-def _configuration(level: Level, held: str) -> int:
-    """Return the configuration in which exactly some items are held and switches on."""
-    from babyrobot_levels.mdp.states import configuration_with
-
-    names = [name for name in (part.strip() for part in held.split(",")) if name]
-    try:
-        return configuration_with(level, () if names == [NOTHING] else names)
-    except ValueError as error:
-        fail(str(error))
 
 
 def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
