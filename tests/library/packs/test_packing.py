@@ -49,12 +49,15 @@ def test_what_is_packed_is_what_is_installed() -> None:
     assert len(brl.load_suite("zoo/herd")) == 10
 
 
-VAULT = level() + """\
+VAULT = (
+    level()
+    + """\
 doors:
   - {at: [2, 0], side: E, length: 3, needs: key}
 items:
   - {name: key, at: [1, 2]}
 """
+)
 
 
 def test_levels_with_things_are_packed() -> None:
