@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.envs import former_modules, gymnasium_hook
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.compare import Certificate as Certificate
-    from babyrobot_levels.analysis.compare import ComparisonError as ComparisonError
+    from babyrobot_levels.analysis.certificate import Certificate as Certificate
+    from babyrobot_levels.analysis.certificate import ComparisonError as ComparisonError
     from babyrobot_levels.analysis.compare import compare as compare
     from babyrobot_levels.analysis.diff import Difference as Difference
     from babyrobot_levels.analysis.diff import diff as diff
@@ -76,8 +76,8 @@ __version__ = "0.1.0"
 _HOMES = {
     "Action": "mdp.actions",
     "BabyRobotError": "text.errors",
-    "Certificate": "analysis.compare",
-    "ComparisonError": "analysis.compare",
+    "Certificate": "analysis.certificate",
+    "ComparisonError": "analysis.certificate",
     "Configuration": "mdp.configurations",
     "ConversionWarning": "convert.conversion",
     "Diagnostic": "text.diagnostics",

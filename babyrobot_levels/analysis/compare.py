@@ -16,12 +16,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
+from babyrobot_levels.analysis.minigrid import MINIGRID, certify, is_minigrid, made_minigrid
+from babyrobot_levels.analysis.situations import told
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
 from babyrobot_levels.mdp.reachability import transitions
 from babyrobot_levels.mdp.tables import Mdp, Outcome
-from babyrobot_levels.text.errors import BabyRobotError
 
 LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
 Flags = NDArray[np.bool_]
@@ -33,73 +35,60 @@ GYMNASIUM = "gymnasium:"
 REWARD_TOLERANCE = 1e-12
 
 
-class ComparisonError(BabyRobotError, ValueError):
-    """What was given cannot be compared with a level."""
-
-    __module__ = "babyrobot_levels"
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """The result of comparing a level with another MDP.
-
-    Attributes:
-        equal: whether the two are equivalent: the same starts, and the same outcomes of all
-            actions in all states that an episode reaches.
-        actions: for each action of the other, the level's own number of it (`brl.Action`). Where
-            the MDPs differ, those under which they differ least; None if no actions were compared.
-        states: the number of states whose outcomes were compared: those that an episode reaches,
-            without the terminal ones.
-        outcomes: the number of distinct outcomes of the level that were compared.
-        everywhere: whether the states that no episode reaches agree as well.
-        difference: the first difference as text; None if there is none.
-        digest: the level's digest.
-    """
-
-    __module__ = "babyrobot_levels"
-
-    equal: bool
-    actions: tuple[int, ...] | None
-    states: int
-    outcomes: int
-    everywhere: bool
-    difference: str | None
-    digest: str
-
-
 def compare(
     level: LevelLike,
     other: Any,
     *,
     actions: Sequence[int] | None = None,
     kwargs: Mapping[str, Any] | None = None,
+    seed: int = 0,
     tolerance: float = 1e-12,
 ) -> Certificate:
     """Compare a level with another MDP, outcome by outcome.
 
-    States correspond by number: the level's are `y * width + x`. The outcomes of terminal states
-    are not compared, because no episode goes on there. Time limits (`max_steps`) are not part of
-    the MDP.
+    States correspond by number: the level's are `y * width + x`, and with things
+    `configuration * width * height + y * width + x`. If the other has three actions, they are left,
+    right and forward, and the level's states are those of `Mdp.turning`. The outcomes of terminal
+    states are not compared, because no episode goes on there. Time limits (`max_steps`) are not
+    part of the MDP.
+
+    An environment of MiniGrid has no table. It is put into each state of the level with turning,
+    and its next state and its success are compared, but not its rewards, which shrink with each
+    step. Its grid may have walls, lava and goals, and no objects.
 
     Args:
         level: whatever `load` takes.
         other: another level, likewise; `"gymnasium:ID"`; a Gymnasium environment that has a
-            table, as those of toy_text have (`P` and `initial_state_distrib`); or such a table
-            and the probability of each start: `({s: {a: [(p, s', reward, terminal)]}}, start)`.
+            table, as those of toy_text have (`P` and `initial_state_distrib`); such a table
+            and the probability of each start: `({s: {a: [(p, s', reward, terminal)]}}, start)`;
+            `"minigrid:ID"`; or an environment of MiniGrid, which must have been reset.
         actions: for each action of the other, the level's own number of it. By default a mapping
             is searched for under which the MDPs agree.
         kwargs: keyword arguments for `gymnasium.make`.
+        seed: the seed with which an environment of MiniGrid is reset.
         tolerance: by how much probabilities may differ. Rewards may differ by 1e-12.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid.
         ComparisonError: the other has no table, or none that can be read; `actions` do not name
-            the four moves, or all five actions, once each; a maze has no seed yet.
+            the four moves, or all actions, once each; a maze has no seed yet; a grid of MiniGrid
+            has objects, or MiniGrid is not installed.
     """
     mine = _with_fixed_maze(level)
+    if isinstance(other, str) and other.startswith(MINIGRID):
+        env = made_minigrid(other.removeprefix(MINIGRID), seed, kwargs)
+        try:
+            return certify(mine, env)
+        finally:
+            env.close()
+    if hasattr(other, "unwrapped") and is_minigrid(other.unwrapped):
+        return certify(mine, other.unwrapped)
     mdp = mine.compile()
     tables = _tables_of(other, kwargs)
+    if len(tables.names) == len(Turn):
+        mdp = mdp.turning(mine.heading)
+    named = _Named(mine, mdp)
     difference = _difference_of_shape(mdp, tables)
     if difference is not None:
         return Certificate(False, None, 0, 0, False, difference, mine.digest)
@@ -108,17 +97,18 @@ def compare(
     mapping = _mapping(agreement, reached, actions)
     agree = agreement[:, range(len(mapping)), mapping]
     differing = np.argwhere(reached[:, None] & ~agree)
-    difference = _difference_of_starts(mdp, tables, tolerance)
+    difference = _difference_of_starts(named, tables, tolerance)
     if difference is None and differing.size:
         state, action = differing[0].tolist()
-        difference = _difference_of_outcomes(mdp, tables, state, mapping[action], action)
+        difference = _difference_of_outcomes(named, tables, state, mapping[action], action)
     return Certificate(
         equal=difference is None,
         actions=mapping,
         states=int(reached.sum()),
         outcomes=int(np.count_nonzero(mdp.probability[reached][:, mapping])),
         everywhere=bool(
-            (agree.all(axis=1) | mdp.is_terminal).all() and (mdp.is_terminal == tables.over).all()
+            (agree.all(axis=1) | mdp.is_terminal).all()
+            and (_ends(mdp, mdp.num_states) == _ends(tables, mdp.num_states)).all()
         ),
         difference=difference,
         digest=mine.digest,
@@ -138,12 +128,6 @@ class _Tables:
     terminal: Flags
     start: Floats
     names: tuple[str, ...]
-
-    @property
-    def over(self) -> Flags:
-        """The terminal states, `[states]`: next states of outcomes with `terminal` set."""
-        ends = self.next_state[self.terminal & (self.probability != 0)]
-        return np.isin(np.arange(self.start.size), ends)
 
     def outcomes(self, state: int, action: int) -> list[Outcome]:
         """Return the outcomes of an action, as listed."""
@@ -175,7 +159,7 @@ def _tables_of(other: Any, kwargs: Mapping[str, Any] | None = None) -> _Tables:
         ComparisonError: there is no table, or none that can be read.
     """
     if isinstance(other, str) and other.startswith(GYMNASIUM):
-        env = _made(other.removeprefix(GYMNASIUM), kwargs or {})
+        env = made(other.removeprefix(GYMNASIUM), kwargs)
         try:
             return _tables_of_environment(env)
         finally:
@@ -192,18 +176,6 @@ def _tables_of(other: Any, kwargs: Mapping[str, Any] | None = None) -> _Tables:
     names = tuple(action.name.lower() for action in Action)
     next_state = mdp.next_state.astype(np.float64)
     return _Tables(mdp.probability, next_state, mdp.reward, mdp.terminal, mdp.start, names)
-
-
-def _made(name: str, kwargs: Mapping[str, Any]) -> Any:
-    import gymnasium
-
-    try:
-        return gymnasium.make(name, **kwargs)
-    except gymnasium.error.Error as error:
-        raise ComparisonError(str(error)) from error
-    except Exception as error:  # An environment's own code can raise anything.
-        message = f"{type(error).__name__}: {error}"
-        raise ComparisonError(f"Gymnasium cannot make {name!r}: {message}") from error
 
 
 def _tables_of_environment(env: Any) -> _Tables:
@@ -259,9 +231,15 @@ def _reached(mdp: Mdp) -> Flags:
     return reached
 
 
+def _ends(tables: Mdp | _Tables, count: int) -> Flags:
+    """Return the states to which outcomes with `terminal` set lead, `[states]`."""
+    ends = tables.next_state[tables.terminal & (tables.probability != 0)]
+    return np.isin(np.arange(count), ends)
+
+
 def _agreement(mdp: Mdp, other: _Tables, tolerance: float) -> Flags:
     """Return whether actions have the same outcomes, `[states, other's actions, our actions]`."""
-    shape = (mdp.num_states, len(other.names), NUM_ACTIONS)
+    shape = (mdp.num_states, len(other.names), mdp.num_actions)
     agreement = np.zeros(shape, np.bool_)
     for theirs, ours in np.ndindex(*shape[1:]):
         probability, next_state, terminal, reward = (
@@ -300,8 +278,9 @@ def _sums(probability: Floats, next_state: Floats, terminal: Floats, reward: Flo
 
 def _mapping(agreement: Flags, reached: Flags, given: Sequence[int] | None) -> tuple[int, ...]:
     """Return, for each action of the other, that of ours: as given, or with most agreement."""
-    count = agreement.shape[1]
-    ours = range(NUM_ACTIONS - count, NUM_ACTIONS)
+    _, count, all_ours = agreement.shape
+    # Stay comes first, and the other may lack it.
+    ours = range(all_ours - count, all_ours)
     if given is not None:
         if sorted(given) != list(ours):
             raise ComparisonError(
@@ -320,63 +299,79 @@ def _mapping(agreement: Flags, reached: Flags, given: Sequence[int] | None) -> t
 # -- where they differ ---------------------------------------------------------------------
 
 
+@dataclass(frozen=True)
+class _Named:
+    """Names for the states and actions of a level's tables."""
+
+    level: Level
+    mdp: Mdp
+
+    def state(self, state: float) -> str:
+        """Return a state in words, or its number if the level has no such state."""
+        if state not in range(self.mdp.num_states):
+            return f"state {state:g}"
+        return told(self.level, self.mdp, int(state))
+
+    def action(self, action: int) -> str:
+        """Return the name of an action."""
+        kind = Turn if self.mdp.headings > 1 else Action
+        return kind(action).name.lower()
+
+
 def _difference_of_shape(mdp: Mdp, other: _Tables) -> str | None:
     if other.start.size != mdp.num_states:
-        return (
-            f"this level has {mdp.num_states} cells ({mdp.width} by {mdp.height}), "
-            f"the other has {other.start.size} states"
-        )
-    if len(other.names) not in (NUM_MOVES, NUM_ACTIONS):
+        cells = f"{mdp.cells} cells ({mdp.width} by {mdp.height})"
+        if mdp.num_configurations > 1:
+            cells = f"{mdp.num_configurations} configurations of {cells}"
+        if mdp.headings > 1:
+            cells = f"{mdp.headings} headings in {cells}"
+        return f"this level has {cells}, the other has {other.start.size} states"
+    if len(other.names) not in (len(Turn), NUM_MOVES, NUM_ACTIONS):
         return (
             f"this level has {NUM_MOVES} moves and stay, the other has {len(other.names)} actions"
         )
     return None
 
 
-def _difference_of_starts(mdp: Mdp, other: _Tables, tolerance: float) -> str | None:
-    differing = np.flatnonzero(~(np.abs(mdp.start - other.start) <= tolerance))
+def _difference_of_starts(named: _Named, other: _Tables, tolerance: float) -> str | None:
+    start = named.mdp.start
+    differing = np.flatnonzero(~(np.abs(start - other.start) <= tolerance))
     if not differing.size:
         return None
     state = int(differing[0])
     return (
-        f"episodes start at {_cell(mdp, state)} with probability {mdp.start[state]:.12g} "
+        f"episodes start at {named.state(state)} with probability {start[state]:.12g} "
         f"in this level, {other.start[state]:.12g} in the other"
     )
 
 
-def _difference_of_outcomes(mdp: Mdp, other: _Tables, state: int, ours: int, theirs: int) -> str:
+def _difference_of_outcomes(
+    named: _Named, other: _Tables, state: int, ours: int, theirs: int
+) -> str:
     for digits in (6, 17):
         mine, listed = (
-            _describe(mdp, outcomes, digits)
-            for outcomes in (mdp.outcomes(state, ours), other.outcomes(state, theirs))
+            _describe(named, outcomes, digits)
+            for outcomes in (named.mdp.outcomes(state, ours), other.outcomes(state, theirs))
         )
         if mine != listed:
             break
-    name = Action(ours).name.lower()
     return (
-        f"at {_cell(mdp, state)}, {name} (in the other: {other.names[theirs]}):\n"
+        f"at {named.state(state)}, {named.action(ours)} (in the other: {other.names[theirs]}):\n"
         f"  this level: {mine}\n"
         f"  the other:  {listed}"
     )
 
 
-def _describe(mdp: Mdp, outcomes: list[Outcome], digits: int) -> str:
+def _describe(named: _Named, outcomes: list[Outcome], digits: int) -> str:
     merged: dict[tuple[float, float, bool], float] = {}
     for probability, state, reward, terminal in outcomes:
         key = (state, reward, terminal)
         merged[key] = merged.get(key, 0.0) + probability
     return (
         "; ".join(
-            f"{_cell(mdp, state)} with probability {probability:.{digits}g}, "
+            f"{named.state(state)} with probability {probability:.{digits}g}, "
             f"reward {reward:.{digits}g}" + (", terminal" if terminal else "")
             for (state, reward, terminal), probability in sorted(merged.items())
         )
         or "no outcome"
     )
-
-
-def _cell(mdp: Mdp, state: float) -> str:
-    if state not in range(mdp.num_states):
-        return f"state {state:g}"
-    y, x = divmod(int(state), mdp.width)
-    return f"[{x}, {y}]"

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import islice
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from babyrobot_levels.analysis.changes import NO_CHANGES, Change, Changes
 from babyrobot_levels.analysis.compare import LevelLike
+from babyrobot_levels.analysis.diff_things import thing_changes
+from babyrobot_levels.analysis.diff_transitions import transition_changes
 from babyrobot_levels.analysis.metrics import metrics
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
 from babyrobot_levels.language.cells import SkidRule, as_skid
@@ -18,63 +20,14 @@ from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
-from babyrobot_levels.mdp.tables import Mdp
 
 Ints = NDArray[np.intp]
 
 LIMIT = 10
 """How many changes of each kind are listed by default."""
 
-_RULES = ("skid", "wind", "rewards")
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """One thing that differs.
-
-    Attributes:
-        before: its value before, as plain data.
-        after: its value after.
-        cell: its cell, `(x, y)`; None for what is not in one cell.
-        name: the side, action or field.
-    """
-
-    before: Any
-    after: Any
-    cell: tuple[int, int] | None = None
-    name: str | None = None
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return it as plain data, without what does not apply."""
-        return {
-            **({"cell": list(self.cell)} if self.cell is not None else {}),
-            **({"name": self.name} if self.name is not None else {}),
-            "before": self.before,
-            "after": self.after,
-        }
-
-
-@dataclass(frozen=True, slots=True)
-class Changes:
-    """Changes of one kind: `count` of `total` places differ; `first` lists the first of them."""
-
-    count: int
-    total: int
-    first: tuple[Change, ...]
-
-    @classmethod
-    def of(
-        cls, places: list[Any], total: int, describe: Callable[[Any], Change], limit: int | None
-    ) -> Changes:
-        """Return the changes at some places, of which only the first `limit` are described."""
-        return cls(len(places), total, tuple(map(describe, islice(places, limit))))
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return them as plain data."""
-        first = [change.to_dict() for change in self.first]
-        return {"count": self.count, "total": self.total, "first": first}
+_RULES = ("skid", "wind", "rewards", "hit", "heading")
 
 
 @dataclass(frozen=True)
@@ -84,8 +37,8 @@ class Difference:
     Attributes:
         same_game: whether the two levels define the same MDP: their digests are equal.
         digests: the digests of both.
-        game: the size, the starts, the exits and the rules (rewards, skid, wind, random mazes)
-            that differ, each under its name.
+        game: the size, the starts, the exits and the rules (rewards, skid, wind, random mazes,
+            hit, heading, and what exits need) that differ, each under its name.
         cells: the cells with other properties: `{}` is a plain one.
         walls: the sides between free cells that differ: `"open"`, `"wall"`, or `{"pass": p}`.
         transitions: the states and actions that have other outcomes.
@@ -93,8 +46,12 @@ class Difference:
             None where it is undefined.
         random_return: the same for going in a random direction that is open.
         beside: what differs but is not part of the MDP: texts, looks, limits.
+        things: the items, switches, movers and doors that differ, are new, or are gone.
 
-    Cells, walls and transitions are those that both levels have, counted from the top-left corner.
+    Cells, walls and transitions are those that both levels have, counted from the top-left corner;
+    transitions also only of configurations that both have. There, things that only one of the
+    levels has, or with other numbers of places, are as at the beginning, and what becomes of them
+    is not compared.
     """
 
     __module__ = "babyrobot_levels"
@@ -108,6 +65,7 @@ class Difference:
     best_return: tuple[float | None, float | None]
     random_return: tuple[float | None, float | None]
     beside: tuple[Change, ...]
+    things: Changes = NO_CHANGES
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -115,6 +73,7 @@ class Difference:
             "same_game": self.same_game,
             "digests": list(self.digests),
             "game": [change.to_dict() for change in self.game],
+            **({"things": self.things.to_dict()} if self.things.total else {}),
             "cells": self.cells.to_dict(),
             "walls": self.walls.to_dict(),
             "transitions": self.transitions.to_dict(),
@@ -132,8 +91,8 @@ def diff(
     Args:
         before: a name, a path, a share code, a mapping or a `Level`.
         after: another one.
-        limit: how many cells, walls and transitions are listed; None for all of them. They are
-            counted in any case.
+        limit: how many things, cells, walls and transitions are listed; None for all of them.
+            They are counted in any case.
         maze_seed: of levels with random mazes, the mazes of this seed are compared.
 
     Raises:
@@ -153,10 +112,11 @@ def diff(
         game=(*_shape_changes(one, two), *rules),
         cells=_cell_changes(one, two, limit),
         walls=_wall_changes(one, two, limit),
-        transitions=_transition_changes(one, two, limit),
+        transitions=transition_changes(one, two, _common_cells(one, two), limit),
         best_return=(measured[0].best_return, measured[1].best_return),
         random_return=(measured[0].random_return, measured[1].random_return),
         beside=tuple(_changes_beside(*given)),
+        things=thing_changes(*given, limit),
     )
 
 
@@ -166,10 +126,22 @@ def diff(
 def _shape_changes(before: Level, after: Level) -> Iterator[Change]:
     if before.size != after.size:
         yield Change(list(before.size), list(after.size), name="size")
-    for name, cells in (("start", "starts"), ("exit", "exits")):
-        one, two = (sorted(getattr(level, cells)) for level in (before, after))
+    for name, cells in (("start", _starts), ("exit", _exits), ("exit_one_of", _drawn_exits)):
+        one, two = cells(before), cells(after)
         if one != two:
             yield Change(plain(one), plain(two), name=name)
+
+
+def _starts(level: Level) -> list[tuple[int, int]]:
+    return sorted(level.starts)
+
+
+def _exits(level: Level) -> list[tuple[int, int]]:
+    return sorted(level.exits) if level.exit_one_of is None else []
+
+
+def _drawn_exits(level: Level) -> list[tuple[int, int]]:
+    return list(level.exit_one_of or ())
 
 
 def _rule_changes(before: Level, after: Level) -> Iterator[Change]:
@@ -179,6 +151,7 @@ def _rule_changes(before: Level, after: Level) -> Iterator[Change]:
             yield Change(one, two, name="maze")
     for name in _RULES:
         yield from _field_changes(name, _whole(getattr(before, name)), _whole(getattr(after, name)))
+    yield from _field_changes("exit_needs", sorted(before.exit_keys), sorted(after.exit_keys))
 
 
 def _field_changes(name: str, before: Any, after: Any) -> Iterator[Change]:
@@ -208,15 +181,26 @@ def _changes_beside(before: Level, after: Level) -> Iterator[Change]:
         themes = (_whole(level.resolved_theme) for level in (before, after))
         yield from _field_changes("theme", *themes)
     yield from _field_changes("display", _whole(before.display), _whole(after.display))
-    for name, looks in (("areas", ("color", "label")), ("walls", ("color", "width", "fit"))):
+    for name, looks in _LOOKS.items():
         one, two = (_looks(level, name, looks) for level in (before, after))
         if one != two:
             yield Change(one, two, name=f"{name}.looks")
 
 
+_LOOKS = {
+    "areas": ("color", "label"),
+    "walls": ("color", "width", "fit"),
+    "items": ("shape", "color", "label"),
+    "doors": ("color", "width"),
+    "switches": ("color", "label"),
+    "movers": ("color", "label"),
+}
+_NAMED = ("items", "switches", "movers")
+
+
 def _looks(level: Level, name: str, looks: tuple[str, ...]) -> list[dict[str, Any]]:
     """Return the entries of a list that have looks of their own, reduced to place and looks."""
-    places = ("at", "size", "side", "length")
+    places = ("name",) if name in _NAMED else ("at", "size", "side", "length")
     entries = (_whole(entry) for entry in getattr(level, name))
     return [
         {key: value for key, value in entry.items() if key in (*places, *looks)}
@@ -348,47 +332,3 @@ def _sides(level: Level, cells: Ints) -> NDArray[np.float64]:
 
 def _side_data(state: float) -> Any:
     return "open" if state == 2 else {"pass": state} if state else "wall"
-
-
-# -- transitions ---------------------------------------------------------------------------
-
-
-def _transition_changes(before: Level, after: Level, limit: int | None) -> Changes:
-    """Return the states and actions that have other outcomes."""
-    cells = _common_cells(before, after)
-    mdps = (before.compile(), after.compile())
-    rows = [_rows(mdp, where) for mdp, where in zip(mdps, cells, strict=True)]
-    most = max(row.shape[2] for row in rows)
-    one, two = (np.pad(row, ((0, 0), (0, 0), (0, most - row.shape[2]), (0, 0))) for row in rows)
-    differ = (one != two).any(axis=(2, 3))
-    width = min(before.size[0], after.size[0])
-
-    def describe(place: list[int]) -> Change:
-        cell, action = place
-        one, two = (
-            _outcome_data(mdp, int(where[cell]), action)
-            for mdp, where in zip(mdps, cells, strict=True)
-        )
-        return Change(one, two, (cell % width, cell // width), Action(action).name.lower())
-
-    return Changes.of(np.argwhere(differ).tolist(), differ.size, describe, limit)
-
-
-def _rows(mdp: Mdp, cells: Ints) -> NDArray[np.float64]:
-    """Return all outcomes, `[cells, actions, outcomes, 4]`, with states numbered alike for all."""
-    y, x = np.divmod(mdp.next_state[cells], mdp.width)
-    parts = [mdp.probability[cells], y * MAX_SIZE + x, mdp.reward[cells], mdp.terminal[cells]]
-    happens = mdp.probability[cells] > 0
-    return np.stack([np.where(happens, part, 0).astype(np.float64) for part in parts], axis=-1)
-
-
-def _outcome_data(mdp: Mdp, state: int, action: int) -> list[dict[str, Any]]:
-    return [
-        {
-            "cell": [next_state % mdp.width, next_state // mdp.width],
-            "probability": probability,
-            "reward": reward,
-            "ends": terminal,
-        }
-        for probability, next_state, reward, terminal in mdp.outcomes(state, action)
-    ]

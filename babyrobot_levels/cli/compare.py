@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import asdict
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,13 +18,14 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, load_level, load_two
+from babyrobot_levels.cli.inputs import LevelArgument, json_mapping, load_level, load_two
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.compare import Certificate
+    from babyrobot_levels.analysis.certificate import Certificate
     from babyrobot_levels.library.level import Level
 
 
@@ -34,7 +35,8 @@ def compare(
         str,
         typer.Argument(
             metavar="OTHER",
-            help="Another level, or `gymnasium:ID`, an environment with a table `P`.",
+            help="Another level, `gymnasium:ID`, an environment with a table `P`, or "
+            "`minigrid:ID`, one of MiniGrid without objects.",
         ),
     ],
     actions: Annotated[
@@ -52,12 +54,22 @@ def compare(
             metavar="JSON", help="Keyword arguments of the environment.", show_default=False
         ),
     ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            metavar="N",
+            help="Seed of the reset of an environment of MiniGrid.  [default: 0]",
+            show_default=False,
+        ),
+    ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Test whether two levels are the same MDP, or show the first difference.
 
     All start states and transitions are compared; `max_steps` is not. Actions may be numbered
-    differently.
+    differently. MiniGrid is compared with the robot that turns, and without rewards, because
+    MiniGrid's shrink with each step.
 
     Exits with status 0 if they are the same, and with 1 if they differ.
 
@@ -66,26 +78,34 @@ def compare(
       babyrobot compare frozen-lake gymnasium:FrozenLake-v1
 
       babyrobot compare frozen-lake-dry gymnasium:FrozenLake-v1 --kwargs '{"is_slippery": false}'
+
+      babyrobot compare four-rooms.yaml minigrid:MiniGrid-FourRooms-v0 --seed 3
     """
     from babyrobot_levels.analysis.compare import GYMNASIUM
     from babyrobot_levels.analysis.compare import compare as compared
+    from babyrobot_levels.analysis.minigrid import MINIGRID
 
     given = None if actions is None else _numbers(actions)
-    keywords = None if kwargs is None else _mapping(kwargs)
+    keywords = None if kwargs is None else json_mapping(kwargs)
     loaded: Level
     peer: Level | str
-    if other.startswith(GYMNASIUM):
+    is_minigrid = other.startswith(MINIGRID)
+    if seed is not None and not is_minigrid:
+        fail("--seed is for environments of MiniGrid", f"`{MINIGRID}ID`")
+    if actions is not None and is_minigrid:
+        fail("--actions is not for MiniGrid, whose actions are left, right and forward")
+    if is_minigrid or other.startswith(GYMNASIUM):
         loaded, peer = load_level(level), other
     else:
         loaded, peer = load_two(level, other)
     level, other = shown_name(level), shown_name(other)
     with working("comparing"):
-        certificate = compared(loaded, peer, actions=given, kwargs=keywords)
+        certificate = compared(loaded, peer, actions=given, kwargs=keywords, seed=seed or 0)
     if report_format is ReportFormat.JSON:
         write_json({"level": level, "other": other, "kwargs": keywords, **asdict(certificate)})
     else:
         made = other if keywords is None else f"{other} {json.dumps(keywords)}"
-        write(printable(_text(loaded, certificate, level, made)))
+        write(printable(_text(loaded, certificate, level, made, is_minigrid=is_minigrid)))
     if not certificate.equal:
         raise typer.Exit(FINDINGS)
 
@@ -96,28 +116,26 @@ def _numbers(text: str) -> tuple[int, ...]:
     return tuple(map(int, text.split(",")))
 
 
-def _mapping(text: str) -> dict[str, Any]:
-    try:
-        keywords = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        fail(f"--kwargs is not JSON: {error}", "for example '{\"is_slippery\": false}'")
-    if not isinstance(keywords, dict):
-        fail("--kwargs must be a JSON object", "for example '{\"is_slippery\": false}'")
-    return keywords
-
-
-def _text(loaded: Level, certificate: Certificate, level: str, other: str) -> str:
-    from babyrobot_levels.mdp.actions import Action
+def _text(
+    loaded: Level, certificate: Certificate, level: str, other: str, *, is_minigrid: bool
+) -> str:
+    from babyrobot_levels.mdp.actions import Action, Turn
 
     if not certificate.equal:
         return f"{level} and {other} are different MDPs\n\n{certificate.difference}\n"
-    width, height = loaded.size
-    names = [Action(action).name.lower() for action in certificate.actions or ()]
+    actions = certificate.actions or ()
+    is_turning = len(actions) == len(Turn)
+    mdp = loaded.compile()
+    states = mdp.num_states * (len(SIDES) if is_turning else 1)
+    names = [(Turn if is_turning else Action)(action).name.lower() for action in actions]
     facts = {
-        "states": f"{certificate.states} of {width * height} are reachable, all equal",
+        "states": f"{certificate.states} of {states} are reachable, all equal",
         "transitions": f"{certificate.outcomes}, all equal",
         "unreachable": "equal" if certificate.everywhere else "different, which has no effect",
         "actions": ", ".join(f"{number} = {name}" for number, name in enumerate(names)),
-        "digest": certificate.digest,
     }
+    if is_minigrid:
+        del facts["unreachable"]
+        facts["rewards"] = "not compared: MiniGrid's shrink with each step"
+    facts["digest"] = certificate.digest
     return f"{level} and {other} are the same MDP\n\n{fact_lines(facts)}"

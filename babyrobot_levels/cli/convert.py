@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -20,9 +21,15 @@ from babyrobot_levels.cli.console import (
     save,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level, with_seed
+from babyrobot_levels.cli.inputs import (
+    LevelArgument,
+    MazeSeedOption,
+    json_mapping,
+    load_level,
+    with_seed,
+)
 from babyrobot_levels.cli.pictures import PictureOptions, picture
-from babyrobot_levels.cli.reporting import read_path
+from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.cli.schema import schema_for
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import SourceFile
@@ -63,7 +70,12 @@ def report_losses(lost: Sequence[Lost], *, strict: bool) -> None:
 
 def import_level(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="File to convert, or `-` for standard input.")
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="File to convert, `-` for standard input, or the id of an environment of "
+            "MiniGrid.",
+        ),
     ],
     world_format: Annotated[
         WorldFormat | None,
@@ -84,6 +96,23 @@ def import_level(
             show_default=False,
         ),
     ] = None,
+    seed: Annotated[
+        int | None,
+        typer.Option(
+            min=0,
+            metavar="N",
+            help="Seed of the reset of an environment of MiniGrid.  [default: 0]",
+            show_default=False,
+        ),
+    ] = None,
+    kwargs: Annotated[
+        str | None,
+        typer.Option(
+            metavar="JSON",
+            help="Keyword arguments of an environment of MiniGrid.",
+            show_default=False,
+        ),
+    ] = None,
     slippery: Annotated[
         bool | None,
         typer.Option(
@@ -96,11 +125,12 @@ def import_level(
     strict: StrictOption = False,
     force: ForceOption = False,
 ) -> None:
-    """Convert a file of another program to a level file.
+    """Convert a file or an environment of another program to a level file.
 
     Reads setups of PyPI babyrobot, FrozenLake maps, Gymnasium-Robotics' maze maps, maze-dataset's
-    ASCII, MiniGrid's text, Sokoban maps (# and blanks), and Tiled's JSON. What a level cannot
-    express is reported on standard error.
+    ASCII, MiniGrid's text, Sokoban maps (# and blanks), and Tiled's JSON. With the package
+    `minigrid` it also makes and resets an environment of MiniGrid and reads its grid. What a level
+    cannot express is reported on standard error.
 
     Examples:
 
@@ -111,6 +141,8 @@ def import_level(
       babyrobot import maze.txt --from maze-dataset -o levels/maze.yaml
 
       babyrobot export four-rooms --to minigrid | babyrobot import -
+
+      babyrobot import --from minigrid MiniGrid-DoorKey-8x8-v0 --seed 3 -o door-key.yaml
     """
     from babyrobot_levels.convert.conversion import ConversionError
     from babyrobot_levels.convert.formats import file_text
@@ -122,12 +154,14 @@ def import_level(
             f"invalid level name {name!r}: use lower-case letters and digits, joined by `-`",
             f"for example {good!r}" if good else None,
         )
-    source = _source(file)
     path = output or Path(f"{name or 'level'}.yaml")
     title = name or slug(file.stem) or "imported"
     try:
-        chosen = world_format or _guessed(source)
-        world = _world(source, chosen, slippery, file.parent)
+        world = (
+            _environment(str(file), seed or 0, kwargs, slippery)
+            if _is_environment(file, world_format)
+            else _converted(file, world_format, slippery, seed, kwargs)
+        )
         text = file_text(
             world,
             schema=schema_for(path),
@@ -135,7 +169,7 @@ def import_level(
             title=title.replace("-", " ").capitalize(),
         )
     except ConversionError as error:
-        message, here = str(error), one_line(source.name)
+        message, here = str(error), one_line(shown_name(str(file)))
         # Messages about a place in the text begin with it.
         note(message if message.startswith(f"{here}:") else f"{here}: error: {message}")
         raise typer.Exit(FINDINGS) from None
@@ -145,6 +179,48 @@ def import_level(
     else:
         save(output, text, force=force)
         write(f"wrote {one_line(str(output))}\n")
+
+
+_ENVIRONMENT = re.compile(r"([\w.]+:)?[\w./-]+-v\d+")
+
+
+def _is_environment(file: Path, chosen: WorldFormat | None) -> bool:
+    """Return whether the argument is the id of an environment, and not a file."""
+    if not _ENVIRONMENT.fullmatch(str(file)) or file.exists():
+        return False
+    known = str(file).rpartition(":")[2].startswith(("MiniGrid-", "BabyAI-"))
+    return chosen is WorldFormat.MINIGRID or (chosen is None and known)
+
+
+def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | None) -> World:
+    """Return the world of an environment of MiniGrid."""
+    from babyrobot_levels.analysis.minigrid import made_minigrid
+    from babyrobot_levels.convert.minigrids.environments import world_of_environment
+
+    if slippery is not None:
+        fail(f"--slippery and --no-slippery are for FrozenLake maps, not for {env_id}")
+    env = made_minigrid(env_id, seed, None if kwargs is None else json_mapping(kwargs))
+    try:
+        return world_of_environment(env, env_id, seed)
+    finally:
+        env.close()
+
+
+def _converted(
+    file: Path,
+    world_format: WorldFormat | None,
+    slippery: bool | None,
+    seed: int | None,
+    kwargs: str | None,
+) -> World:
+    """Return the world of a file."""
+    if seed is not None or kwargs is not None:
+        fail(
+            "--seed and --kwargs are for environments of MiniGrid",
+            "for example `babyrobot import MiniGrid-DoorKey-8x8-v0 --seed 3`",
+        )
+    source = _source(file)
+    return _world(source, world_format or _guessed(source), slippery, file.parent)
 
 
 def _source(file: Path) -> SourceFile:

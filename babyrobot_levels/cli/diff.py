@@ -33,13 +33,15 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.inputs import load_two
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
+from babyrobot_levels.cli.thing_words import thing_lines
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.emitter import flow
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.diff import Change, Changes, Difference
+    from babyrobot_levels.analysis.changes import Change, Changes
+    from babyrobot_levels.analysis.diff import Difference
     from babyrobot_levels.library.level import Level
 
 
@@ -55,7 +57,9 @@ def diff(
     limit: Annotated[
         int,
         typer.Option(
-            min=0, metavar="N", help="How many cells, walls and transitions to show; 0 shows all."
+            min=0,
+            metavar="N",
+            help="How many things, cells, walls and transitions to show; 0 shows all.",
         ),
     ] = 10,
     maze_seed: Annotated[
@@ -68,7 +72,7 @@ def diff(
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Show what differs between two levels: fields, cells, walls, transitions, optimal return.
+    """Show what differs between two levels: fields, things, cells, walls, transitions, returns.
 
     Exits with status 0 if the two are the same MDP, with 1 if they differ, and with 2 if one of
     them is not valid.
@@ -241,6 +245,7 @@ def _section(title: str, lines: list[str]) -> str:
 
 def _mdp_lines(difference: Difference) -> Iterator[str]:
     yield from map(_field_line, difference.game)
+    yield from _listed("things", difference.things, thing_lines)
     yield from _listed("cells", difference.cells, _cell_lines)
     yield from _listed("walls", difference.walls, _wall_lines)
     yield from _listed("transitions", difference.transitions, _transition_lines)
@@ -291,7 +296,9 @@ def _value(value: Any, name: str | None) -> str:
         return "none"
     if name == "size":
         return f"{value[0]} x {value[1]}"
-    is_cells = name in ("start", "exit")
+    if name == "exit_needs":
+        return ", ".join(value)
+    is_cells = name in ("start", "exit", "exit_one_of")
     text = ", ".join(map(_cell, value)) if is_cells else one_line(flow(value))
     return text if len(text) <= WIDEST else text[: WIDEST - 3] + "..."
 
@@ -338,17 +345,26 @@ def _transition_lines(change: Change) -> list[str]:
         before, after = (_outcomes(each, digits) for each in (change.before, change.after))
         if before != after:
             break
-    return [f"{_cell(change.cell)} {change.name}", f"  before: {before}", f"  after:  {after}"]
+    place = f"{_cell(change.cell)} {change.name}{_situation(change.things)}"
+    return [place, f"  before: {before}", f"  after:  {after}"]
 
 
 def _outcomes(outcomes: list[dict[str, Any]], digits: int) -> str:
     return "; ".join(
         _cell(outcome["cell"])
+        + _situation(outcome.get("things"))
         + (f" with probability {outcome['probability']:.{digits}g}" if len(outcomes) > 1 else "")
         + f", reward {outcome['reward']:.{digits}g}"
         + (", terminal" if outcome["ends"] else "")
         for outcome in outcomes
     )
+
+
+def _situation(things: dict[str, Any] | None) -> str:
+    from babyrobot_levels.analysis.situations import situation_words
+
+    words = situation_words(things or {})
+    return f" ({words})" if words else ""
 
 
 def _cell(cell: Any) -> str:

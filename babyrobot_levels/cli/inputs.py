@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+import json
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,6 +21,9 @@ LevelArgument = Annotated[
     ),
 ]
 
+
+NOTHING = "nothing"
+"""The value of `--held` for what nobody holds and no switch that is on."""
 
 MazeSeedOption = Annotated[
     int | None,
@@ -49,6 +53,28 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
     if one == other == str(STANDARD_INPUT):
         fail("only one of the two levels can be standard input")
     return load_level(one), load_level(other)
+
+
+def configuration_of(level: Level, held: str) -> int:
+    """Return the configuration that `--held` names: just these items held, and switches on."""
+    from babyrobot_levels.mdp.states import configuration_with
+
+    names = [name for name in (part.strip() for part in held.split(",")) if name]
+    try:
+        return configuration_with(level, () if names == [NOTHING] else names)
+    except ValueError as error:
+        fail(str(error))
+
+
+def json_mapping(text: str) -> dict[str, Any]:
+    """Return the keyword arguments of an environment, which `--kwargs` gives."""
+    try:
+        keywords = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        fail(f"--kwargs is not JSON: {error}", "for example '{\"is_slippery\": false}'")
+    if not isinstance(keywords, dict):
+        fail("--kwargs must be a JSON object", "for example '{\"is_slippery\": false}'")
+    return keywords
 
 
 def _read_level() -> Level:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING
+from functools import lru_cache, partial
+from typing import TYPE_CHECKING, Any
 
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode, wants_color
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import number_lines
 
 if TYPE_CHECKING:
@@ -41,12 +43,15 @@ class PictureOptions:
         policy: the policy that a still picture shows, or that a GIF or page follows.
         seed: the random seed of GIFs and pages.
         scale: the size, where 1 is 64 pixels per cell; None chooses one for the level.
+        configuration: the number of the configuration that a still picture shows; None shows the
+            level as a whole, and the solution where episodes begin.
     """
 
     values: bool = False
     policy: PolicyName | None = None
     seed: int = 0
     scale: float | None = None
+    configuration: int | None = None
 
 
 def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
@@ -58,11 +63,15 @@ def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
             "a still picture cannot show a random policy",
             "use --policy best, or a GIF or HTML output",
         )
+    configuration = options.configuration
     if options.values or options.policy:
         # The robot would hide what its cell shows.
-        scene = build_scene(level, robot=False, overlay=_overlay(level, options))
+        shown = shown_configuration(level, configuration)
+        overlay = _overlay(level, options)
+        scene = build_scene(level, configuration=shown, robot=False, overlay=overlay)
     else:
-        scene = build_scene(level)
+        robot = configuration is None
+        scene = build_scene(level, configuration=configuration, robot=robot)
     if svg:
         from babyrobot_levels.render.svg import to_svg
 
@@ -84,7 +93,7 @@ def gif(level: Level, options: PictureOptions) -> bytes:
     steps = _episode(level, options.policy or PolicyName.BEST, options.seed)
     overlay = None
     if options.values:
-        overlay = overlay_of(solution_of(level), values=True, policy=False)
+        overlay = all_overlays(level, solution_of(level), values=True, policy=False)
     try:
         return to_gif(level, steps, overlay=overlay, scale=options.scale)
     except ValueError as error:
@@ -123,8 +132,23 @@ def check_page_size(level: Level, help_text: str) -> None:
 
 def _overlay(level: Level, options: PictureOptions) -> Overlay:
     return overlay_of(
-        solution_of(level), values=options.values, policy=options.policy is PolicyName.BEST
+        solution_of(level),
+        values=options.values,
+        policy=options.policy is PolicyName.BEST,
+        configuration=shown_configuration(level, options.configuration),
     )
+
+
+def shown_configuration(level: Level, configuration: int | None) -> int | None:
+    """Return the configuration whose values are shown; None without things.
+
+    By default it is the one in which episodes begin.
+    """
+    if not level.has_things or configuration is not None:
+        return configuration
+    from babyrobot_levels.mdp.states import initial_configuration
+
+    return initial_configuration(level)
 
 
 def _episode(level: Level, policy_name: PolicyName, seed: int) -> list[Step]:
@@ -148,26 +172,30 @@ def _episode(level: Level, policy_name: PolicyName, seed: int) -> list[Step]:
     return steps
 
 
-def solution_of(level: Level, discount: float | None = None) -> Solution:
+def solution_of(level: Level, discount: float | None = None, actions: str = "all") -> Solution:
     """Return the solution of a level; end the command if it has none."""
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
-        return solve(level, discount)
+        return solve(level, discount, actions=actions)
     except UndefinedReturnError as error:
         note(f"error: the level has no optimal policy: {error}")
         raise typer.Exit(FINDINGS) from None
 
 
-def policy_text(level: Level, solution: Solution, *, plain: bool) -> str:
+def policy_text(
+    level: Level, solution: Solution, *, plain: bool, configuration: int | None = None
+) -> str:
     """Return a drawing of an optimal policy, in ASCII if `plain`."""
     from babyrobot_levels.render.text import policy_drawing
 
-    width = level.size[0]
-    policy = policy_of(solution)
+    width, height = level.size
+    number = shown_configuration(level, configuration)
+    first = (number or 0) * width * height
+    policy = policy_of(solution)[first : first + width * height]
     actions = [policy[start : start + width] for start in range(0, len(policy), width)]
-    return policy_drawing(level, level.grid(), actions, plain=plain)
+    return policy_drawing(level, level.grid(), actions, configuration=number, plain=plain)
 
 
 def policy_of(solution: Solution) -> list[int]:
@@ -178,32 +206,67 @@ def policy_of(solution: Solution) -> list[int]:
     return actions
 
 
-def values_text(solution: Solution) -> str:
+def values_text(level: Level, solution: Solution, configuration: int | None = None) -> str:
     """Return the values in rows and columns, with two decimals."""
-    return "".join(f"{line}\n" for line in number_lines(solution.values.tolist(), 2))
+    values = _at(solution, solution.values, shown_configuration(level, configuration))
+    return "".join(f"{line}\n" for line in number_lines(values.tolist(), 2))
 
 
-def overlay_of(solution: Solution, *, values: bool, policy: bool) -> Overlay:
-    """Return what a picture shows of a solution: nothing in terminal states."""
+def overlay_of(
+    solution: Solution, *, values: bool, policy: bool, configuration: int | None = None
+) -> Overlay:
+    """Return what a picture shows of a solution: nothing in terminal states.
+
+    Args:
+        solution: the solution of a level.
+        values: whether to show values.
+        policy: whether to show optimal actions.
+        configuration: the configuration of the picture, for a level with things.
+    """
     from babyrobot_levels.render.scene.overlay import Overlay
 
-    terminal = (solution.policy < 0).tolist()
+    terminal = (_at(solution, solution.policy, configuration) < 0).tolist()
+    numbers = _at(solution, solution.values, configuration).tolist()
     shown = [
         [None if end else value for end, value in zip(ends, row, strict=True)]
-        for ends, row in zip(terminal, solution.values.tolist(), strict=True)
+        for ends, row in zip(terminal, numbers, strict=True)
     ]
     actions = [
         [
             tuple(number for number, best in enumerate(cell, solution.first_action) if best)
             for cell in row
         ]
-        for row in solution.greedy.tolist()
+        for row in _at(solution, solution.greedy, configuration).tolist()
     ]
     return Overlay(shown if values else None, actions if policy else None)
 
 
-def guide_of(level: Level, *, needed: bool) -> Guide | None:
-    """Return what a page shows of the solution; None without one, unless it is `needed`."""
+def all_overlays(level: Level, solution: Solution, *, values: bool, policy: bool) -> Overlay:
+    """Return what a film shows of a solution: in each configuration the part of that one."""
+    make = partial(overlay_of, solution, values=values, policy=policy)
+    if not level.has_things:
+        return make()
+
+    @lru_cache(maxsize=64)
+    def part(configuration: int | None, heading: int | None) -> Overlay:
+        return make(configuration=shown_configuration(level, configuration))
+
+    return replace(part(None, None), parts=part)
+
+
+def _at(solution: Solution, table: Any, configuration: int | None) -> Any:
+    """Return the part of an array that belongs to a configuration: `[height, width, …]`."""
+    return table[configuration or 0] if solution.values.ndim > 2 else table
+
+
+def guide_of(level: Level, *, needed: bool, turns: bool = False) -> Guide | None:
+    """Return what a page shows of the solution; None without one, unless it is `needed`.
+
+    Args:
+        level: the level.
+        needed: whether the command ends without a solution.
+        turns: whether the robot of the page turns; it can, too, if the level sets a heading.
+    """
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page_data import Guide
@@ -216,17 +279,41 @@ def guide_of(level: Level, *, needed: bool) -> Guide | None:
         except UndefinedReturnError as error:
             note(f"the page shows no optimal moves: {error}")
             return None
-    overlay = overlay_of(solution, values=True, policy=True)
-    return Guide(policy_of(solution), overlay, solution.expected_return)
+    overlay = all_overlays(level, solution, values=True, policy=True)
+    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
+    return Guide(policy_of(solution), overlay, solution.expected_return, turning)
 
 
-def text_picture(level: Level, *, plain: bool = False) -> str:
+def _turning_guide(level: Level) -> Guide | None:
+    """Return what a page shows of the solution for a robot that turns; None without one."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.scene.overlay import Overlay
+
+    try:
+        solution = solve(level, actions="turns")
+    except UndefinedReturnError:
+        return None
+
+    def part(configuration: int | None, heading: int | None) -> Overlay:
+        found = solution.at(configuration or 0, SIDES[heading or 0])
+        return overlay_of(found, values=True, policy=False)
+
+    policy: list[int] = solution.policy.ravel().tolist()
+    return Guide(policy, Overlay(parts=part), solution.expected_return)
+
+
+def text_picture(level: Level, *, plain: bool = False, configuration: int | None = None) -> str:
     """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
-    if plain or not takes_pictures():
+    plain = plain or not takes_pictures()
+    if plain and configuration is None:
         return level.draw()
-    from babyrobot_levels.render.text import unicode_drawing
+    from babyrobot_levels.render.text import policy_drawing, unicode_drawing
 
-    return unicode_drawing(level, level.grid(), color=True)
+    if plain:
+        return policy_drawing(level, level.grid(), None, configuration=configuration, plain=True)
+    return unicode_drawing(level, level.grid(), configuration=configuration, color=True)
 
 
 def takes_pictures() -> bool:

@@ -18,7 +18,7 @@ from babyrobot_levels.cli.console import (
     save,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
     MAX_SCALE,
@@ -117,6 +117,16 @@ def preview(
             show_default=False,
         ),
     ] = None,
+    held: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="Show the level while exactly these items are held and switches on, separated by "
+            "commas; `nothing` for none.  [default: the level as a whole; values and policy where "
+            "episodes begin]",
+            show_default=False,
+        ),
+    ] = None,
     seed: Annotated[
         int | None,
         typer.Option(
@@ -162,6 +172,8 @@ def preview(
 
       babyrobot preview frozen-lake --values --policy -o answers.svg
 
+      babyrobot preview first-key --values --held key -o with-key.svg
+
       babyrobot preview final-maze --policy best --seed 3 -o walk.gif
 
       babyrobot preview final-maze -o play.html
@@ -169,8 +181,12 @@ def preview(
     chosen = _chosen_format(picture_format, output)
     if seed is not None and chosen not in _PLAYED:
         fail("--seed is for GIF and HTML output", "leave out --seed")
-    options = PictureOptions(values, policy, seed or 0, _scale(scale, cell, chosen))
+    if held is not None and chosen in _PLAYED:
+        fail("--held is for text and still pictures", "leave out --held")
+    times = _scale(scale, cell, chosen)
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
+    configuration = None if held is None else configuration_of(shown, held)
+    options = PictureOptions(values, policy, seed or 0, times, configuration)
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
     made: str | bytes
@@ -253,17 +269,17 @@ def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
     if options.policy is PolicyName.RANDOM:
         fail("a text cannot show a random policy", "use --policy best, or a GIF or HTML output")
     if not (options.values or options.policy):
-        return text_picture(level, plain=plain)
+        return text_picture(level, plain=plain, configuration=options.configuration)
     solution = solution_of(level)
     plain = plain or not takes_pictures()
     if options.policy:
-        text = policy_text(level, solution, plain=plain)
+        text = policy_text(level, solution, plain=plain, configuration=options.configuration)
     else:
-        text = text_picture(level, plain=plain)
+        text = text_picture(level, plain=plain, configuration=options.configuration)
     if options.values and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
     elif options.values:
-        text += "\n" + values_text(solution)
+        text += "\n" + values_text(level, solution, options.configuration)
     return text
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -19,14 +20,29 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
 from babyrobot_levels.cli.parallel import working
-from babyrobot_levels.cli.pictures import policy_text, solution_of, values_text
+from babyrobot_levels.cli.pictures import (
+    policy_text,
+    shown_configuration,
+    solution_of,
+    values_text,
+)
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.configurations import Things
+
+
+class ActionSet(StrEnum):
+    """The sets of actions that a robot may have."""
+
+    ALL = "all"
+    MOVES = "moves"
+    TURNS = "turns"
 
 
 def solve(
@@ -39,16 +55,36 @@ def solve(
             show_default=False,
         ),
     ] = None,
+    actions: Annotated[
+        ActionSet,
+        typer.Option(
+            help="The actions of the robot: stay and the four moves; the moves; or turn left, turn "
+            "right and forward."
+        ),
+    ] = ActionSet.ALL,
+    held: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="Show policy and values while exactly these items are held and switches on, "
+            "separated by commas; `nothing` for none.  [default: where episodes begin]",
+            show_default=False,
+        ),
+    ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Solve a level exactly: the optimal expected return, an optimal policy, the state values.
 
     The drawing shows the policy: an arrow in each cell. `max_steps` is ignored: the values are
-    those of episodes without a time limit.
+    those of episodes without a time limit. For a robot that turns, policy and values are those of
+    the heading at the start: L left, R right, F forward. JSON has all headings, and all
+    configurations of items, switches and movers.
 
     Examples:
 
       babyrobot solve final-maze
+
+      babyrobot solve first-key --held key
 
       babyrobot solve frozen-lake --discount 0.99 --format json
     """
@@ -60,25 +96,45 @@ def solve(
             "the maze of this level is random",
             "choose one first: babyrobot resolve LEVEL --maze-seed 0 | babyrobot solve -",
         )
+    configuration = None if held is None else configuration_of(loaded, held)
     with working("solving"):
-        solution = solution_of(loaded, discount)
+        solution = solution_of(loaded, discount, actions)
     if report_format is ReportFormat.JSON:
+        if held is not None:
+            note("--held has no effect on JSON, which has all configurations")
         write_json(_data(loaded, solution))
         return
     if solution.explanation:
         note(solution.explanation)
-    plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
     if loaded.max_steps is not None:
         note(f"max_steps ({loaded.max_steps}) is ignored: these are episodes without a time limit")
-    write(_summary(loaded, solution) + "\n" + policy_text(loaded, solution, plain=plain))
+    shown = shown_configuration(loaded, configuration)
+    write(_summary(loaded, solution, shown) + "\n" + _policy(loaded, solution, shown))
     # Wider tables are for `--format json`.
     if loaded.size[0] <= WIDEST:
-        write("\n" + values_text(solution))
+        part = _part(loaded, solution, shown) if actions is ActionSet.TURNS else solution
+        write("\n" + values_text(loaded, part, shown))
+
+
+def _policy(level: Level, solution: Solution, configuration: int | None) -> str:
+    """Return a drawing of the policy; for a robot that turns, a table of letters."""
+    if solution.actions != ActionSet.TURNS:
+        plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
+        return policy_text(level, solution, plain=plain, configuration=configuration)
+    rows = _part(level, solution, configuration).policy.tolist()
+    return "".join(" ".join(".LRF"[action + 1] for action in row) + "\n" for row in rows)
+
+
+def _part(level: Level, solution: Solution, configuration: int | None) -> Solution:
+    """Return the part of the solution in which a robot that turns looks as at the start."""
+    return solution.at(configuration or 0, level.heading)
 
 
 def _data(level: Level, solution: Solution) -> dict[str, Any]:
     """Return the solution for JSON: null for cells without a value, strings for infinities."""
-    return {
+    from babyrobot_levels.analysis.solver.results import action_names
+
+    data = {
         "name": level.name,
         "digest": level.digest,
         "discount": solution.discount,
@@ -88,11 +144,33 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
         "method": solution.method,
         "iterations": solution.iterations,
         "residual": _number(solution.residual),
-        "actions": ["stay", "north", "east", "south", "west"][solution.first_action :],
+        "actions": action_names(solution.actions)[solution.first_action :],
         "values": _nested(solution.values.tolist()),
         "action_values": _nested(solution.action_values.tolist()),
         "policy": solution.policy.tolist(),
         "greedy": solution.greedy.tolist(),
+    }
+    if solution.actions == ActionSet.TURNS:
+        data["headings"] = list(SIDES)
+    if level.has_things:
+        things, rows = level.things(), level.compile().configurations.tolist()
+        data["things"] = list(things.names)
+        data["initial_configuration"] = shown_configuration(level, None)
+        data["configurations"] = [_configuration(things, values) for values in rows]
+    return data
+
+
+def _configuration(things: Things, values: list[int]) -> dict[str, Any]:
+    """Return for JSON what is where in a configuration."""
+    found = things.at(values)
+    switches = things.names[things.switches]
+    return {
+        "values": values,
+        "held": list(found.held),
+        "on": [name for name, is_on in zip(switches, found.on, strict=True) if is_on],
+        "movers": [list(cell) for cell in found.movers],
+        "exits": [list(cell) for cell in found.exits],
+        "exit_is_open": found.exit_is_open,
     }
 
 
@@ -106,7 +184,7 @@ def _number(value: float) -> float | str | None:
     return value if math.isfinite(value) else "inf" if value > 0 else "-inf"
 
 
-def _summary(level: Level, solution: Solution) -> str:
+def _summary(level: Level, solution: Solution, configuration: int | None) -> str:
     facts = {
         "expected return": f"{solution.expected_return:.6g}",
         "expected steps": f"{solution.expected_steps:.6g}",
@@ -116,4 +194,15 @@ def _summary(level: Level, solution: Solution) -> str:
     }
     if not level.exits:
         del facts["reaches an exit"]
+    if solution.actions == ActionSet.TURNS:
+        facts["heading"] = f"{level.heading} (L turns left, R turns right, F goes forward)"
+    if configuration is not None:
+        facts["configurations"] = _shown(level, configuration)
     return fact_lines(facts)
+
+
+def _shown(level: Level, configuration: int) -> str:
+    """Return how many configurations there are, and which one is shown."""
+    rows = level.compile().configurations
+    condition = level.things().condition(rows[configuration].tolist())
+    return f"{len(rows)}, shown is {configuration}{condition and ', ' + condition}"

@@ -1,7 +1,6 @@
-"""Formats whose walls fill whole cells: maze_map, MiniGrid, Sokoban, and maze-dataset's lattices.
+"""Formats whose walls fill whole cells: maze_map, Sokoban, and maze-dataset's lattices.
 
 - `maze-map`: the `maze_map` of Gymnasium-Robotics, rows of 0, 1, "r", "g" and "c".
-- `minigrid`: the text of MiniGrid's `pprint_grid`, two characters a cell: an object and its colour.
 - `sokoban`: maps of `#` and blanks, as Sokoban and many small programs have them.
 - `maze-dataset`: mazes in ASCII, as `as_ascii` draws them. These blocks are walls between cells.
 """
@@ -10,13 +9,11 @@ from __future__ import annotations
 
 import json
 import re
-from collections import Counter
 from itertools import groupby
 from typing import Any
 
 from babyrobot_levels.convert.blocks import (
     ENDS,
-    LAVA_COLOR,
     SPATIAL,
     Rows,
     as_blocks,
@@ -27,7 +24,6 @@ from babyrobot_levels.convert.blocks import (
     lost_areas,
     marked,
     only_first,
-    place_of,
     replaced,
     text_rows,
     translated,
@@ -50,7 +46,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 
 SPARSE_REWARDS = Rewards(step=0, exit=1)
-"""The rewards of MiniGrid's goals and of Gymnasium-Robotics' sparse tasks."""
+"""The rewards of Gymnasium-Robotics' sparse tasks."""
 
 _OTHER_TASK = "their cells are free, so the level is a different MDP"
 
@@ -112,92 +108,6 @@ def write_maze_map(level: Level) -> Conversion:
     values = {cell: value for value, cell in _VALUES.items()}
     lines = ",\n  ".join(json.dumps([values[cell] for cell in row]) for row in rows)
     return Conversion(f"[\n  {lines}\n]\n", tuple(lost))
-
-
-# -- minigrid --------------------------------------------------------------------------------
-
-_MINIGRID = "a MiniGrid text"
-_LAVA = "~"
-_COLORS = "RGBPY"
-"""Red, green or grey, blue, purple, yellow."""
-
-_AGENTS = (">>", "VV", "<<", "^^")
-_CELLS = {"W": d.BLOCKED, "G": d.EXIT, "V": _LAVA, "F": d.PLAIN}
-_OBJECTS = {
-    "D": ("door", "doors"),
-    "L": ("locked door", "locked doors"),
-    "K": ("key", "keys"),
-    "A": ("ball", "balls"),
-    "B": ("box", "boxes"),
-}
-_PAIRS_HELP = (
-    "two characters a cell: WG wall, GG goal, VR lava, `>>` the agent, two blanks free; "
-    "F, D, L, K, A and B with a colour are floor, doors, locked doors, keys, balls and boxes"
-)
-
-
-def read_minigrid(source: SourceFile) -> World:
-    """Return the world of a MiniGrid text: its walls are blocked cells."""
-    lines = text_rows(source)
-    counts: Counter[str] = Counter()
-    rows = []
-    for y, line in enumerate(lines):
-        line += " " * (len(line) % 2)
-        pairs = [line[x : x + 2] for x in range(0, len(line), 2)]
-        rows.append(
-            "".join(_cell_of_pair(source, pair, x, y, counts) for x, pair in enumerate(pairs))
-        )
-    cells = without_ring(without_surroundings(tuple(rows)))
-    fields = {"version": 1, **drawn(cells)}
-    comments = {"rewards": "MiniGrid's reward also shrinks with each step."}
-    if counts["V"]:
-        fields["legend"] = {_LAVA: {"color": LAVA_COLOR, "ends": True}}
-        comments["legend"] = "Lava ends the episode."
-    fields["rewards"] = {"step": 0, "exit": 1}
-    return World(fields, "A text of MiniGrid's pprint_grid.", comments, _lost_of_minigrid(counts))
-
-
-def _cell_of_pair(source: SourceFile, pair: str, x: int, y: int, counts: Counter[str]) -> str:
-    """Return the mark of a cell, and count what is in it."""
-    if pair == "  ":
-        return d.PLAIN
-    if pair in _AGENTS:
-        counts["agent"] += 1
-        return d.START
-    # An open door has no colour.
-    kind, color = ("D", _COLORS[0]) if pair == "__" else (pair[0], pair[1])
-    if kind not in _CELLS | _OBJECTS or color not in _COLORS:
-        message = f"unknown cell `{pair}`"
-        raise ConversionError.at(source, place_of(source, 2 * x, y), message, _PAIRS_HELP)
-    counts[kind] += 1
-    return _CELLS.get(kind, d.PLAIN)
-
-
-def _lost_of_minigrid(counts: Counter[str]) -> tuple[Lost, ...]:
-    lost = []
-    if counts["agent"]:
-        message = "the robot has no heading and moves in four directions"
-        lost.append(Lost("agent", message))
-    objects = [
-        f"{counts[kind]} {names[counts[kind] > 1]}"
-        for kind, names in _OBJECTS.items()
-        if counts[kind]
-    ]
-    if objects:
-        lost.append(Lost("objects", f"{', '.join(objects)} left out; {_OTHER_TASK}"))
-    if counts["F"]:
-        lost.append(Lost("F", "floor gets the colour of the theme"))
-    if not counts["G"]:
-        lost.append(Lost("G", "no goal is drawn, so the level has no exit and no reward"))
-    return tuple(lost)
-
-
-def write_minigrid(level: Level) -> Conversion:
-    """Return a level as a MiniGrid text, with a ring of walls and an agent that looks east."""
-    rows, lost = block_map(level, _MINIGRID, SPARSE_REWARDS, ends=None, many="E")
-    pairs = {d.BLOCKED: "WG", d.PLAIN: "  ", d.START: ">>", d.EXIT: "GG", ENDS: "VR"}
-    text = "\n".join("".join(map(pairs.__getitem__, row)) for row in rows)
-    return Conversion(f"{text}\n", tuple(lost))
 
 
 # -- sokoban ---------------------------------------------------------------------------------

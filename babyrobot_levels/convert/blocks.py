@@ -29,7 +29,7 @@ ENDS = "x"
 HOLE_COLOR, LAVA_COLOR = "#1b3a5c", "orangered"
 """The colours of such cells where the other format shows them in one of its own."""
 
-SPATIAL = frozenset(fields_with(Role.GEOMETRY)) - {"map", "legend"}
+SPATIAL = frozenset(fields_with(Role.GEOMETRY)) - {"map", "legend", "exit_one_of"}
 """The fields that a map of blocks can hold."""
 
 UNLIKE = frozenset({"areas", "rewards"})
@@ -219,7 +219,13 @@ def marked(level: Level) -> Rows:
 
 
 def block_map(
-    level: Level, place: str, rewards: Rewards, *, ends: str | None, many: str
+    level: Level,
+    place: str,
+    rewards: Rewards,
+    *,
+    ends: str | None,
+    many: str,
+    carried: frozenset[str] = frozenset(),
 ) -> tuple[Rows, list[Lost]]:
     """Return a level in blocks with a ring around it, and what such a map does not keep.
 
@@ -229,8 +235,9 @@ def block_map(
         rewards: the rewards of a level that is read from such a map.
         ends: why areas that end the episode are not kept; None if they are.
         many: the marks that may occur more than once: `S`, `E`, both or none.
+        carried: fields that the map can hold beside the usual ones.
     """
-    lost = list(fields_lost(level, SPATIAL | UNLIKE, place))
+    lost = list(fields_lost(level, SPATIAL | UNLIKE | carried, place))
     lost += lost_areas(level, ends)
     if level.rewards != rewards:
         lost.append(Lost("rewards", f"{place} cannot hold them"))

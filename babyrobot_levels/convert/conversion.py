@@ -16,6 +16,17 @@ _NOT_LOST = frozenset({"version", "name", "map", "legend"})
 """Fields of the file itself, or whose content is in other fields as well."""
 
 
+_THINGS = {
+    "items": "they are left out",
+    "doors": "they stand open",
+    "switches": "they are left out",
+    "movers": "they are left out",
+    "exit_one_of": "each of the cells is an exit",
+    "exit_needs": "the exits need nothing",
+}
+"""What becomes of fields that no format but Tiled's can hold."""
+
+
 class ConversionWarning(UserWarning):
     """Something of another program's world that its level does not have."""
 
@@ -125,7 +136,8 @@ def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[L
     given = level.model_dump(by_alias=True, exclude_defaults=True)
     for name in type(level).model_fields:
         if name in given and name not in carried and name not in _NOT_LOST:
-            yield Lost(name, f"{place} cannot hold it")
+            becomes = f"them: {_THINGS[name]}" if name in _THINGS else "it"
+            yield Lost(name, f"{place} cannot hold {becomes}")
 
 
 def shown(value: Any) -> str:

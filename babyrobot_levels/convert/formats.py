@@ -13,11 +13,9 @@ from babyrobot_levels.convert.babyrobot.writing import write_setup
 from babyrobot_levels.convert.block_maps import (
     read_maze_dataset,
     read_maze_map,
-    read_minigrid,
     read_sokoban,
     write_maze_dataset,
     write_maze_map,
-    write_minigrid,
     write_sokoban,
 )
 from babyrobot_levels.convert.blocks import is_lattice, text_rows
@@ -25,6 +23,7 @@ from babyrobot_levels.convert.conversion import Conversion, ConversionError, Los
 from babyrobot_levels.convert.data import looks_like_data, mapping, read_data
 from babyrobot_levels.convert.frozen_lake import KEYWORDS as LAKE_KEYWORDS
 from babyrobot_levels.convert.frozen_lake import LETTERS, read_frozen_lake, write_frozen_lake
+from babyrobot_levels.convert.minigrids.text import read_minigrid, write_minigrid
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
 from babyrobot_levels.language.fields import Role, fields_with

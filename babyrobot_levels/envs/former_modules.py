@@ -44,7 +44,7 @@ MOVED = {
     "convert.marks": "convert.blocks",
     "convert.maze_dataset": "convert.block_maps",
     "convert.maze_map": "convert.block_maps",
-    "convert.minigrid": "convert.block_maps",
+    "convert.minigrid": "convert.minigrids.text",
     "convert.sokoban": "convert.block_maps",
     "convert.tiled.tilesets": "convert.tiled.tiles",
     "diagnostics": "text.diagnostics",

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.views import DEFAULT_RADIUS, VIEW_PLANES, ViewPainter
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 Ints = NDArray[np.int64]
 Size = tuple[int, int]
@@ -29,9 +30,6 @@ NUMERIC = ("position", "index", "walls")
 
 OBSERVATIONS = ("position", "index", "image", "walls", "view")
 """The names of all observations."""
-
-MAX_STATES = 2_000_000
-"""No level with things has more states."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from babyrobot_levels.envs.spaces import ActionSet
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.tables import Mdp
     from babyrobot_levels.render.frames import FramePainter
@@ -75,10 +75,12 @@ class Pictures:
     def reset(self, level: Level, state: int, heading: int | None) -> None:
         """Show the start of an episode, perhaps in another level.
 
-        Overlays stay if the level is as large as the one before.
+        Overlays stay if the level is as large as the one before, unless they differ between its
+        configurations or headings.
         """
         if level is not self._level:
-            if level.size != self._level.size:
+            varies = self._overlay is not None and self._overlay.parts is not None
+            if varies or level.size != self._level.size:
                 self._overlay = None
                 if self._view is not None:
                     self._view.set_overlay(None)
@@ -109,10 +111,6 @@ class Pictures:
         number, cell = divmod(state, self._num_cells)
         now, width = self._level.configuration(number), self._level.size[0]
         return now.exit_is_open and (cell % width, cell // width) in now.exits
-
-    @property
-    def _cell(self) -> int:
-        return self._state % self._num_cells
 
     def show_info(self, info: Mapping[str, Any] | None) -> None:
         """Replace the overlay; None removes it.
@@ -169,7 +167,12 @@ class Pictures:
             self._terminal = Terminal()
         terminal = self._terminal
         painter = self._text_painter(plain=not terminal.takes_unicode)
-        lines = painter.lines(self._cell, color=terminal.takes_color, room=terminal.room)
+        lines = painter.lines(
+            self._state,
+            heading=self._pose.heading,
+            color=terminal.takes_color,
+            room=terminal.room,
+        )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))
 
     def _canvas(self) -> LevelView:
@@ -198,7 +201,13 @@ class Pictures:
     def _scene(self) -> Scene:
         from babyrobot_levels.render.scene.build import build_scene
 
-        return build_scene(self._level, state=self._state, pose=self._pose, overlay=self._overlay)
+        return build_scene(
+            self._level,
+            state=self._state,
+            heading=self._pose.heading,
+            pose=self._pose,
+            overlay=self._overlay,
+        )
 
     def svg(self) -> str:
         """Return the picture as an SVG document."""
@@ -208,7 +217,8 @@ class Pictures:
 
     def text(self) -> str:
         """Return the picture as a text; each line ends with a newline."""
-        return "\n".join([*self._text_painter(plain=False).lines(self._cell), ""])
+        lines = self._text_painter(plain=False).lines(self._state, heading=self._pose.heading)
+        return "\n".join([*lines, ""])
 
     def mimebundle(self) -> dict[str, Any]:
         """Return the representations for the last line of a notebook cell."""

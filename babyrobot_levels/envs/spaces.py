@@ -2,54 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.tables import masks_at
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, Turn
+from babyrobot_levels.mdp.actions import NUM_ACTIONS
 
 if TYPE_CHECKING:
+    from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import EnvStates
     from babyrobot_levels.envs.engine.tables import Words
-    from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.tables import Mdp
-
-
-class ActionSet(NamedTuple):
-    """What a value of `actions` means.
-
-    Attributes:
-        first: the action that is number 0 of the space.
-        samples_valid: whether `sample()` gives only actions that the action mask allows.
-        turns: whether the robot turns: the actions are those of `Turn`, in the tables of
-            `Mdp.turning`, whose states have a heading.
-    """
-
-    first: int
-    samples_valid: bool
-    turns: bool = False
-
-    @property
-    def num_actions(self) -> int:
-        """The number of actions."""
-        return len(Turn) if self.turns else NUM_ACTIONS - self.first
-
-    def tables(self, level: Level) -> Mdp:
-        """Return the tables of a level for a robot with these actions, which begin at `first`."""
-        return level.compile().turning(level.heading) if self.turns else level.compile()
-
-
-ACTION_SETS = {
-    "valid": ActionSet(Action.STAY, True),
-    "all": ActionSet(Action.STAY, False),
-    "moves": ActionSet(Action.NORTH, False),
-    "valid_moves": ActionSet(Action.NORTH, True),
-    "turns": ActionSet(Turn.LEFT, False, turns=True),
-}
-"""The values of `actions`. From the first action of each set, all further ones belong to it."""
 
 
 class ValidActions(spaces.Discrete[Any]):
@@ -75,15 +40,10 @@ class ValidActions(spaces.Discrete[Any]):
         return allowed[self.np_random.integers(allowed.size)]
 
 
-def make_action_space(actions: str) -> tuple[spaces.Discrete[Any], int]:
-    """Return the space of an action set, and the action that is its number 0.
-
-    Args:
-        actions: one of `ACTION_SETS`.
-    """
-    chosen = ACTION_SETS[actions]
-    make = ValidActions if chosen.samples_valid else spaces.Discrete
-    return make(chosen.num_actions), chosen.first
+def make_action_space(actions: ActionSet) -> spaces.Discrete[Any]:
+    """Return the space of an action set."""
+    make = ValidActions if actions.samples_valid else spaces.Discrete
+    return make(actions.num_actions)
 
 
 class BatchActions(spaces.MultiDiscrete[Any]):

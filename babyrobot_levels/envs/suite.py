@@ -16,11 +16,12 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import MAX_STATES, Extent
+from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 

@@ -55,8 +55,8 @@ def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
     try:
         level.compile()
     except UnplayableError as error:
-        found = map(document.diagnostic, error.issues)
-        return Checked(None, sorted(found, key=lambda each: (each.line, each.column)))
+        found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
+        return Checked(None, found)
     return checked
 
 

@@ -60,8 +60,8 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     steps = graph.distances(np.flatnonzero(mdp.start)).tolist()
     over = mdp.is_terminal.tolist()
     exits = np.flatnonzero(exit_states(level, mdp))
-    blocked = np.tile(level.grid().blocked.ravel(), mdp.num_configurations * mdp.headings)
-    ends = np.flatnonzero(mdp.is_terminal & ~blocked)
+    free = ~level.grid().blocked.ravel()
+    ends = np.flatnonzero(mdp.is_terminal.reshape(-1, mdp.cells) & free)
     hits = np.flatnonzero(ends_by_hit(mdp).any(axis=(1, 2))) if level.movers else exits[:0]
     to_exit = backwards.distances(exits).tolist()
     to_end = to_exit
@@ -89,6 +89,10 @@ def exit_states(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
         level: the level.
         mdp: its tables, or those of a robot that turns.
     """
+    if not level.has_things:
+        is_exit = np.zeros(mdp.cells, bool)
+        is_exit[[y * mdp.width + x for x, y in level.exits]] = True
+        return np.tile(is_exit, mdp.headings) if mdp.headings > 1 else is_exit
     things = level.things()
     # Movers change nothing about exits.
     static, which = np.unique(mdp.configurations[:, : things.static], axis=0, return_inverse=True)

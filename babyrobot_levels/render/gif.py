@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -12,14 +12,19 @@ import numpy as np
 from PIL import Image
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.render.grounds import Grounds
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_base
+from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
+from babyrobot_levels.render.scene.movers import mover_shapes, mover_spots
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene
+from babyrobot_levels.render.scene.shapes import Scene, Shape
+from babyrobot_levels.render.scene.situation import Cell, is_at_open_exit, place_of, situation_of
+from babyrobot_levels.render.scene.things import held_pieces
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
@@ -60,9 +65,9 @@ class Step:
     """A step of an episode.
 
     Attributes:
-        state: the cell before the step, `y * width + x`.
+        state: the state before the step, in the numbering of `level.compile()`.
         action: the action, a `brl.Action`.
-        next_state: the cell after the step.
+        next_state: the state after the step.
         reward: the reward.
         skidded: whether the robot skidded to another cell than the action leads to.
     """
@@ -83,7 +88,8 @@ def to_gif(
 ) -> bytes:
     """Return an episode as a GIF file in an endless loop; the same arguments give the same bytes.
 
-    If the level has a panel, it shows the number of steps and the return so far.
+    If the level has a panel, it shows the number of steps and the return so far. Things appear and
+    disappear as the robot arrives; movers glide beside it.
 
     Args:
         level: the level; a maze needs a seed.
@@ -108,88 +114,165 @@ def to_gif(
         )
     is_smooth = (_FRAMES_BETWEEN + 1) * len(steps) * width * height <= _SMOOTH_PIXELS
     between = _FRAMES_BETWEEN if is_smooth else 0
-    painter = _Painter(level, layout, overlay, scale)
+    first = place_of(level, steps[0].state).configuration
+    painter = _Painter(level, layout, overlay, scale, first)
     frames = []
     for shot in _shots(level, steps, between):
-        patches = (painter.robot(shot.place, shot.pose), *painter.panels(shot.steps, shot.total))
+        patches = (*painter.figures(shot), *painter.panels(shot.steps, shot.total, shot.start))
         frames.append(Frame(patches, shot.time))
     return encoded(painter.ground, frames)
 
 
 @dataclass(frozen=True, slots=True)
 class _Shot:
-    """The content of a frame: the robot's place and pose, the score, and the duration."""
+    """The content of a frame: the robot's place and pose, the score, and the duration.
+
+    Things are as in configuration `start`, movers on their way from there to `end`.
+    """
 
     place: Place
     pose: Pose
     steps: int
     total: float
     time: int
+    start: int
+    end: int
+    phase: float = 0.0
 
 
 def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_Shot]:
-    columns = level.size[0]
-    exits = {y * columns + x for x, y in level.exits}
+    columns, cells = level.size[0], level.size[0] * level.size[1]
     speed = level.display.robot.speed
     frame, arrival = (max(_SHORTEST, round(time / speed)) for time in (_FRAME, _ARRIVAL))
-
-    def place(state: int) -> Place:
-        y, x = divmod(state, columns)
-        return float(x), float(y)
-
-    yield _Shot(place(steps[0].state), STANDING, 0, 0.0, _START)
+    now, x, y = place_of(level, steps[0].state)
+    yield _Shot((float(x), float(y)), STANDING, 0, 0.0, _START, now, now)
     total = 0.0
     for count, step in enumerate(steps, 1):
-        start, end = place(step.state), place(step.next_state)
-        moved = step.state, step.next_state, step.action, columns
+        now, *start = place_of(level, step.state)
+        then, *end = place_of(level, step.next_state)
+        moved = step.state % cells, step.next_state % cells, step.action, columns
         pose = pose_of(*moved, skidded=step.skidded)
         for index in range(1, between + 1):
             phase = index / (between + 1)
             moving = pose if start == end else replace(pose, phase=phase)
-            yield _Shot(_between(step, start, end, phase), moving, count - 1, total, frame)
+            place = _between(step, (start[0], start[1]), (end[0], end[1]), phase)
+            yield _Shot(place, moving, count - 1, total, frame, now, then, phase)
         total += step.reward
-        pose = pose_of(*moved, skidded=step.skidded, at_exit=step.next_state in exits)
-        yield _Shot(end, pose, count, total, _END if count == len(steps) else arrival)
+        is_at_exit = is_at_open_exit(level, step.next_state)
+        pose = pose_of(*moved, skidded=step.skidded, at_exit=is_at_exit)
+        time = _END if count == len(steps) else arrival
+        yield _Shot((float(end[0]), float(end[1])), pose, count, total, time, then, then)
 
 
 def _between(step: Step, start: Place, end: Place, phase: float) -> Place:
-    if step.state == step.next_state and step.action != Action.STAY and not step.skidded:
+    if start == end and step.action != Action.STAY and not step.skidded:
         reach = _NUDGE * math.sin(math.pi * phase)
         dx, dy = DELTAS[Action(step.action)]
         return start[0] + reach * dx, start[1] + reach * dy
-    eased = phase * phase * (3 - 2 * phase)
+    eased = _eased(phase)
     return start[0] + eased * (end[0] - start[0]), start[1] + eased * (end[1] - start[1])
+
+
+def _eased(phase: float) -> float:
+    return phase * phase * (3 - 2 * phase)
 
 
 class _Painter:
     """Paints the ground, and the patches that are put on it."""
 
     def __init__(
-        self, level: GridWorld, layout: Layout, overlay: Overlay | None, scale: float
+        self,
+        level: GridWorld,
+        layout: Layout,
+        overlay: Overlay | None,
+        scale: float,
+        configuration: int,
     ) -> None:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
-        self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
+        self._grounds: Grounds | None = None
+        if level.has_things:
+            self._grounds = Grounds(level, layout, self._size, overlay=overlay)
+            self.ground = self._grounds.at(configuration).whole
+        else:
+            self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
+        self._changed: dict[Hashable, tuple[Patch, ...]] = {}
         self._robots: dict[Pose, Translucent] = {}
-        self._panels: tuple[tuple[int, float], tuple[Patch, ...]] | None = None
+        self._movers: dict[tuple[int, float, Cell], Translucent] = {}
+        self._panels: tuple[tuple[int, float, int], tuple[Patch, ...]] | None = None
 
-    def robot(self, place: Place, pose: Pose) -> Patch:
-        """Return the part of the picture around the robot, with the robot in it."""
-        left, top = (round(self._scale * at) for at in self._layout.corner(*place))
-        side = max(1, round(self._scale * CELL))
+    def figures(self, shot: _Shot) -> Iterator[Patch]:
+        """Yield the parts of the picture that differ from the ground of the film."""
+        if self._grounds is None:
+            yield self._laid(self.ground, self._robot(shot.pose), shot.place)
+            return
+        ground = self._grounds.at(shot.start)
+        if ground.name not in self._changed:
+            self._changed[ground.name] = tuple(_difference(self.ground, ground.whole))
+        yield from self._changed[ground.name]
+        # Figures may overlap: each is laid on the picture with those before.
+        picture = ground.whole.copy()
+        figures = [(self._robot(shot.pose), shot.place), *self._moving(shot)]
+        for image, place in figures:
+            patch = self._laid(picture, image, place)
+            height, width = patch.pixels.shape[:2]
+            picture[patch.top : patch.top + height, patch.left : patch.left + width] = patch.pixels
+            yield patch
+
+    def _moving(self, shot: _Shot) -> Iterator[tuple[Translucent, Place]]:
+        """Yield the pictures and places of movers."""
+        level, layout = self._level, self._layout
+        robot = (round(shot.place[0]), round(shot.place[1])) if shot.start == shot.end else None
+        situation = situation_of(level, shot.start)
+        before, after = (
+            mover_spots(level, layout, each, robot)
+            for each in (situation, situation_of(level, shot.end))
+        )
+        share = _eased(shot.phase)
+        for index, (start, end) in enumerate(zip(before, after, strict=True)):
+            x, y, scale = (
+                first + share * (last - first)
+                for first, last in (
+                    (start.x, end.x),
+                    (start.y, end.y),
+                    (start.scale, end.scale),
+                )
+            )
+            look = situation.looks[index]
+            name = index, round(scale, 2), look
+            if name not in self._movers:
+                shapes = mover_shapes(level, index, Spot(CELL / 2, CELL / 2, scale), look)
+                self._movers[name] = self._picture(tuple(shapes))
+            margin = layout.margin + CELL / 2
+            yield self._movers[name], ((x - margin) / CELL, (y - margin) / CELL)
+
+    def _robot(self, pose: Pose) -> Translucent:
         if pose not in self._robots:
-            scene = Scene(CELL, CELL, robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose))
-            self._robots[pose] = translucent(lambda ground: to_rgb(scene, (side, side), ground))
-        ground = self.ground[top : top + side, left : left + side]
-        return Patch(left, top, composite(self._robots[pose], ground))
+            shapes = robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose)
+            self._robots[pose] = self._picture(shapes)
+        return self._robots[pose]
 
-    def panels(self, steps: int, total: float) -> tuple[Patch, ...]:
+    def _picture(self, shapes: tuple[Shape, ...]) -> Translucent:
+        """Return shapes of a cell as a picture."""
+        side = max(1, round(self._scale * CELL))
+        scene = Scene(CELL, CELL, shapes)
+        return translucent(lambda ground: to_rgb(scene, (side, side), ground))
+
+    def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Place) -> Patch:
+        """Return the part of a picture around a place, with a figure in it."""
+        left, top = (max(0, round(self._scale * at)) for at in self._layout.corner(*place))
+        height, width = image[0].shape[:2]
+        below = ground[top : top + height, left : left + width]
+        return Patch(left, top, composite(image, below))
+
+    def panels(self, steps: int, total: float, configuration: int) -> tuple[Patch, ...]:
         """Return the level's panel with the score in it, if it has one."""
-        if self._panels is None or self._panels[0] != (steps, total):
-            self._panels = (steps, total), tuple(self._scored(steps, total))
+        shown = steps, total, configuration
+        if self._panels is None or self._panels[0] != shown:
+            self._panels = shown, tuple(self._scored(*shown))
         return self._panels[1]
 
-    def _scored(self, steps: int, total: float) -> Iterator[Patch]:
+    def _scored(self, steps: int, total: float, configuration: int) -> Iterator[Patch]:
         layout, score = self._layout, [f"Steps: {steps}", f"Return: {number(total)}"]
         # A panel is painted alone: beside a grid without columns, or below one without rows.
         if panel_width(self._level.display.side_panel):
@@ -205,6 +288,8 @@ class _Painter:
             *compass_shapes(self._level, strip),
             *panel_texts(self._level, overlay, strip),
         )
+        held = held_pieces(self._level, strip, situation_of(self._level, configuration))
+        shapes += tuple(shape for piece in held for shape in piece.shapes)
         size = round(self._scale * strip.width), round(self._scale * strip.height)
         pixels = to_rgb(Scene(strip.width, strip.height, shapes), size)
         pixels = pixels[math.ceil(self._scale * top) :, math.ceil(self._scale * left) :]
@@ -213,6 +298,15 @@ class _Painter:
             pixels = pixels[: math.floor(self._scale * layout.top_height)]
         height, width = pixels.shape[:2]
         yield Patch(self._size[0] - width, 0 if top == 0.0 else self._size[1] - height, pixels)
+
+
+def _difference(ground: NDArray[np.uint8], other: NDArray[np.uint8]) -> Iterator[Patch]:
+    """Yield the part of a picture that differs from the ground, if any."""
+    changed = (ground != other).any(axis=2)
+    rows, columns = changed.any(axis=1).nonzero()[0], changed.any(axis=0).nonzero()[0]
+    if rows.size:
+        top, left = int(rows[0]), int(columns[0])
+        yield Patch(left, top, other[top : rows[-1] + 1, left : columns[-1] + 1])
 
 
 # -- the file -------------------------------------------------------------------------------

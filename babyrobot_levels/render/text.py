@@ -4,18 +4,28 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.moves import shifts
 from babyrobot_levels.mdp.drawn import drawing_of
 from babyrobot_levels.mdp.grid import Grid
-from babyrobot_levels.render.colors import Rgb, over
+from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.overlay import Overlay, Rows
+from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.terminal import cut_out
+from babyrobot_levels.render.text_marks import (
+    Mark,
+    Position,
+    cell_position,
+    held_line,
+    marks_of,
+    with_marks,
+    without_things,
+)
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -24,6 +34,9 @@ if TYPE_CHECKING:
 
 ROBOT = "☻"
 PLAIN_ROBOT = "@"
+ROBOTS, PLAIN_ROBOTS = f"▲►▼◄{ROBOT}", f"^>v<{PLAIN_ROBOT}"
+"""A robot that looks north, east, south, west; and one that does not turn."""
+
 TO_START = "↻"
 HELD = "◉"
 BLOCK = "█"
@@ -49,10 +62,28 @@ _RESET = "\x1b[0m"
 _PAPER = (255, 255, 255)
 _WATER = "white"
 _DARK, _LIGHT = (16, 20, 26), (255, 255, 255)
+_CONTRAST = 3.0
+"""The least contrast of a character that stands for a thing."""
+
+_AtHand = tuple[int | None, int | None]
+"""The configuration and heading of an overlay that depends on them."""
+
+
+class _Drawn(NamedTuple):
+    """A picture without the robot and things; the cells whose middle is taken; what is below."""
+
+    lines: list[str]
+    taken: frozenset[tuple[int, int]]
+    below: list[str]
 
 
 def unicode_drawing(
-    level: GridWorld, grid: Grid, *, state: int | None = None, color: bool = False
+    level: GridWorld,
+    grid: Grid,
+    *,
+    state: int | None = None,
+    configuration: int | None = None,
+    color: bool = False,
 ) -> str:
     """Return a picture for terminals; each line ends with a newline.
 
@@ -63,21 +94,31 @@ def unicode_drawing(
     Args:
         level: the level.
         grid: its walls and cells.
-        state: the cell, `y * width + x`, of the robot.
+        state: the configuration and the cell of the robot, as in `level.compile()`.
+        configuration: what is where, if no state is given; None is the level as a whole.
         color: whether to use the theme's colours, as 24-bit ANSI escapes.
     """
-    drawing = drawing_of(level, grid)
-    cells = [list(row) for row in _symbols(level, drawing)]
+    lines, robot = _plan(level, grid, None, plain=False), None
     if state is not None:
-        cells[state // grid.width][state % grid.width] = ROBOT
-    lines = ["".join(line) for line in _lines(drawing, cells)]
+        configuration, *cell = place_of(level, state)
+        robot = cell[0], cell[1]
+        lines = with_marks(lines, {cell_position(*robot): Mark(ROBOT)})
+    situation = situation_of(level, configuration)
+    taken = frozenset() if robot is None else frozenset({robot})
+    marks = marks_of(level, situation, plain=False, taken=taken)
+    lines = with_marks(lines, marks)
     if color:
-        lines = _colored(lines, level, grid, state)
+        lines = _colored(lines, _Palette(level, grid, robot, marks))
     return "\n".join([*lines, ""])
 
 
 def policy_drawing(
-    level: LevelSpec, grid: Grid, policy: Sequence[Sequence[int]], *, plain: bool
+    level: GridWorld,
+    grid: Grid,
+    policy: Sequence[Sequence[int]] | None,
+    *,
+    configuration: int | None = None,
+    plain: bool,
 ) -> str:
     """Return a picture of a policy; each line ends with a newline.
 
@@ -85,20 +126,42 @@ def policy_drawing(
         level: the level.
         grid: its walls and cells.
         policy: the action of each cell, `[height][width]`, as `Action`s; -1 where there is none.
+            None shows the cells.
+        configuration: what is where; None is the level as a whole.
         plain: whether to use ASCII characters only.
     """
-    drawing = drawing_of(level, grid)
-    arrows = ".^>v<" if plain else "·↑→↓←"
-    cells = [
-        [
-            arrows[action] if action >= 0 else character
-            for action, character in zip(actions, row, strict=True)
+    lines = _plan(level, grid, policy, plain=plain)
+    situation = situation_of(level, configuration)
+    marks = marks_of(level, situation, plain=plain, taken=_with_arrows(policy))
+    return "\n".join([*with_marks(lines, marks), ""])
+
+
+def _with_arrows(policy: Sequence[Sequence[int]] | None) -> frozenset[tuple[int, int]]:
+    return frozenset(
+        (x, y) for y, row in enumerate(policy or ()) for x, action in enumerate(row) if action >= 0
+    )
+
+
+def _plan(
+    level: GridWorld, grid: Grid, policy: Sequence[Sequence[int]] | None, *, plain: bool
+) -> list[str]:
+    """Return the lines of a picture of everything but things."""
+    drawing = without_things(level, drawing_of(level, grid))
+    cells: list[list[str]] = [list(row) for row in drawing.cells]
+    if policy is not None:
+        arrows = ".^>v<" if plain else "·↑→↓←"
+        cells = [
+            [
+                arrows[action] if action >= 0 else character
+                for action, character in zip(actions, row, strict=True)
+            ]
+            for actions, row in zip(policy, cells, strict=True)
         ]
-        for actions, row in zip(policy, drawing.cells, strict=True)
-    ]
+    elif not plain:
+        cells = list(_symbols(level, drawing))
     if plain:
-        return d.compose(replace(drawing, cells=tuple("".join(row) for row in cells)))
-    return "\n".join([*("".join(line) for line in _lines(drawing, cells)), ""])
+        return d.compose(replace(drawing, cells=tuple(map("".join, cells)))).splitlines()
+    return ["".join(line) for line in _lines(drawing, cells)]
 
 
 def _symbols(level: LevelSpec, drawing: d.Drawing) -> Iterator[list[str]]:
@@ -191,38 +254,63 @@ class TextPainter:
     def __init__(
         self, level: GridWorld, *, plain: bool = False, overlay: Overlay | None = None
     ) -> None:
-        overlay = overlay or Overlay()
-        self._level, self._grid = level, level.grid()
-        if overlay.actions is not None:
-            # A character shows one action, the one with the highest number: moves before stay.
-            policy = [[max(best, default=-1) for best in row] for row in overlay.actions]
-            drawing = policy_drawing(level, self._grid, policy, plain=plain)
-        else:
-            drawing = level.draw() if plain else unicode_drawing(level, self._grid)
-        self._drawing = drawing.splitlines()
-        self._robot = PLAIN_ROBOT if plain else ROBOT
-        self._below = [printable(line) for line in _below(overlay)]
+        self._level, self._grid, self._plain = level, level.grid(), plain
+        self._overlay = overlay or Overlay()
+        self._robots = PLAIN_ROBOTS if plain else ROBOTS
+        self._drawn: tuple[_AtHand, _Drawn] | None = None
+        if self._overlay.parts is None:
+            self._at(None, None)
+
+    def _at(self, configuration: int | None, heading: int | None) -> _Drawn:
+        """Return what does not depend on the robot's cell."""
+        at_hand = (None, None) if self._overlay.parts is None else (configuration, heading)
+        if self._drawn is None or self._drawn[0] != at_hand:
+            overlay, policy = self._overlay.at(*at_hand), None
+            if overlay.actions is not None:
+                # A character shows one action, the one with the highest number: moves before stay.
+                policy = [[max(best, default=-1) for best in row] for row in overlay.actions]
+            drawn = _Drawn(
+                _plan(self._level, self._grid, policy, plain=self._plain),
+                _with_arrows(policy),
+                [printable(line) for line in _below(overlay)],
+            )
+            self._drawn = at_hand, drawn
+        return self._drawn[1]
 
     def lines(
-        self, state: int, *, color: bool = False, room: os.terminal_size | None = None
+        self,
+        state: int,
+        *,
+        heading: int | None = None,
+        color: bool = False,
+        held: bool = True,
+        room: os.terminal_size | None = None,
     ) -> list[str]:
         """Return the lines of the picture.
 
         Args:
-            state: the cell of the robot, `y * width + x`.
+            state: the configuration and the cell of the robot, as in `level.compile()`.
+            heading: where a robot that turns looks, 0 N, 1 E, 2 S, 3 W.
             color: whether to use the theme's colours, as 24-bit ANSI escapes.
+            held: whether a line below the drawing says what is held, in a level with items.
             room: the available columns and lines. Of a larger drawing, the part around the robot
                 is returned.
         """
-        y, x = divmod(state, self._grid.width)
-        row, column = 2 * y + 1, 4 * x + 2
-        lines = self._drawing.copy()
-        lines[row] = lines[row][:column] + self._robot + lines[row][column + 1 :]
+        configuration, x, y = place_of(self._level, state)
+        situation = situation_of(self._level, configuration)
+        drawn = self._at(configuration, heading)
+        row, column = cell_position(x, y)
+        taken = drawn.taken | {(x, y)}
+        marks = marks_of(self._level, situation, plain=self._plain, taken=taken)
+        robot = self._robots[-1 if heading is None else heading]
+        lines = with_marks(drawn.lines, {**marks, (row, column): Mark(robot)})
+        below = drawn.below
+        if held and (line := held_line(self._level, situation)):
+            below = ["", line, *below]
+        palette = _Palette(self._level, self._grid, (x, y), marks)
         if room is None:
-            if color:
-                lines = _colored(lines, self._level, self._grid, state)
-            return [*lines, *self._below]
-        below = cut_out(self._below, 0, 0, room.columns, room.lines // 2)
+            return [*(_colored(lines, palette) if color else lines), *below]
+        below = cut_out(below, 0, 0, room.columns, room.lines // 2)
         width = min(room.columns, len(lines[0]))
         height = min(room.lines - len(below), len(lines))
         left = min(max(0, column - width // 2), len(lines[0]) - width)
@@ -230,7 +318,7 @@ class TextPainter:
         if color:
             # Only visible lines need colours.
             shown = [line if top <= n < top + height else "" for n, line in enumerate(lines)]
-            lines = _colored(shown, self._level, self._grid, state)
+            lines = _colored(shown, palette)
         return [*cut_out(lines, left, top, width, height), *below]
 
 
@@ -272,25 +360,29 @@ def number_lines(rows: Sequence[Sequence[float | None]], precision: int) -> Iter
 # -- colours ----------------------------------------------------------------------------------
 
 
-def _colored(lines: list[str], level: GridWorld, grid: Grid, state: int | None) -> list[str]:
+def _colored(lines: list[str], palette: _Palette) -> list[str]:
     """Return the lines of a terminal picture with ANSI escapes, reset at the end of each.
 
     Args:
         lines: the picture without colours: cells of three characters, walls between them.
-        level: the level; its theme gives the colours.
-        grid: its walls and cells.
-        state: the cell of the robot, if it is in the picture.
+        palette: the colours of its characters.
     """
-    palette = _Palette(level, grid, state)
     return ["".join(palette.line(line, row)) + _RESET for row, line in enumerate(lines)]
 
 
 class _Palette:
     """The colours of each character of the picture; rows and columns are those of the text."""
 
-    def __init__(self, level: GridWorld, grid: Grid, state: int | None) -> None:
+    def __init__(
+        self,
+        level: GridWorld,
+        grid: Grid,
+        robot: tuple[int, int] | None,
+        marks: Mapping[Position, Mark],
+    ) -> None:
         self._colors = colors = level.resolved_theme.colors
-        self._width, self._height, self._state = grid.width, grid.height, state
+        self._width, self._height, self._robot = grid.width, grid.height, robot
+        self._marks = marks
         self._base = over(colors.base, _PAPER)
         self._grounds = [[self._base] * grid.width for _ in range(grid.height)]
         for area in level.areas:
@@ -302,9 +394,10 @@ class _Palette:
             x, y = puddle.at
             self._grounds[y][x] = over(colors.puddle, self._grounds[y][x])
         self._texts = {}
+        exits = level.exits if level.exit_one_of is None else ()
         for cells, ground, text in (
             (level.starts, colors.start, colors.start_text),
-            (level.exits, colors.exit, colors.exit_text),
+            (exits, colors.exit, colors.exit_text),
         ):
             for x, y in cells:
                 self._grounds[y][x] = over(ground, self._grounds[y][x])
@@ -327,7 +420,10 @@ class _Palette:
     def _cell(self, row: int, column: int, character: str) -> Style:
         x, y = column // 4, row // 2
         ground = self._grounds[y][x]
-        if y * self._width + x == self._state:
+        mark = self._marks.get((row, column))
+        if mark is not None and mark.color is not None:
+            return _marked(mark.color, ground, is_solid=mark.is_solid)
+        if (x, y) == self._robot:
             ground = over(self._colors.robot, ground)
             return _readable_on(ground), ground
         ink = self._texts.get((x, y)) or self._inks.get(character)
@@ -339,6 +435,9 @@ class _Palette:
         is_outer = row in (0, 2 * self._height) or column in (0, 4 * self._width)
         ground = self._base if is_outer else self._common_ground(row, column)
         plain = self._colors.border if is_outer else self._colors.walls
+        mark = self._marks.get((row, column))
+        if mark is not None and mark.color is not None:
+            return _marked(mark.color, ground, is_solid=mark.is_solid)
         return over(self._inks.get(character, plain), ground), ground
 
     def _common_ground(self, row: int, column: int) -> Rgb:
@@ -347,6 +446,15 @@ class _Palette:
         columns = {(column - 1) // 4, column // 4}
         grounds = {self._grounds[y][x] for y in rows for x in columns}
         return grounds.pop() if len(grounds) == 1 else self._base
+
+
+def _marked(color: str, ground: Rgb, *, is_solid: bool) -> Style:
+    """Return the colours of a thing: on a background of its colour, or in that if it is seen."""
+    ink = over(color, ground)
+    if is_solid:
+        return _readable_on(ink), ink
+    below = "#{:02x}{:02x}{:02x}".format(*ground)
+    return ink if contrast(color, below) >= _CONTRAST else _readable_on(ground), ground
 
 
 def _readable_on(ground: Rgb) -> Rgb:

@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.compare import Certificate, ComparisonError, compare
+from babyrobot_levels.analysis.certificate import Certificate, ComparisonError
+from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.mdp.tables import Outcome
 
 Table = dict[int, dict[int, list[Outcome]]]
@@ -263,6 +264,74 @@ def test_too_many_actions() -> None:
     certificate = compare("frozen-lake", (table, start))
     told = "this level has 4 moves and stay, the other has 6 actions"
     assert (certificate.difference, certificate.actions, certificate.states) == (told, None, 0)
+
+
+# -- things and turning --------------------------------------------------------------------
+
+ROOMS = {
+    "version": 1,
+    "size": [4, 2],
+    "exit": [3, 0],
+    "items": [{"name": "key", "at": [0, 1]}],
+    "doors": [{"at": [1, 0], "side": "E", "needs": "key"}],
+    "movers": [{"name": "guard", "path": [[1, 1], [2, 1]], "back": True}],
+}
+
+
+def test_a_level_with_things_is_equivalent_to_its_table_and_environment() -> None:
+    level = brl.load(ROOMS)
+    mdp = level.compile()
+    certificate = compare(level, (mdp.to_toy_text(), mdp.start))
+    assert certificate.equal
+    # Also what a hit ends leads to states in which episodes go on.
+    assert certificate.everywhere
+    assert certificate.states == np.count_nonzero(~mdp.is_terminal)
+    assert compare(level, level.make(actions="all")) == certificate
+    assert compare(level, ROOMS) == certificate
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (
+            {"items": [{"name": "key", "at": [0, 1], "reward": 2}]},
+            "at [0, 0] while nothing is held, guard at [1, 1], south (in the other: south):\n"
+            "  this level: [0, 1] while key is held, guard at [2, 1] with probability 1, "
+            "reward -1\n"
+            "  the other:  [0, 1] while key is held, guard at [2, 1] with probability 1, "
+            "reward 2",
+        ),
+        (
+            {"hit": {"ends": False}},
+            "at [1, 0] while nothing is held, guard at [2, 1], south (in the other: south):\n"
+            "  this level: [1, 1] while nothing is held, guard at [1, 1] with probability 1, "
+            "reward -1, terminal\n"
+            "  the other:  [1, 1] while nothing is held, guard at [1, 1] with probability 1, "
+            "reward -1",
+        ),
+        (
+            {"items": [{"name": "key", "one_of": [[0, 1], [1, 0]]}]},
+            "this level has 4 configurations of 8 cells (4 by 2), the other has 48 states",
+        ),
+    ],
+    ids=["reward", "hit", "places"],
+)
+def test_levels_whose_things_differ(change: dict[str, Any], told: str) -> None:
+    certificate = compare(ROOMS, ROOMS | change)
+    assert (certificate.equal, certificate.difference) == (False, told)
+
+
+@pytest.mark.parametrize("world", ["maze", "glasshouse", ROOMS])
+def test_a_robot_that_turns_is_compared_with_turning(world: Any) -> None:
+    level = brl.load(world)
+    mdp = level.compile().turning("E")
+    certificate = compare(level, (mdp.to_toy_text(), mdp.start))
+    assert (certificate.equal, certificate.everywhere) == (True, True)
+    assert certificate.actions == (0, 1, 2)
+    turned = level.compile().turning("N")
+    difference = compare(level, (turned.to_toy_text(), turned.start)).difference
+    assert difference is not None
+    assert difference.startswith("episodes start at [0, 0] looking N")
 
 
 # -- wrong calls ---------------------------------------------------------------------------

@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import json
+from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from oracles.random_things import random_level
 from support.worlds import World, decorated_worlds, level_of, worlds
 
 import babyrobot_levels as brl
+from babyrobot_levels.analysis.compare import compare
 from babyrobot_levels.analysis.diff import Change, Difference, diff
 
 PLAIN: World = {"version": 1, "size": [3, 2]}
@@ -222,6 +225,178 @@ def test_one_and_the_same_maze_is_not_the_same_as_another_each_time() -> None:
     assert diff(each_time, each_time).same_game
     looser = {**PLAIN, "maze": {"seed": "random", "loops": 1}}
     assert diff(each_time, looser).game[0].name == "maze"
+
+
+# -- things --------------------------------------------------------------------------------------
+
+THINGS: World = {
+    "version": 1,
+    "size": [4, 3],
+    "items": [{"name": "key", "at": [0, 2]}, {"name": "coin", "at": [1, 0], "reward": 3}],
+    "doors": [{"at": [2, 2], "side": "E", "needs": "key"}],
+    "switches": [{"name": "lever", "at": [2, 0]}],
+    "movers": [{"name": "guard", "path": [[1, 1], [2, 1]], "back": True}],
+}
+
+
+def changed_things(**fields: Any) -> Difference:
+    """Return what other fields change in a level with things."""
+    return diff(THINGS, THINGS | fields, limit=None)
+
+
+@pytest.mark.parametrize(
+    ("fields", "changes"),
+    [
+        (
+            {"items": [THINGS["items"][0], {"name": "coin", "at": [1, 0], "reward": 5}]},
+            [
+                Change(
+                    {"in": [[1, 0]], "reward": 3.0},
+                    {"in": [[1, 0]], "reward": 5.0},
+                    name="items.coin",
+                )
+            ],
+        ),
+        (
+            {"items": [*THINGS["items"], {"name": "gem", "one_of": [[3, 0], [3, 1]]}]},
+            [Change(None, {"in": [[3, 0], [3, 1]], "reward": None}, name="items.gem")],
+        ),
+        (
+            {"doors": [{"at": [2, 2], "side": "E", "needs": ["key", "coin"]}]},
+            [
+                Change(
+                    {"needs": ["key"], "unless": []},
+                    {"needs": ["coin", "key"], "unless": []},
+                    (2, 2),
+                    "doors.E",
+                )
+            ],
+        ),
+        ({"doors": []}, [Change({"needs": ["key"], "unless": []}, None, (2, 2), "doors.E")]),
+        (
+            {"switches": [{"name": "lever", "at": [2, 0], "once": True}]},
+            [
+                Change(
+                    {"at": [2, 0], "once": False, "on": False},
+                    {"at": [2, 0], "once": True, "on": False},
+                    name="switches.lever",
+                )
+            ],
+        ),
+        (
+            {"movers": [{"name": "guard", "within": {"at": [1, 1], "size": [2, 1]}}]},
+            [
+                Change(
+                    {"path": [[1, 1], [2, 1]], "back": True},
+                    {"within": {"at": [1, 1], "size": [2, 1]}, "start": None},
+                    name="movers.guard",
+                )
+            ],
+        ),
+    ],
+)
+def test_things(fields: World, changes: list[Change]) -> None:
+    difference = changed_things(**fields)
+    assert list(difference.things.first) == changes
+    assert difference.game == ()
+    assert not difference.same_game
+    assert difference.to_dict()["things"]["count"] == len(changes)
+
+
+def test_a_door_is_the_same_from_both_sides_and_in_parts() -> None:
+    doors = [{"at": [1, 0], "side": "S", "length": 2, "needs": "key"}]
+    parts = [
+        {"at": [1, 1], "side": "N", "needs": "key"},
+        {"at": [2, 0], "side": "S", "needs": ["key"]},
+    ]
+    difference = diff(THINGS | {"doors": doors}, THINGS | {"doors": parts})
+    assert (difference.same_game, difference.things.count) == (True, 0)
+
+
+@pytest.mark.parametrize(
+    ("fields", "changes"),
+    [
+        ({"exit_needs": ["lever", "coin"]}, [("exit_needs", [], ["coin", "lever"])]),
+        ({"hit": {"reward": -9}}, [("hit.reward", -1.0, -9.0)]),
+        ({"heading": "N"}, [("heading", "E", "N")]),
+        (
+            {"exit_one_of": [[3, 2], [3, 0]]},
+            [("exit", [[3, 2]], []), ("exit_one_of", [], [[3, 2], [3, 0]])],
+        ),
+    ],
+)
+def test_rules_of_things(fields: World, changes: list[tuple[str, Any, Any]]) -> None:
+    difference = changed_things(**fields)
+    assert [(change.name, change.before, change.after) for change in difference.game] == changes
+
+
+def test_looks_of_things_are_beside_the_mdp() -> None:
+    difference = changed_things(
+        items=[THINGS["items"][0] | {"color": "gold"}, THINGS["items"][1]],
+        movers=[THINGS["movers"][0] | {"label": "G"}],
+    )
+    assert difference.same_game
+    assert [change.name for change in difference.beside] == ["items.looks", "movers.looks"]
+
+
+def test_things_in_another_order_number_other_states() -> None:
+    difference = changed_things(items=THINGS["items"][::-1])
+    assert not difference.same_game
+    assert [change.name for change in difference.things.first] == ["things"]
+    assert difference.transitions.count == 0
+
+
+def test_transitions_are_told_with_their_configuration() -> None:
+    coin = {"name": "coin", "at": [1, 0], "reward": 5}
+    transitions = changed_things(items=[THINGS["items"][0], coin]).transitions
+    mdp = level_of(THINGS).compile()
+    assert transitions.total == 5 * mdp.num_states
+    first = transitions.first[0]
+    held = {"key": "lies", "coin": "held", "lever": "off", "guard": [2, 1]}
+    assert (first.cell, first.name) == ((0, 0), "east")
+    assert first.things == held | {"coin": "lies", "guard": [1, 1]}
+    outcome = {"cell": [1, 0], "things": held, "probability": 1.0, "ends": False}
+    assert (first.before, first.after) == ([outcome | {"reward": 3.0}], [outcome | {"reward": 5.0}])
+    # Taking the coin is what differs, wherever everything else is.
+    assert {c.after[0]["reward"] for c in transitions.first} == {5.0}
+    assert {c.after[0]["things"]["coin"] for c in transitions.first} == {"held"}
+
+
+def test_things_of_one_level_are_as_at_the_beginning() -> None:
+    gem = {"name": "gem", "at": [3, 0], "reward": 7}
+    difference = changed_things(items=[*THINGS["items"], gem])
+    assert difference.transitions.total == 5 * level_of(THINGS).compile().num_states
+    # With the gem still there, only its reward differs.
+    first = difference.transitions.first
+    assert {(change.cell, change.name) for change in first} == {((2, 0), "east"), ((3, 1), "north")}
+    assert {change.after[0]["reward"] for change in first} == {7.0}
+    plain = {name: THINGS[name] for name in ("version", "size")}
+    added = diff(plain, THINGS)
+    assert added.transitions.total == 5 * 12
+    assert added.things.count == added.things.total == 5
+
+
+def test_a_mover_with_another_path_changes_where_it_is_met() -> None:
+    bat = {"name": "bat", "within": {"at": [2, 0], "size": [2, 1]}, "start": [3, 0]}
+    transitions = changed_things(movers=[*THINGS["movers"], bat]).transitions
+    # The bat goes one of two ways, which is one and the same where it is not met.
+    assert {change.cell for change in transitions.first} <= {(1, 0), (2, 0), (3, 0), (2, 1), (3, 1)}
+    assert ((0, 0), "stay") not in {(change.cell, change.name) for change in transitions.first}
+    path = [[1, 1], [2, 1], [3, 1]]
+    longer = changed_things(movers=[{"name": "guard", "path": path, "back": True}])
+    assert longer.transitions.count == 0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_levels_with_things(seed: int) -> None:
+    fields = random_level(Random(seed))
+    same = diff(fields, fields)
+    assert same.same_game
+    assert count_of_game(same) + same.things.count + len(same.beside) == 0
+    certificate = compare(fields, fields)
+    assert (certificate.equal, certificate.everywhere) == (True, True)
+    other = diff(fields, random_level(Random(seed + 100)))
+    assert other.same_game or count_of_game(other) + other.things.count > 0
 
 
 def test_limits() -> None:

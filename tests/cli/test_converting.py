@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 from support.conversions import SAMPLES, sample
+from support.minigrids import recorded
 from support.sessions import Result, environment, run_here
 
 import babyrobot_levels as brl
@@ -30,10 +32,133 @@ def test_strict_writes_nothing_if_anything_is_lost() -> None:
     Path("grid.txt").write_text(sample("minigrid")["KeyCorridorS3R2"], encoding="utf-8")
     result = babyrobot("import", "grid.txt", "-o", "level.yaml", "--strict")
     assert (result.status, result.out) == (1, "")
-    assert "error: objects: 3 doors, 1 locked door, 1 key, 1 ball left out" in result.err
+    assert "error: objects: 1 ball left out; in MiniGrid, in the way until moved" in result.err
     assert not Path("level.yaml").exists()
     assert babyrobot("import", "grid.txt", "-o", "level.yaml").status == 0
     assert brl.load("level.yaml").starts == ((2, 2),)
+
+
+# -- environments of MiniGrid --------------------------------------------------------------------
+
+
+@pytest.fixture
+def without_minigrid(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let MiniGrid's environments be those that were recorded."""
+
+    def made(env_id: str, seed: int, kwargs: dict[str, object] | None) -> object:
+        assert (seed, kwargs) == (3, None)
+        return recorded(env_id.removeprefix("minigrid:"))
+
+    monkeypatch.setattr("babyrobot_levels.analysis.minigrid.made_minigrid", made)
+    monkeypatch.setattr("babyrobot_levels.analysis.compare.made_minigrid", made)
+
+
+@pytest.mark.usefixtures("without_minigrid")
+@pytest.mark.parametrize(
+    "call",
+    [
+        ["--from", "minigrid", "MiniGrid-DoorKey-8x8-v0"],
+        ["MiniGrid-DoorKey-8x8-v0"],
+        ["minigrid:MiniGrid-DoorKey-8x8-v0"],
+    ],
+)
+def test_an_environment_is_imported_by_its_id(call: list[str]) -> None:
+    result = babyrobot("import", *call, "--seed", "3", "-o", "door-key.yaml")
+    assert (result.status, result.out) == (0, "wrote door-key.yaml\n")
+    assert result.err.splitlines() == [
+        "warning: pickup: a key is taken by stepping onto it, and kept; in MiniGrid, by an action",
+        "warning: toggle: holding its key opens a door; in MiniGrid, an action does",
+    ]
+    level = brl.load("door-key.yaml")
+    assert level.title == "MiniGrid-DoorKey-8x8, seed 3"
+    assert [item.name for item in level.items] == ["yellow-key"]
+
+
+@pytest.mark.usefixtures("without_minigrid")
+def test_a_task_that_a_level_cannot_have_is_refused() -> None:
+    result = babyrobot("import", "MiniGrid-PutNear-6x6-N2-v0", "--seed", "3")
+    assert (result.status, result.out) == (1, "")
+    assert result.err == (
+        "MiniGrid-PutNear-6x6-N2-v0: error: `put the blue box near the red key`: in a level, "
+        "nothing is put down\n"
+    )
+
+
+def test_without_minigrid_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "minigrid", None)
+    Path("level.yaml").write_text("version: 1\n", encoding="utf-8")
+    for call in (
+        ["import", "MiniGrid-DoorKey-8x8-v0"],
+        ["compare", "level.yaml", "minigrid:MiniGrid-Empty-5x5-v0"],
+    ):
+        result = babyrobot(*call)
+        assert (result.status, result.err) == (
+            2,
+            "error: the package `minigrid` is not installed; add it with `pip install minigrid`\n",
+        )
+
+
+def test_seeds_and_arguments_are_for_environments() -> None:
+    Path("lake.txt").write_text("SF\nFG\n", encoding="utf-8")
+    for option in (["--seed", "3"], ["--kwargs", "{}"]):
+        result = babyrobot("import", "lake.txt", *option)
+        assert result.status == 2
+        assert "--seed and --kwargs are for environments of MiniGrid" in result.err
+    assert babyrobot("import", "MiniGrid-Empty-5x5-v0", "--kwargs", "[").status == 2
+    assert babyrobot("import", "MiniGrid-Empty-5x5-v0", "--slippery").status == 2
+    assert babyrobot("import", "MiniGrid-Empty-5x5-v0", "--from", "tiled").status == 2
+
+
+def test_a_file_comes_before_an_environment_of_its_name() -> None:
+    Path("MiniGrid-Empty-5x5-v0").write_text("WGWGWG\nWG>>WG\nWGWGWG\n", encoding="utf-8")
+    result = babyrobot("import", "MiniGrid-Empty-5x5-v0")
+    assert result.out.startswith("# A text of MiniGrid's pprint_grid.\n")
+
+
+@pytest.mark.usefixtures("without_minigrid")
+def test_a_level_is_compared_with_an_environment() -> None:
+    babyrobot("import", "MiniGrid-LavaGapS5-v0", "--seed", "3", "-o", "gap.yaml")
+    call = ["minigrid:MiniGrid-LavaGapS5-v0", "--seed", "3"]
+    result = babyrobot("compare", "gap.yaml", *call)
+    assert (result.status, result.out) == (
+        0,
+        f"""\
+gap.yaml and minigrid:MiniGrid-LavaGapS5-v0 are the same MDP
+
+states:      16 of 36 are reachable, all equal
+transitions: 48, all equal
+actions:     0 = left, 1 = right, 2 = forward
+rewards:     not compared: MiniGrid's shrink with each step
+digest:      {brl.load("gap.yaml").digest}
+""",
+    )
+    other = brl.load("gap.yaml").replace(heading="S")
+    other.save("south.yaml")
+    result = babyrobot("compare", "south.yaml", *call)
+    assert (result.status, result.out) == (
+        1,
+        """\
+south.yaml and minigrid:MiniGrid-LavaGapS5-v0 are different MDPs
+
+episodes start looking S in this level, looking E in MiniGrid
+""",
+    )
+
+
+@pytest.mark.usefixtures("without_minigrid")
+def test_a_grid_with_objects_is_not_compared() -> None:
+    Path("level.yaml").write_text("version: 1\n", encoding="utf-8")
+    result = babyrobot("compare", "level.yaml", "minigrid:MiniGrid-DoorKey-8x8-v0", "--seed", "3")
+    assert result.status == 2
+    assert "the grid has objects (key, door)" in result.err
+
+
+def test_options_of_compare_for_other_worlds() -> None:
+    for call in (
+        ["maze", "maze", "--seed", "3"],
+        ["maze", "minigrid:MiniGrid-Empty-5x5-v0", "--actions", "1,2,3,4"],
+    ):
+        assert babyrobot("compare", *call).status == 2
 
 
 def test_the_schema_line_leads_to_the_schema_of_the_project() -> None:

@@ -1,4 +1,4 @@
-"""Maps in blocks: Gymnasium-Robotics, MiniGrid, Sokoban, and maze-dataset's lattices."""
+"""Maps in blocks: Gymnasium-Robotics, Sokoban, and maze-dataset's lattices."""
 
 from __future__ import annotations
 
@@ -8,13 +8,12 @@ import pytest
 from support.conversions import level_of_world, lost_fields, sample, world_of
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert.conversion import ConversionError, level_of
+from babyrobot_levels.convert.conversion import ConversionError
 from babyrobot_levels.convert.formats import export
 
 MAZE_MAPS = sample("gymnasium-robotics")
 DATASET = sample("maze-dataset")
 MAZELIB = sample("mazelib")
-MINIGRIDS = sample("minigrid")
 
 
 # -- Gymnasium-Robotics ----------------------------------------------------------------------
@@ -161,85 +160,6 @@ def test_a_level_of_walls_alone_comes_back_from_maze_dataset(name: str) -> None:
     level = brl.load(name)
     text = export(level, "maze-dataset").text
     assert level_of_world(world_of(text, "maze-dataset")).digest == level.digest
-
-
-# -- MiniGrid --------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("name", MINIGRIDS)
-def test_a_minigrid_has_its_walls_agent_and_goal(name: str) -> None:
-    text = MINIGRIDS[name]
-    level = level_of_world(world_of(text, "minigrid"))
-    drawn = text.strip("\n").splitlines()
-    rows = [line for line in drawn if line.strip()]
-    pairs = [[row[x : x + 2] for x in range(0, len(row), 2)] for row in rows]
-    agents = [
-        (x, y)
-        for y, row in enumerate(pairs)
-        for x, pair in enumerate(row)
-        if pair in (">>", "<<", "^^", "VV")
-    ]
-    # The ring around all of it is the level's outer wall.
-    assert [(x + 1, y + 1) for x, y in level.starts] == agents
-    assert [pairs[y + 1][x + 1] for x, y in level.exits] == ["GG"] * text.count("GG")
-    inner = [row[1:-1] for row in pairs[1:-1]]
-    walls = sum(pair == "WG" for row in inner for pair in row)
-    blocked = int(level.grid().blocked.sum())
-    # What is outside of the rooms, as only MultiRoom has it, is blocked as well.
-    assert blocked > walls if name.startswith("MultiRoom") else blocked == walls
-
-
-@pytest.mark.parametrize("name", ["Empty-5x5", "FourRooms", "LavaCrossingS9N2", "DistShift1"])
-def test_a_minigrid_comes_back(name: str) -> None:
-    level = level_of_world(world_of(MINIGRIDS[name], "minigrid"))
-    conversion = export(level, "minigrid")
-    expected = MINIGRIDS[name].replace("^^", ">>").replace("VV", ">>")
-    assert (expected.splitlines(), ()) == (
-        conversion.text.splitlines(),
-        tuple(lost for lost in conversion.warnings if lost.field != "areas.color"),
-    )
-
-
-def test_lava_ends_the_episode_with_nothing() -> None:
-    level = level_of_world(world_of(MINIGRIDS["LavaCrossingS9N2"], "minigrid"))
-    mdp = level.compile()
-    cell = 5  # The first lava of the first row: `VR` stands in column 6, behind the ring.
-    assert mdp.is_terminal[cell]
-    east = [(s, r, over) for p, s, r, over in mdp.outcomes(cell - 1, brl.Action.EAST) if p]
-    assert east == [(cell, 0.0, True)]
-
-
-def test_objects_of_a_minigrid_are_listed_as_lost() -> None:
-    world = world_of(MINIGRIDS["KeyCorridorS3R2"], "minigrid")
-    assert lost_fields(world) == ["agent", "objects", "G"]
-    assert world.lost[1].message == (
-        "3 doors, 1 locked door, 1 key, 1 ball left out; "
-        "their cells are free, so the level is a different MDP"
-    )
-    assert "no exit" in world.lost[2].message
-    assert level_of_world(world).exits == ()
-
-
-def test_making_a_level_of_a_world_warns_of_what_is_lost() -> None:
-    world = world_of(MINIGRIDS["DoorKey-8x8"], "minigrid")
-    with pytest.warns(brl.ConversionWarning) as caught:
-        assert level_of(world).exits
-    assert [str(each.message).partition(":")[0] for each in caught] == ["agent", "objects"]
-    assert caught[0].filename == __file__
-
-
-def test_an_open_door_of_a_minigrid_is_a_free_cell() -> None:
-    world = world_of("WGWGWGWG\nWG>>__WG\nWGWGWGWG", "minigrid")
-    assert level_of_world(world).size == (2, 1)
-    assert "1 door left out" in world.lost[1].message
-
-
-@pytest.mark.parametrize(
-    ("text", "place"), [("WGWGWG\nWG>>QG", "2:5"), ("WGW\nWG>>", "1:3"), ("\nWG>>WX", "2:5")]
-)
-def test_unknown_cells_are_refused_with_their_place(text: str, place: str) -> None:
-    with pytest.raises(ConversionError, match=f"world.txt:{place}: error:"):
-        world_of(text, "minigrid")
 
 
 # -- Sokoban ---------------------------------------------------------------------------------

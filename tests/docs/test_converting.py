@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,8 @@ BLOCKS = re.findall(r"^```python\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
 
 @pytest.mark.parametrize("number", range(len(BLOCKS)))
 def test_the_examples_run(number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if "MiniGrid-" in BLOCKS[number]:
+        pytest.importorskip("minigrid", reason="the package minigrid is not installed")
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}
     exec(compile(BLOCKS[number], "docs/converting.md", "exec"), names)
@@ -27,7 +30,7 @@ def test_the_examples_run(number: int, tmp_path: Path, monkeypatch: pytest.Monke
 
 
 def test_there_are_examples() -> None:
-    assert len(BLOCKS) == 4
+    assert len(BLOCKS) == 5
 
 
 def test_the_table_has_all_formats() -> None:
@@ -39,6 +42,22 @@ def test_the_table_has_all_formats() -> None:
 def test_the_keywords_are_all_explained() -> None:
     explained = set(re.findall(r"`(\w+)`", TEXT))
     assert KEYWORDS - set(_PLAYING) <= explained
+
+
+def test_the_sessions_with_minigrid_show_what_is_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("minigrid", reason="the package minigrid is not installed")
+    monkeypatch.chdir(tmp_path)
+    section = TEXT[TEXT.index("## MiniGrid\n") : TEXT.index("## Tiled\n")]
+    for block in re.findall(r"^```console\n(.*?)^```$", section, re.MULTILINE | re.DOTALL):
+        printed: list[str] = []
+        for line in block.splitlines():
+            if line.startswith("$ babyrobot "):
+                result = run_here(shlex.split(line)[2:], environment(tmp_path))
+                printed += [*result.err.splitlines(), *result.out.splitlines()]
+            elif line not in ("", "…"):
+                assert line in printed
 
 
 def test_the_session_shows_what_is_printed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -227,8 +227,11 @@ def test_its_drawing_reads_back(name: str) -> None:
         fields: dict[str, Any] = {"version": 1, "map": drawn}
         fields |= {"legend": legend} if legend else {}
         if level.doors:
-            needed = {"items": [*level.items], "switches": [*level.switches]}
-            shown = {entry.thing for entry in legend.values()}
+            needed: dict[str, list[Any]] = {
+                "items": [*level.items],
+                "switches": [*level.switches],
+            }
+            shown = {entry.item or entry.switch for entry in legend.values()}
             for field, things in needed.items():
                 fields[field] = [thing for thing in things if thing.name not in shown]
             fields["doors"] = level.doors
@@ -318,6 +321,26 @@ def test_every_level_with_things_has_its_optimum_here() -> None:
     things = {name for name in FILES if FILES[name].parent.name == "things"}
     assert set(OPTIMA) == things
     assert len(things) >= 10
+
+
+# The fewest moves and the fewest turning actions to the goal.
+MINIGRID = {
+    "door-key": (10, 14),
+    "key-corridor": (16, 24),
+    "locked-room": (45, 55),
+    "red-blue-doors": (13, 19),
+}
+
+
+@pytest.mark.parametrize("name", MINIGRID)
+def test_the_optimum_of_a_layout_of_minigrid(name: str) -> None:
+    level = load(name)
+    mdp, (moves, turns) = level.compile(), MINIGRID[name]
+    assert {"minigrid", "things"} <= {*level.tags}
+    for tables, steps in ((mdp, moves), (mdp.turning(level.heading), turns)):
+        optimum = tables.start @ optimal_values(tables, level.discount)
+        # A reward of 1 for the last step alone.
+        assert optimum == pytest.approx(level.discount ** (steps - 1), abs=1e-9)
 
 
 # The free cells, the fewest moves and the fewest turning actions, as published.

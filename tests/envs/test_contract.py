@@ -26,9 +26,9 @@ from support.playing import (
     way_out,
 )
 
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.registration import register_levels
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.text.files import user_folder
 

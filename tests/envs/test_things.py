@@ -298,7 +298,7 @@ def test_keys_of_the_keyboard_turn() -> None:
 # -- pictures --------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("mode", ["rgb_array", "svg"])
+@pytest.mark.parametrize("mode", ["rgb_array", "svg", "ansi"])
 @pytest.mark.parametrize("actions", ["all", "turns"])
 def test_pictures_change_with_things_and_headings(mode: str, actions: str) -> None:
     env = LevelEnv(

@@ -8,11 +8,15 @@ from __future__ import annotations
 from support.places import TESTS
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes, padlock_shapes
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.movers import figure_shapes
 from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
@@ -36,7 +40,26 @@ def pictures() -> dict[str, Scene]:
     found = {path.stem: build_scene(load(str(path))) for path in sorted(FOLDER.glob("*.yaml"))}
     level = load(str(FOLDER / "little-of-all.yaml"))
     found["overlay"] = build_scene(level, state=5, overlay=overlay_from(INFO, level))
-    return found | {"poses": poses()}
+    things = load(str(FOLDER / "things.yaml"))
+    configuration = configuration_with(things, ["key", "lever"])
+    state = configuration * 35 + 2 * 7 + 2
+    found["things-in-play"] = build_scene(things, state=state, heading=1)
+    return found | {"poses": poses(), "icons": icons()}
+
+
+def icons() -> Scene:
+    """Return a sheet of icons: items and movers from left to right, themes from top to bottom."""
+    shapes: list[Shape] = []
+    for y, theme in enumerate(BUILTIN_THEMES.values()):
+        colors = theme.colors
+        shapes.append(Rect(0, CELL * y, 8 * CELL, CELL, colors.base))
+        spots = [Spot(CELL * (x + 0.5), CELL * (y + 0.5)) for x in range(8)]
+        for name, spot in zip(SHAPES, spots, strict=False):
+            shapes += item_shapes(name, default_color(name, colors), spot)
+        for kind, spot in zip(("guard", "wanderer"), spots[5:], strict=False):
+            shapes += figure_shapes(kind, default_color(kind, colors), spot)
+        shapes += padlock_shapes(default_color("key", colors), spots[7])
+    return Scene(8 * CELL, len(BUILTIN_THEMES) * CELL, tuple(shapes), "Icons")
 
 
 def poses() -> Scene:

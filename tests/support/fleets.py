@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
@@ -17,6 +17,12 @@ from support.worlds import level_of, worlds
 
 ENGINES = ("numpy", "compiled")
 MODES = tuple(AutoresetMode)
+
+SIZE = 5
+SEEDS = [3, 2**70, 0, 3, 12345]
+
+Single = Callable[[int], gymnasium.Env[Any, Any]]
+"""Makes the single environment of a number."""
 
 DIGEST = ("level_digest", "_level_digest")
 """Infos of single environments that begin anew; of a vector one, only `reset` has them."""
@@ -98,7 +104,8 @@ def where(envs: LevelVectorEnv, number: int) -> tuple[int, int]:
     """Return the cell `[x, y]` in which a robot stands."""
     level = envs.call("level")[number]
     state = int(envs._envs.state[number] - envs._tables.offset[envs._envs.level[number]])
-    y, x = divmod(state, level.size[0])
+    width, height = level.size
+    y, x = divmod(state % (width * height), width)
     return x, y
 
 
@@ -118,11 +125,11 @@ def same(one: Any, other: Any) -> bool:
 def assert_same_info(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
     """Compare infos; what nobody said, Gymnasium leaves out, and ours says of nobody.
 
-    Of several levels, ours says which one is played; single environments know only one.
+    Of several levels, ours says in each step which one is played.
     """
     assert set(theirs) <= set(ours)
     for key, value in ours.items():
-        if key in ("level_index", "_level_index"):
+        if key.removeprefix("_") in ("level_index", "maze_seed"):
             continue
         if key not in theirs:
             said = value if key.startswith("_") else ours[f"_{key}"]
@@ -131,6 +138,20 @@ def assert_same_info(ours: dict[str, Any], theirs: dict[str, Any]) -> None:
             assert_same_info(value, theirs[key])
         else:
             assert same(value, theirs[key]), (key, value, theirs[key])
+
+
+def with_flags(info: dict[str, Any], envs: LevelVectorEnv) -> dict[str, Any]:
+    """Return an info of single environments with flags of items in place of the names held."""
+    told = {key: info[key] for key in info if key != "held"}
+    if "final_info" in told:
+        told["final_info"] = with_flags(told["final_info"], envs)
+    if "held" in info:
+        names = [[item.name for item in level.items] for level in envs.call("level")]
+        flags = np.zeros((envs.num_envs, envs.num_items), np.bool_)
+        for number, held in enumerate(info["held"]):
+            flags[number, : len(names[number])] = [name in (held or ()) for name in names[number]]
+        told["held"] = flags
+    return told
 
 
 def copied(told: Any) -> Any:
@@ -155,3 +176,42 @@ def walked(envs: LevelVectorEnv, steps: int, seed: Any = 0) -> list[Any]:
         told.append(copied((actions, *result)))
         over = result[2] | result[3]
     return told
+
+
+def single(levels: Sequence[Level], **kwargs: Any) -> Single:
+    """Return what makes single environments of levels, as `LevelVectorEnv` has them play these."""
+    return lambda number: gymnasium.make(
+        "babyrobot/Level-v0", level=levels[number % len(levels)], **kwargs
+    )
+
+
+def assert_same_walks(ours: Any, make: Single, seeds: list[Any], steps: int = 40) -> None:
+    """Walk a vector environment and single ones with the same seeds, and compare all they tell."""
+    mode = ours.metadata["autoreset_mode"]
+    theirs = SyncVectorEnv(
+        [lambda number=number: make(number) for number in range(SIZE)],  # type: ignore[misc]
+        autoreset_mode=mode,
+    )
+    rng = np.random.default_rng(1)
+    told: Any = ours.reset(seed=seeds)
+    wanted: Any = theirs.reset(seed=seeds)
+    assert same(told[0], wanted[0])
+    assert_same_info(told[1], with_flags(wanted[1], ours))
+    over = np.zeros(SIZE, np.bool_)
+    for _ in range(steps):
+        if mode is AutoresetMode.DISABLED and over.any():
+            # Some begin with new seeds, and the seeds of the others count for nothing.
+            new: Any = [*rng.integers(9, size=SIZE - 1).tolist(), None]
+            if rng.random() < 0.5:
+                new = None
+            told = ours.reset(seed=new, options={"reset_mask": over.copy()})
+            wanted = theirs.reset(seed=new, options={"reset_mask": over.copy()})
+            assert same(told[0], wanted[0])
+            assert_same_info(told[1], with_flags(wanted[1], ours))
+        actions = rng.integers(0, ours.single_action_space.n, SIZE)
+        told, wanted = ours.step(actions), theirs.step(actions)
+        for one, other in zip(told[:4], wanted[:4], strict=True):
+            assert same(one, other), (one, other)
+        wanted_info = {key: value for key, value in wanted[4].items() if key not in DIGEST}
+        assert_same_info(told[4], with_flags(wanted_info, ours))
+        over = told[2] | told[3]

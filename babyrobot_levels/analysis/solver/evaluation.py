@@ -145,7 +145,12 @@ def episode(chain: Model, space: StateSpace) -> tuple[float, float]:
     except EpisodeTooLongError:
         return float("inf"), float("nan")
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
-    return space.at_start(chain, steps), min(1.0, space.at_start(chain, success))
+    return space.at_start(chain, steps), _probability(space.at_start(chain, success))
+
+
+def _probability(value: float) -> float:
+    """Return a probability without the rounding errors that put it beyond 0 or 1."""
+    return min(1.0, max(0.0, value))
 
 
 def _may_reach(chain: Model, goals: Flags) -> Flags:
@@ -252,7 +257,7 @@ def success_within(
         if np.array_equal(ahead, success):
             break
         success = ahead
-    return min(1.0, space.at_start(chain, success))
+    return _probability(space.at_start(chain, success))
 
 
 @dataclass(frozen=True, eq=False)

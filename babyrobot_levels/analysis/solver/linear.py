@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model, closed_classes
@@ -17,6 +19,21 @@ ZERO = 1e-12
 
 DENSE_STATES = 150
 """Up to so many states, dense elimination is faster than sparse, and needs no SciPy."""
+
+MANY_STATES = 3_000
+"""From so many states on, elimination may take long."""
+
+FILLED = 6
+"""Where states have more outcomes than this on average, elimination fills up the matrix.
+
+Movers that walk at random make such systems; on a grid alone, elimination keeps them sparse.
+"""
+
+ITERATIONS = 500
+"""After so many iterations without a solution, elimination does it."""
+
+CONVERGED = 1e-9
+"""The largest violation of an equation, as a share of the largest reward, of a solution."""
 
 
 def expected_sums(chain: Model, rewards: Floats, discount: float) -> Floats:
@@ -77,6 +94,10 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
     target = next_state[source, outcome]
     steps = csc_array((weights[source, outcome], (source, target)), shape=(size, size))
     matrix = (eye_array(size, format="csc") - steps).tocsc()
+    if size >= MANY_STATES and steps.nnz > FILLED * size:
+        found = _iterated(matrix.tocsr(), rewards)
+        if found is not None:
+            return found
     try:
         # No entry outweighs its diagonal, so elimination needs no pivots but those: it can keep to
         # the order that fills in least, which in a maze is nothing at all.
@@ -91,6 +112,29 @@ def _sparse_sums(next_state: Ints, weights: Floats, rewards: Floats) -> Floats:
     sums: Floats = factors.solve(rewards)
     # One step of refinement takes away most of the elimination's rounding.
     sums += factors.solve(rewards - matrix @ sums)
+    return sums
+
+
+def _iterated(matrix: Any, rewards: Floats) -> Floats | None:
+    """Return the solution of a sparse system by a Krylov method; None if it does not converge."""
+    from scipy.sparse.linalg import bicgstab
+
+    sums = np.zeros_like(rewards)
+    # From a vector without structure: a residual of few entries may be orthogonal to the next one.
+    start = np.random.default_rng(0).random(sums.shape[0])
+    for index in np.ndindex(rewards.shape[1:]):
+        column = (slice(None), *index)
+        # As after elimination, a second step takes away most of the rounding of the first one.
+        for is_first in (True, False):
+            left = rewards[column] - matrix @ sums[column]
+            size = np.abs(left).max() or 1.0
+            with np.errstate(all="ignore"):
+                found, _ = bicgstab(matrix, left / size, start, rtol=1e-13, maxiter=ITERATIONS)
+                converges = np.abs(matrix @ found - left / size).max() < CONVERGED
+            if converges:
+                sums[column] += size * found
+            elif is_first:
+                return None
     return sums
 
 

@@ -26,7 +26,7 @@ from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
 
 TEXTS = ("title", "description", "author", "license", "source")
-SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN))
+SPATIAL = frozenset(fields_with(Role.GEOMETRY, DRAWN)) - {"exit_one_of"}
 MAX_LENGTH = 4_000_000
 """More than the largest grid has sides of cells."""
 
@@ -88,9 +88,12 @@ class _Reader:
             else:
                 self._layer(layer)
         properties = self._properties()
+        cells = self._cells()
+        if "exit_one_of" in properties and cells["exit"] == "none":
+            del cells["exit"]
         if not self.found["start"]:
             self.lost.append(Lost("start", f"not found, so it is the top-left cell; {_HINT}"))
-        fields = {"version": 1, "size": [self.width, self.height], **self._cells(), **properties}
+        fields = {"version": 1, "size": [self.width, self.height], **cells, **properties}
         return World(fields, "A map of Tiled.", {}, tuple(self.lost))
 
     def _size(self) -> tuple[int, int]:

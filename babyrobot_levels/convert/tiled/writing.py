@@ -34,7 +34,8 @@ def write_tiled(level: Level) -> Conversion:
         for cell, is_blocked in enumerate(grid.blocked_cells)
         if is_blocked
     }
-    ends = dict.fromkeys(level.exits, "exit") | dict.fromkeys(level.starts, "start")
+    exits = level.exits if level.exit_one_of is None else ()
+    ends = dict.fromkeys(exits, "exit") | dict.fromkeys(level.starts, "start")
     walls = {
         edge: {"pass": glass} if glass else {}
         for edge in free_edges(grid)

@@ -125,7 +125,7 @@ def _arrays_of(tables: Tables, observations: NDArray[np.int64]) -> tuple[NDArray
         tables.offset,
         tables.held,
         np.array(
-            [tables.num_actions, tables.draws_levels, tables.draws_starts, tables.has_hits],
+            [tables.num_actions, tables.draws_levels, tables.draws_starts, tables.tells_hits],
             np.int64,
         ),
     )

@@ -34,7 +34,7 @@ Transitions = tuple[Ints, Floats, Words, Ints, Ints, Floats, Words]
 """What acting reads: the attributes of `Tables` from `next_state` to `state_info`, in order."""
 
 Shown = tuple[NDArray[np.int64], NDArray[np.int64], bool]
-"""What is told of a state: the observations, `held`, and `has_hits`."""
+"""What is told of a state: the observations, `held`, and `tells_hits`."""
 
 Starts = tuple[Ints, Ints, NDArray[np.int64], bool, bool]
 """What a reset reads: `starts`, `first_start`, `limit`, `draws_levels`, `draws_starts`."""
@@ -63,7 +63,7 @@ def unpacked(
     observations = memory[memory[9] : memory[10]]
     offset = memory[memory[10] : memory[11]]
     held = memory[memory[11] : memory[12]]
-    num_actions, draws_levels, draws_starts, has_hits = memory[memory[12] : memory[13]]
+    num_actions, draws_levels, draws_starts, tells_hits = memory[memory[12] : memory[13]]
     transitions = (
         next_state,
         reward,
@@ -78,7 +78,7 @@ def unpacked(
     shown = (
         observations.reshape((states, observations.size // states)),
         held.reshape((states, held.size // states)),
-        has_hits != 0,
+        tells_hits != 0,
     )
     return transitions, resetting, shown, offset, num_actions
 
@@ -209,7 +209,7 @@ def step(
     """Take a step and return the position after its draws, -1 if an action is invalid."""
     transitions, resetting, shown, _, num_actions = unpacked(memory)
     next_state, reward, outcome_info, stochastic, _, _, state_info = transitions
-    observation_of, held_in, has_hits = shown
+    observation_of, held_in, tells_hits = shown
     idle_row = stochastic.size - 1
     count, numbers, num_words = actions.size, observation_of.shape[1], held_in.shape[1]
     state, level, deadline, done = arrays_of_states(count, envs)
@@ -248,7 +248,7 @@ def step(
                 words[env] = state_info[state[env]]
     for env in range(count):
         terminated[env] = words[env] & IS_TERMINAL != 0
-    if has_hits:
+    if tells_hits:
         for env in range(count):
             hit[env] = words[env] & IS_HIT != 0
     for env in range(count):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import check_actions, check_seed
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.draws import SharedDraws
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of, make_engine
 from babyrobot_levels.envs.engine.state import EnvStates, Record
@@ -22,7 +23,6 @@ from babyrobot_levels.envs.engine.tables import (
     info_dtype,
     part_of,
 )
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
 
 CHUNK = 16_384

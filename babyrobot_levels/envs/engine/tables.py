@@ -113,7 +113,9 @@ class Tables:
         first_start: intp `[levels + 1]`: where each level's starts begin.
         limit: int64 `[levels]`: the time limit of episodes, in steps.
         draws_levels: whether each episode draws its level.
-        has_hits: whether a level has movers.
+        has_items: bool `[levels]`: whether a level has items.
+        has_movers: bool `[levels]`: whether it has movers.
+        tells_hits: whether engines write which environments were hit.
     """
 
     num_actions: int
@@ -130,7 +132,9 @@ class Tables:
     first_start: Ints
     limit: NDArray[np.int64]
     draws_levels: bool
-    has_hits: bool
+    has_items: Flags
+    has_movers: Flags
+    tells_hits: bool
 
     @property
     def idle_row(self) -> int:
@@ -176,7 +180,8 @@ class Part:
         state_info: uint64 `[states]`.
         held: uint64 `[states, words]`.
         starts: intp `[starts]`.
-        has_hits: whether the level has movers.
+        has_items: whether the level has items.
+        has_movers: whether it has movers.
     """
 
     count: Ints
@@ -185,7 +190,8 @@ class Part:
     state_info: Words
     held: Words
     starts: Ints
-    has_hits: bool
+    has_items: bool
+    has_movers: bool
 
     @property
     def is_stochastic(self) -> Flags:
@@ -233,7 +239,8 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
         state_info=state_info.view(np.uint64),
         held=_held(level, mdp),
         starts=np.flatnonzero(mdp.start),
-        has_hits=bool(level.movers),
+        has_items=bool(level.items),
+        has_movers=bool(level.movers),
     )
 
 
@@ -298,7 +305,9 @@ def build_tables(
         first_start=np.cumsum([0, *(part.starts.size for part in parts)]).astype(np.intp),
         limit=np.array(limits, np.int64),
         draws_levels=draws_levels,
-        has_hits=any(part.has_hits for part in parts),
+        has_items=np.array([part.has_items for part in parts]),
+        has_movers=np.array([part.has_movers for part in parts]),
+        tells_hits=any(part.has_movers for part in parts),
     )
 
 
@@ -325,6 +334,7 @@ class Span:
     stochastic: slice
     outcomes: slice
     starts: slice
+    level: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -356,6 +366,7 @@ class Room:
             stochastic=_part(slot, self.stochastic),
             outcomes=_part(slot, self.stochastic * self.outcomes, idle_row + 1),
             starts=_part(slot, self.starts),
+            level=slot,
         )
 
 
@@ -363,7 +374,7 @@ def _part(slot: int, size: int, base: int = 0) -> slice:
     return slice(base + slot * size, base + (slot + 1) * size)
 
 
-def empty_tables(room: Room, num_actions: int, limit: int, has_hits: bool = False) -> Tables:
+def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = False) -> Tables:
     """Return tables whose slots are filled by `write_level`.
 
     They always have room for stochastic rows, so that `most_draws` never changes.
@@ -372,7 +383,7 @@ def empty_tables(room: Room, num_actions: int, limit: int, has_hits: bool = Fals
         room: their capacity.
         num_actions: how many actions there are.
         limit: the time limit of all levels.
-        has_hits: whether levels have movers.
+        tells_hits: whether levels can have movers.
     """
     num_states = room.slots * room.states
     idle_row, stochastic = num_states * num_actions, room.slots * room.stochastic
@@ -392,7 +403,9 @@ def empty_tables(room: Room, num_actions: int, limit: int, has_hits: bool = Fals
         first_start=room.starts * np.arange(room.slots + 1, dtype=np.intp),
         limit=np.full(room.slots, limit, np.int64),
         draws_levels=False,
-        has_hits=has_hits,
+        has_items=np.zeros(room.slots, np.bool_),
+        has_movers=np.zeros(room.slots, np.bool_),
+        tells_hits=tells_hits,
     )
 
 
@@ -431,3 +444,4 @@ def write_part(tables: Tables, span: Span, part: Part) -> None:
     held.fill(0)
     held[:num_states, : part.held.shape[1]] = part.held
     tables.starts[span.starts] = part.starts + base
+    tables.has_items[span.level], tables.has_movers[span.level] = part.has_items, part.has_movers

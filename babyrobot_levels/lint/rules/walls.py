@@ -139,7 +139,7 @@ def opening_undoes_wall(context: LintContext) -> Iterator[Finding]:
     ## What it does
 
     Checks for entries of `openings` that remove all or part of a wall that is drawn or listed under
-    `walls`.
+    `walls`, except where doors stand in all of the opening.
 
     ## Why is this bad?
 
@@ -174,9 +174,12 @@ def opening_undoes_wall(context: LintContext) -> Iterator[Finding]:
     if not level.openings or not level.walls:
         return
     drawn = count_drawn(level, "walls")
+    doors = {side for door in level.doors for side in _sides(door)}
     for undoing in context.barriers.undoings:
         route, wall = ("openings", undoing.opening), ("walls", undoing.wall - drawn)
         if undoing.opening in context.barriers.idle_openings:
+            continue
+        if {*_sides(level.openings[undoing.opening])} <= doors:
             continue
         fix = None
         if undoing.wall < drawn:

@@ -11,7 +11,7 @@ from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes
+from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
@@ -104,6 +104,7 @@ def build_layers(
         "grid": tuple(_grid_shapes(level, layout)),
         "robot": (),
     }
+    pose = pose.turned(heading)
     cell = level.starts[0] if level.display.robot.show else None
     if state is not None:
         place = place_of(level, state)
@@ -111,14 +112,15 @@ def build_layers(
     cell = cell if robot else None
     if cell is not None:
         corner = layout.corner(*cell)
-        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose.turned(heading))
+        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose)
     situation = situation_of(level, configuration)
     layers["things"] = tuple(
         shape for piece in pieces(level, layout, situation) for shape in piece.shapes
     )
-    movers = moving_pieces(level, layout, situation, cell)
+    crowded = overlay.fills_cells
+    movers = moving_pieces(level, layout, situation, cell, crowded=crowded)
     layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
-    layers |= overlay_shapes(level, overlay.at(configuration, heading), layout)._asdict()
+    layers |= overlay_shapes(level, overlay.at(configuration, pose.heading), layout)._asdict()
     title = level.title or level.name or "Level"
     return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
 
@@ -135,6 +137,7 @@ def _base_shapes(
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
     yield from puddle_shapes(level, layout)
+    yield from strip_shapes(level, layout)
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
         yield from compass_shapes(level, layout)

@@ -33,9 +33,6 @@ _LIGHT, _DARK = "#ffffff", "#000000"
 _OUTLINE, _RIM = 2.2, 1.6
 """The widths of outline and rim in pixels."""
 
-_FADED = 0.45
-"""The share of its colours that a faded figure keeps."""
-
 Commands = tuple[Command, ...]
 
 
@@ -48,12 +45,14 @@ class Spot:
         y: its centre in the picture.
         scale: its size.
         faded_on: the colour of the ground into which the whole figure fades; None for a clear one.
+        strength: the share of its colours that a faded figure keeps.
     """
 
     x: float
     y: float
     scale: float = 1.0
     faded_on: str | None = None
+    strength: float = 0.72
 
     def moved(self, commands: Iterable[Command]) -> Commands:
         """Return a path of the figure in the picture."""
@@ -70,7 +69,7 @@ class Spot:
 
     def ink(self, color: str) -> str:
         """Return the colour in which something of this colour is painted."""
-        return color if self.faded_on is None else mixed(color, self.faded_on, _FADED)
+        return color if self.faded_on is None else mixed(color, self.faded_on, self.strength)
 
     def fill(self, commands: Iterable[Command], color: str, opacity: float = 1.0) -> Path:
         """Return a filled outline."""
@@ -162,6 +161,7 @@ def _key(color: str, spot: Spot) -> Iterator[Shape]:
     shaft = polyline([(-1.2, -1.2), (14.5, 14.5)])
     teeth = (*polyline([(7, 7), (12, 2)]), *polyline([(13.5, 13.5), (18.0, 9.0)]))
     yield from spot.wire((*bow, *shaft, *teeth), color, 5.4)
+    yield spot.fill(circle(-6.5, -6.5, 4.0), INK)
     shine = curve((-13.2, -8.0), (-12.0, -12.0), (-8.0, -13.2))
     yield spot.line(shine, _LIGHT, 1.8, 0.85)
 
@@ -222,6 +222,8 @@ def padlock_shapes(color: str, spot: Spot) -> Iterator[Shape]:
         ("L", (6.5, -1)),
     )
     yield from spot.wire(shackle, color, 3.2)
+    yield spot.fill(shackle, INK)
+    yield spot.line(shackle, color, 3.2)
     yield from spot.body(rounded(-11.5, -2, 23, 16, 3.5), color)
     yield spot.fill(circle(0, 4.6, 2.7), INK)
     yield spot.line(polyline([(0, 5), (0, 9.4)]), INK, 2.4)

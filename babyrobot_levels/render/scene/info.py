@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.looks import PATTERN
@@ -51,6 +52,14 @@ def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
     All keys are optional. Arrays are NumPy arrays or lists; nan and None are not shown, and ±inf is
     shown as such. A `Solution` or a `Sweep` stands for its array of that name.
 
+    In a level with things, NumPy arrays may have the axis of configurations first; pictures show
+    the part of the configuration at hand, and in the level's own picture that in which episodes
+    begin. Of a robot that turns, arrays have an axis of 4 headings before height, and 3 actions:
+    pictures show the part of its heading. Actions are shown as moves, a turn as that to where the
+    robot then looks. Where there is no heading at hand, a cell shows the largest value (of visits:
+    the sum) over all headings, and moves in the directions in which a robot that looks there goes
+    forward.
+
     Args:
         info: with these keys:
 
@@ -77,6 +86,14 @@ def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
         if key not in KEYS:
             raise ValueError(f"unknown key `{key}`{_hint(str(key))}")
     given = {key: value for key, value in info.items() if value is not None}
+    from babyrobot_levels.render.scene.info_parts import InfoParts
+
+    parts = InfoParts(given, level, flat_overlay)
+    return replace(parts(None, None), parts=parts) if parts.differ else flat_overlay(given, level)
+
+
+def flat_overlay(given: Mapping[str, Any], level: GridWorld) -> Overlay:
+    """Return the overlay of a mapping whose arrays are over cells alone; see `overlay_from`."""
     precision = given.get("precision", 2)
     if isinstance(precision, bool) or precision not in range(MAX_PRECISION + 1):
         raise ValueError(f"`precision` must be 0 to {MAX_PRECISION}, not {precision!r}")
@@ -235,9 +252,15 @@ def cells_of(given: Any, key: str, level: GridWorld, *, deep: bool = False) -> l
     expected = [(height, width, count) for count in (5, 4)] if deep else [(height, width)]
     shape = shape_of(given, len(expected[0]))
     if shape not in expected:
-        raise ValueError(_shape_message(key, shape, expected))
+        raise ValueError(_shape_message(key, shape, expected) + _of_things(level))
     rows: list[list[Any]] = given.tolist() if hasattr(given, "tolist") else [*map(list, given)]
     return rows
+
+
+def _of_things(level: GridWorld) -> str:
+    if not level.has_things or len(counts := level.compile().shape[:-2]) == 0:
+        return ""
+    return f", or NumPy arrays with an axis of {counts[0]} configurations before these"
 
 
 def shape_of(given: Any, depth: int) -> tuple[int, ...]:

@@ -16,6 +16,7 @@ from babyrobot_levels.render.scene.shapes import (
     curve,
     polygon,
     polyline,
+    rounded,
 )
 from babyrobot_levels.render.scene.situation import Situation
 
@@ -25,14 +26,19 @@ if TYPE_CHECKING:
 Cell = tuple[int, int]
 
 _WHITE = "#ffffff"
-_CORNERS = ((0.2, -0.2), (0.2, 0.2), (-0.2, -0.2), (-0.2, 0.2))
+CORNERS = ((0.2, -0.2), (0.2, 0.2), (-0.2, -0.2), (-0.2, 0.2))
 """Where movers are that share their cell, as shares of a cell from its centre."""
-_SMALL = 0.62
+SMALL = 0.62
 """The scale of a mover that shares its cell."""
 
 
 def mover_spots(
-    level: GridWorld, layout: Layout, situation: Situation, robot: Cell | None
+    level: GridWorld,
+    layout: Layout,
+    situation: Situation,
+    robot: Cell | None,
+    *,
+    crowded: bool = False,
 ) -> tuple[Spot, ...]:
     """Return where each mover is drawn: smaller, in a corner, where it shares its cell.
 
@@ -41,29 +47,42 @@ def mover_spots(
         layout: where its cells are.
         situation: what is where.
         robot: the robot's cell, None without it.
+        crowded: whether cells show something else, beside which all movers are.
     """
     places = situation.movers
     lying = situation.lying | {switch.at for switch in level.switches}
     spots = []
     for number, cell in enumerate(places):
         centre = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-        if cell != robot and cell not in lying and places.count(cell) == 1:
+        if not crowded and cell != robot and cell not in lying and places.count(cell) == 1:
             spots.append(Spot(*centre))
             continue
-        dx, dy = _CORNERS[places[:number].count(cell) % len(_CORNERS)]
-        spots.append(Spot(centre[0] + dx * CELL, centre[1] + dy * CELL, _SMALL))
+        dx, dy = CORNERS[places[:number].count(cell) % len(CORNERS)]
+        spots.append(Spot(centre[0] + dx * CELL, centre[1] + dy * CELL, SMALL))
     return tuple(spots)
 
 
-def mover_shapes(level: GridWorld, number: int, spot: Spot) -> Iterator[Shape]:
-    """Yield the figure of a mover, by its number among the level's."""
+def mover_shapes(level: GridWorld, number: int, spot: Spot, look: Cell = (0, 0)) -> Iterator[Shape]:
+    """Yield the figure of a mover, by its number among the level's.
+
+    Args:
+        level: the level.
+        number: the number of the mover.
+        spot: where it is drawn.
+        look: where it looks, `(dx, dy)`.
+    """
     mover = level.movers[number]
     kind = "guard" if mover.within is None else "wanderer"
     color = mover.color or default_color(kind, level.resolved_theme.colors)
-    yield from (_guard if mover.within is None else _wanderer)(color, spot)
+    yield from figure_shapes(kind, color, spot, look)
 
 
-def _guard(color: str, spot: Spot) -> Iterator[Shape]:
+def figure_shapes(kind: str, color: str, spot: Spot, look: Cell = (0, 0)) -> Iterator[Shape]:
+    """Yield the figure of a `guard`, or of a `wanderer`."""
+    yield from (_guard if kind == "guard" else _wanderer)(color, spot, look)
+
+
+def _guard(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
     """Yield a ghost with two large eyes."""
     body: Commands = (
         ("M", (-15, 15.5)),
@@ -81,10 +100,10 @@ def _guard(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.body(body, color)
     shine = curve((-11.4, -4.0), (-10.6, -11.4), (-4.4, -13.6))
     yield spot.line(shine, _WHITE, 2.2, 0.6)
-    yield from _eyes(spot, -2.5, 5.6, 4.4, 5.2)
+    yield from _eyes(spot, -2.5, 5.6, 4.4, 5.2, look)
 
 
-def _wanderer(color: str, spot: Spot) -> Iterator[Shape]:
+def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
     """Yield a bat with spread wings."""
     wings: list[Command] = []
     for side in (-1, 1):
@@ -107,15 +126,16 @@ def _wanderer(color: str, spot: Spot) -> Iterator[Shape]:
     yield spot.fill(wings, "#000000", 0.3)
     yield spot.line(circle(0, 1, 11.5, 11.5), INK, 1.8)
     yield spot.fill(head, color)
-    yield from _eyes(spot, -0.5, 4.6, 3.6, 4.2)
+    yield from _eyes(spot, -0.5, 4.6, 3.6, 4.2, look)
     yield spot.line(curve((-3.2, 7.2), (0, 9.4), (3.2, 7.2)), INK, 1.8)
 
 
-def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float) -> Iterator[Shape]:
+def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float, look: Cell) -> Iterator[Shape]:
     for side in (-1, 1):
         yield spot.fill(circle(apart * side, y, rx, ry), _WHITE)
         yield spot.line(circle(apart * side, y, rx, ry), INK, 1.2)
-        yield spot.fill(circle(apart * side, y + 0.8, 0.5 * rx, 0.5 * ry), INK)
+        x, down = apart * side + 0.42 * rx * look[0], 0.42 * ry * look[1]
+        yield spot.fill(circle(x, y + 0.6 + down, 0.54 * rx, 0.54 * ry), INK)
 
 
 # -- where they may be, in the picture of the level as a whole --------------------------------
@@ -134,6 +154,14 @@ def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             x, y = layout.corner(left, top)
             box = x + 5, y + 5, width * CELL - 10, height * CELL - 10
             yield Rect(*box, color, radius=12, opacity=_REGION)
+            yield Path(
+                rounded(*box, 12),
+                stroke=colors.arrows,
+                width=2.0,
+                dash=(2.0, 7.0),
+                cap="round",
+                opacity=_TRACK,
+            )
         elif track := _track(mover.path or (), is_loop=not mover.back):
             points = [layout.corner(x + 0.5, y + 0.5) for x, y in track]
             yield Path(

@@ -59,6 +59,12 @@ class Overlay:
     precision: int = 2
     parts: Callable[[int | None, int | None], Overlay] | None = None
 
+    @property
+    def fills_cells(self) -> bool:
+        """Whether it shows something in the middle of cells."""
+        shown = self.values, self.actions, self.action_values, self.visits
+        return any(rows is not None for rows in shown)
+
     def at(self, configuration: int | None = None, heading: int | None = None) -> Overlay:
         """Return what is shown in a configuration, with a heading; None for none at hand."""
         return self if self.parts is None else self.parts(configuration, heading)

@@ -35,7 +35,12 @@ def panel_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
     if layout.bottom:
         fill = _ground(display.bottom_panel, ground)
         yield Rect(0, layout.top_height, layout.width, layout.bottom, fill)
+
+
+def strip_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the background of the strip that shows what is held."""
     if layout.strip:
+        ground = level.resolved_theme.colors.text_bg
         yield Rect(0, layout.top_height, layout.width, layout.strip, ground)
 
 

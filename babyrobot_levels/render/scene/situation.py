@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -61,6 +62,8 @@ class Situation:
         items: for each item, the cells in which it lies, or in one of which; none while held.
         on: for each switch, whether it is on.
         movers: for each mover, the cell in which it stands.
+        looks: for each mover, the way to the next cell of its path, `(dx, dy)`; `(0, 0)` for one
+            that stays, or walks at random.
         doors: for each door, whether it is closed.
         is_overview: whether it is the level as a whole, in which several places are possible.
     """
@@ -70,6 +73,7 @@ class Situation:
     items: tuple[tuple[Cell, ...], ...]
     on: tuple[bool, ...]
     movers: tuple[Cell, ...]
+    looks: tuple[Cell, ...]
     doors: tuple[bool, ...]
     is_overview: bool = False
 
@@ -95,7 +99,7 @@ def situation_of(level: GridWorld, configuration: int | None) -> Situation:
     if not level.has_things:
         if configuration:
             raise ValueError("the level has no things, and so a single configuration")
-        return Situation(level.exits, False, (), (), (), ())
+        return Situation(level.exits, False, (), (), (), (), ())
     if configuration is None:
         return _overview(level)
     count = level.compile().num_configurations
@@ -108,6 +112,7 @@ def situation_of(level: GridWorld, configuration: int | None) -> Situation:
         items=tuple(() if cell is None else (cell,) for cell in found.items),
         on=found.on,
         movers=found.movers,
+        looks=_looks(level, found.values[level.things().static :]),
         doors=found.doors,
     )
 
@@ -120,9 +125,24 @@ def _overview(level: GridWorld) -> Situation:
         items=tuple(item.places for item in level.items),
         on=tuple(switch.on for switch in level.switches),
         movers=tuple(_first_cell(mover) for mover in level.movers),
+        looks=_looks(level, [0] * len(level.movers)),
         doors=level.things().closed(met),
         is_overview=True,
     )
+
+
+def _looks(level: GridWorld, phases: Sequence[int]) -> tuple[Cell, ...]:
+    """Return where movers look, by the phases of those that walk a path."""
+    return tuple(look_of(mover, phase) for mover, phase in zip(level.movers, phases, strict=True))
+
+
+def look_of(mover: Mover, phase: int) -> Cell:
+    """Return the way of a mover to the next cell of its path; `(0, 0)` for one without a path."""
+    if mover.within is not None:
+        return 0, 0
+    cells = mover.phases
+    (x, y), (to_x, to_y) = cells[phase], cells[(phase + 1) % len(cells)]
+    return to_x - x, to_y - y
 
 
 def _first_cell(mover: Mover) -> Cell:

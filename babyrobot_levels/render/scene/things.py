@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WHITE = "#ffffff"
-_TILE = 5.0
+_TILE = 4.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""
 
 Box = tuple[float, float, float, float]
@@ -55,7 +55,7 @@ class Piece:
         draw: returns its shapes.
     """
 
-    name: tuple[Hashable, ...]
+    name: tuple[Any, ...]
     box: Box
     draw: Callable[[], Iterable[Shape]]
 
@@ -94,7 +94,7 @@ def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
             reach = max(36.0, (door.width or 0.0) / 2 + 8)
             box = centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach
             yield Piece(("door", number, (x, y), closed), box, draw)
-    yield from _held(level, layout, situation)
+    yield from held_pieces(level, layout, situation)
 
 
 def _cell_box(layout: Layout, cell: Cell) -> Box:
@@ -114,10 +114,12 @@ def _item(
     item, colors = level.items[number], level.resolved_theme.colors
     color = item.color or default_color(item.picture, colors)
     x, y = _centre(layout, cell)
+    # A label needs room below.
+    y -= 5 if item.label else 0
     yield from item_shapes(item.picture, color, Spot(x, y, 1.0, colors.base if faint else None))
     if faint:
         yield from _question_mark(x + 14, y + 13)
-    yield from _label(level, layout, cell, item.label)
+    yield from thing_label(level, layout, cell, item.label)
 
 
 def _question_mark(x: float, y: float) -> Iterator[Shape]:
@@ -127,7 +129,7 @@ def _question_mark(x: float, y: float) -> Iterator[Shape]:
     yield Text(x, y + 4.1, "?", 11.5, _WHITE, bold=True)
 
 
-def _label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> Iterator[Shape]:
+def thing_label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> Iterator[Shape]:
     """Yield the label of a thing at the foot of its cell."""
     line = " ".join((label or "").split())
     if not line:
@@ -142,26 +144,25 @@ def _label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> I
 
 # -- switches ------------------------------------------------------------------------------------
 
-_OFF = "#5d6875"
-
 
 def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Iterator[Shape]:
-    """Yield a plate in the floor: dark with an empty ring while off, bright while on.
+    """Yield a plate in the floor: an empty frame with a ring while off, filled while on.
 
     It is larger than the robot, which may stand on it.
     """
     switch = level.switches[number]
     spot = Spot(*_centre(layout, switch.at))
-    bright = switch.color or default_color("switch", level.resolved_theme.colors)
-    plate = rounded(-23, -23, 46, 46, 9)
-    yield from spot.body(plate, bright if is_on else _OFF)
+    color = switch.color or default_color("switch", level.resolved_theme.colors)
+    plate = rounded(-22.5, -22.5, 45, 45, 9)
     if is_on:
-        yield spot.fill(rounded(-17, -17, 34, 34, 5), _WHITE, 0.35)
+        yield from spot.body(plate, color)
+        yield spot.fill(rounded(-16.5, -16.5, 33, 33, 5), _WHITE, 0.35)
         yield spot.line(polyline([(0, -8), (0, 8)]), INK, 6.0)
     else:
-        yield spot.fill(rounded(-17, -17, 34, 34, 5), "#000000", 0.3)
-        yield spot.line(circle(0, 0, 7.5), bright, 4.0)
-    yield from _label(level, layout, switch.at, switch.label)
+        yield from spot.wire(plate, color, 3.0)
+        for ink, width in ((INK, 5.6), (color, 3.0)):
+            yield spot.line(circle(0, 0, 7.5), ink, width)
+    yield from thing_label(level, layout, switch.at, switch.label)
 
 
 # -- doors ---------------------------------------------------------------------------------------
@@ -241,6 +242,9 @@ def _exits(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
             yield Piece(("exit", cell, faint), box, draw)
         if situation.is_locked:
             yield Piece(("lock", cell), box, partial(_lock, level, layout, cell))
+        if faint:
+            x, y = _centre(layout, cell)
+            yield Piece(("perhaps", cell), box, partial(_question_mark, x + 14, y + 13))
 
 
 def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> Iterator[Shape]:
@@ -250,10 +254,9 @@ def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> It
     side = CELL - 2 * _TILE
     yield Rect(left + _TILE, top + _TILE, side, side, ground, radius=6.0)
     yield from flag_shapes(layout, cell, colors.exit_text)
-    if faint:
-        yield from _question_mark(left + 46, top + 45)
     if level.display.exit_text:
-        yield end_text("EXIT", layout, cell, colors.exit_text)
+        word = end_text("EXIT", layout, cell, colors.exit_text)
+        yield replace(word, y=word.y - _TILE + 2)
 
 
 def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
@@ -266,11 +269,14 @@ def _lock(level: GridWorld, layout: Layout, cell: Cell) -> Iterator[Shape]:
 
 # -- what is held --------------------------------------------------------------------------------
 
-_SQUARE = 44.0
+_SQUARE = 50.0
 """The side of a square for something held at which its picture is as large as on the grid."""
 
+_NOT_HELD = 0.28
+"""How strong what is not held looks."""
 
-def _held(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+
+def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
     """Yield the squares for what is held; what is not held is seen faintly in its own."""
     slots = layout.slots
     if slots is None:
@@ -280,7 +286,7 @@ def _held(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Pi
         x, y = slots.centre(number)
         half = slots.side / 2
         color = item.color or default_color(item.picture, colors)
-        spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None)
+        spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None, _NOT_HELD)
         box = (x - half, y - half, x + half, y + half)
         draw = partial(item_shapes, item.picture, color, spot)
         yield Piece(("held", number, not cells), box, draw)
@@ -290,7 +296,12 @@ def _held(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Pi
 
 
 def moving_pieces(
-    level: GridWorld, layout: Layout, situation: Situation, robot: Cell | None
+    level: GridWorld,
+    layout: Layout,
+    situation: Situation,
+    robot: Cell | None,
+    *,
+    crowded: bool = False,
 ) -> Iterator[tuple[Cell, Piece]]:
     """Yield the movers, in front of the robot, each with its cell.
 
@@ -299,22 +310,30 @@ def moving_pieces(
         layout: where its cells are.
         situation: what is where.
         robot: the robot's cell, None without it. Who shares a cell is drawn smaller, in a corner.
+        crowded: whether cells show something else, such as arrows, beside which all movers are.
     """
-    spots = mover_spots(level, layout, situation, robot)
+    spots = mover_spots(level, layout, situation, robot, crowded=crowded)
     for number, (cell, spot) in enumerate(zip(situation.movers, spots, strict=True)):
         mover = level.movers[number]
         faint = situation.is_overview and mover.within is not None and mover.start is None
-        draw = partial(_mover, level, layout, number, cell, spot, faint)
-        yield cell, Piece(("mover", number, cell, spot, faint), _cell_box(layout, cell), draw)
+        look = situation.looks[number]
+        draw = partial(_mover, level, layout, number, cell, spot, look, faint)
+        yield cell, Piece(("mover", number, cell, spot, look, faint), _cell_box(layout, cell), draw)
 
 
 def _mover(
-    level: GridWorld, layout: Layout, number: int, cell: Cell, spot: Spot, faint: bool
+    level: GridWorld,
+    layout: Layout,
+    number: int,
+    cell: Cell,
+    spot: Spot,
+    look: Cell,
+    faint: bool,
 ) -> Iterator[Shape]:
     if faint:
         ground = level.resolved_theme.colors.base
-        yield from mover_shapes(level, number, replace(spot, faded_on=ground))
+        yield from mover_shapes(level, number, replace(spot, faded_on=ground), look)
         yield from _question_mark(spot.x + 14 * spot.scale, spot.y + 13 * spot.scale)
     else:
-        yield from mover_shapes(level, number, spot)
-    yield from _label(level, layout, cell, level.movers[number].label)
+        yield from mover_shapes(level, number, spot, look)
+    yield from thing_label(level, layout, cell, level.movers[number].label)

@@ -20,6 +20,7 @@ from support.combinations import combined
 from support.fleets import ENGINES, MODES, levels, same, walked
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.tables import (
     ALWAYS,
     Room,
@@ -30,7 +31,6 @@ from babyrobot_levels.envs.engine.tables import (
     write_part,
 )
 from babyrobot_levels.envs.observations import OBSERVATIONS
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector import levels as level_slots
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.suite import SuiteVectorEnv

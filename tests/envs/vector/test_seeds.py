@@ -4,77 +4,34 @@ from __future__ import annotations
 
 import copy
 import pickle
-from collections.abc import Callable, Sequence
 from typing import Any
 
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.vector import AutoresetMode, SyncVectorEnv
+from gymnasium.vector import AutoresetMode
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.combinations import combined
 from support.fleets import (
-    DIGEST,
     ENGINES,
     MODES,
-    assert_same_info,
+    SEEDS,
+    SIZE,
+    assert_same_walks,
     levels,
     same,
+    single,
     walked,
 )
 from support.playing import level_named
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine import loops
 from babyrobot_levels.envs.engine.draws import MOST_WORDS, OwnDraws
-from babyrobot_levels.envs.spaces import ACTION_SETS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.library.level import Level
-
-SIZE = 5
-SEEDS = [3, 2**70, 0, 3, 12345]
-
-Single = Callable[[int], gymnasium.Env[Any, Any]]
-
-
-def single(levels: Sequence[Level], **kwargs: Any) -> Single:
-    """Return what makes single environments of levels, as `LevelVectorEnv` has them play these."""
-    return lambda number: gymnasium.make(
-        "babyrobot/Level-v0", level=levels[number % len(levels)], **kwargs
-    )
-
-
-def assert_same_walks(ours: Any, make: Single, seeds: list[Any], steps: int = 40) -> None:
-    """Walk a vector environment and single ones with the same seeds, and compare all they tell."""
-    mode = ours.metadata["autoreset_mode"]
-    theirs = SyncVectorEnv(
-        [lambda number=number: make(number) for number in range(SIZE)],  # type: ignore[misc]
-        autoreset_mode=mode,
-    )
-    rng = np.random.default_rng(1)
-    told: Any = ours.reset(seed=seeds)
-    wanted: Any = theirs.reset(seed=seeds)
-    assert same(told[0], wanted[0])
-    assert_same_info(told[1], wanted[1])
-    over = np.zeros(SIZE, np.bool_)
-    for _ in range(steps):
-        if mode is AutoresetMode.DISABLED and over.any():
-            # Some begin with new seeds, and the seeds of the others count for nothing.
-            new: Any = [*rng.integers(9, size=SIZE - 1).tolist(), None]
-            if rng.random() < 0.5:
-                new = None
-            told = ours.reset(seed=new, options={"reset_mask": over.copy()})
-            wanted = theirs.reset(seed=new, options={"reset_mask": over.copy()})
-            assert same(told[0], wanted[0])
-            assert_same_info(told[1], wanted[1])
-        actions = rng.integers(0, ours.single_action_space.n, SIZE)
-        told, wanted = ours.step(actions), theirs.step(actions)
-        for one, other in zip(told[:4], wanted[:4], strict=True):
-            assert same(one, other), (one, other)
-        wanted_info = {key: value for key, value in wanted[4].items() if key not in DIGEST}
-        assert_same_info(told[4], wanted_info)
-        over = told[2] | told[3]
 
 
 @combined(1, mode=MODES, engine=ENGINES)

@@ -1,0 +1,187 @@
+"""Which states and actions of two levels have other outcomes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from babyrobot_levels.analysis.changes import Change, Changes
+from babyrobot_levels.analysis.situations import situation
+from babyrobot_levels.language.base import MAX_SIZE
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.reachability import transitions
+from babyrobot_levels.mdp.tables import Mdp
+
+Ints = NDArray[np.intp]
+
+_BLOCK = 1 << 16
+"""About how many states are compared at a time."""
+
+
+def transition_changes(
+    before: Level, after: Level, cells: tuple[Ints, Ints], limit: int | None
+) -> Changes:
+    """Return the states and actions that have other outcomes.
+
+    With things, only states in which an episode goes on in both levels are compared, and only by
+    what both levels have.
+
+    Args:
+        before: a level.
+        after: another one.
+        cells: the numbers, in each of the levels, of the cells that both have.
+        limit: how many of them are described, None for all.
+    """
+    levels = (before, after)
+    mdps = (before.compile(), after.compile())
+    numbers, codes = _common_configurations(before, after)
+    count = len(cells[0])
+    per_block = max(1, _BLOCK // count)
+    goes_on = [_goes_on(level, mdp) for level, mdp in zip(levels, mdps, strict=True)]
+    differ = [np.zeros((0, 2), np.intp)]
+    for first in range(0, len(numbers[0]), per_block):
+        states = [
+            _states(mdp, some[first : first + per_block], where)
+            for mdp, some, where in zip(mdps, numbers, cells, strict=True)
+        ]
+        rows = map(_rows, mdps, states, codes)
+        both = goes_on[0][states[0]] & goes_on[1][states[1]]
+        found = np.argwhere(_differ(*rows) & both[:, None])
+        found[:, 0] += first * count
+        differ.append(found)
+    width = min(before.size[0], after.size[0])
+
+    def describe(place: list[int]) -> Change:
+        pair, cell = divmod(place[0], count)
+        one, two = (
+            _outcome_data(level, mdp, int(some[pair]) * mdp.cells + int(where[cell]), place[1])
+            for level, mdp, some, where in zip(levels, mdps, numbers, cells, strict=True)
+        )
+        things = situation(before, int(numbers[0][pair])) if before.has_things else None
+        action = Action(place[1]).name.lower()
+        return Change(one, two, (cell % width, cell // width), action, things)
+
+    total = len(numbers[0]) * count * NUM_ACTIONS
+    return Changes.of(np.concatenate(differ).tolist(), total, describe, limit)
+
+
+def _common_configurations(before: Level, after: Level) -> tuple[tuple[Ints, Ints], list[Ints]]:
+    """Return the configurations that both levels have, and codes by which these are alike.
+
+    Things are alike if they have the same name and as many values, movers also the same cells. All
+    others must be as at the beginning, and are no part of the codes: what becomes of them is not
+    compared.
+
+    Returns:
+        For each level the numbers of the configurations, in the same order; and for each level
+        the code of each of its configurations.
+    """
+    things = [level.things() for level in (before, after)]
+    kinds = [
+        dict(zip(each.names, (*each.radices[: each.static], *phases), strict=True))
+        for each, phases in zip(things, (_phases(before), _phases(after)), strict=True)
+    ]
+    common = [name for name in kinds[0] if kinds[1].get(name) == kinds[0][name]]
+    tables, begins = [], []
+    for level, each in zip((before, after), things, strict=True):
+        values = level.compile().configurations
+        tables.append(values[:, [each.names.index(name) for name in common]])
+        others = [column for column, name in enumerate(each.names) if name not in common]
+        first = [each.begins()[column][0] for column in others]
+        begins.append(np.flatnonzero((values[:, others] == first).all(axis=1)))
+    # The constant column is for levels that have no things in common.
+    rows = np.concatenate(tables)
+    rows = np.concatenate([np.zeros((len(rows), 1), rows.dtype), rows], axis=1)
+    inverse = np.unique(rows, axis=0, return_inverse=True)[1].reshape(-1)
+    one, two = np.split(inverse, [len(tables[0])])
+    _, here, there = np.intersect1d(
+        one[begins[0]], two[begins[1]], assume_unique=True, return_indices=True
+    )
+    return (begins[0][here], begins[1][there]), [one, two]
+
+
+def _phases(level: Level) -> list[tuple[tuple[int, int], ...]]:
+    return [mover.phases for mover in level.movers]
+
+
+def _goes_on(level: Level, mdp: Mdp) -> NDArray[np.bool_]:
+    """Return in which states an episode goes on, `[states]`; without things, in all.
+
+    The rows of other pairs of configuration and cell say nothing about the level.
+    """
+    if not level.has_things:
+        return np.ones(mdp.num_states, np.bool_)
+    steps = transitions(mdp).distances(np.flatnonzero(mdp.start > 0))
+    goes_on: NDArray[np.bool_] = (steps >= 0) & ~mdp.is_terminal
+    return goes_on
+
+
+def _states(mdp: Mdp, numbers: Ints, cells: Ints) -> Ints:
+    """Return the states of some cells in some configurations, one configuration after the other."""
+    states: Ints = (numbers[:, None] * mdp.cells + cells).ravel()
+    return states
+
+
+def _rows(mdp: Mdp, states: Ints, codes: Ints) -> NDArray[np.float64]:
+    """Return all outcomes, `[states, actions, outcomes, 4]`, with states numbered alike for all.
+
+    Outcomes are in the order of these numbers. Those that are alike are one.
+    """
+    configuration, cell = np.divmod(mdp.next_state[states], mdp.cells)
+    y, x = np.divmod(cell, mdp.width)
+    place = (codes[configuration] * MAX_SIZE + y) * MAX_SIZE + x
+    parts = [mdp.probability[states], place, mdp.reward[states], mdp.terminal[states]]
+    happens = mdp.probability[states] > 0
+    rows = np.stack([np.where(happens, part, 0).astype(np.float64) for part in parts], axis=-1)
+    return rows if mdp.num_configurations == 1 else _merged(rows)
+
+
+def _merged(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return outcomes in order, with those that differ in their probability only added up."""
+    rows = _ordered(rows)
+    is_first = np.ones(rows.shape[:3], np.bool_)
+    is_first[..., 1:] = (rows[..., 1:, 1:] != rows[..., :-1, 1:]).any(axis=-1)
+    firsts = np.flatnonzero(is_first)
+    sums = np.zeros(is_first.size)
+    sums[firsts] = np.add.reduceat(rows[..., 0].ravel(), firsts)
+    # Sums of the same probabilities in another order may differ in their last digit.
+    rows[..., 0] = np.round(sums.reshape(is_first.shape), 12)
+    rows[rows[..., 0] == 0] = 0
+    return _ordered(rows)
+
+
+def _ordered(rows: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return outcomes in the order of their next states, with those that cannot happen last."""
+    cannot = rows[..., 0] == 0
+    order = np.lexsort([rows[..., 3], rows[..., 2], rows[..., 1], cannot], axis=-1)
+    return np.take_along_axis(rows, order[..., None], axis=2)
+
+
+def _differ(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return where rows of outcomes differ, `[states, actions]`."""
+    most = max(one.shape[2], two.shape[2])
+    one, two = (
+        np.pad(row, ((0, 0), (0, 0), (0, most - row.shape[2]), (0, 0))) for row in (one, two)
+    )
+    differ: NDArray[np.bool_] = (one != two).any(axis=(2, 3))
+    return differ
+
+
+def _outcome_data(level: Level, mdp: Mdp, state: int, action: int) -> list[dict[str, Any]]:
+    return [
+        {
+            "cell": list(mdp.cell(next_state)),
+            **(
+                {"things": situation(level, mdp.configuration(next_state))}
+                if level.has_things
+                else {}
+            ),
+            "probability": probability,
+            "reward": reward,
+            "ends": terminal,
+        }
+        for probability, next_state, reward, terminal in mdp.outcomes(state, action)
+    ]

@@ -1,0 +1,57 @@
+"""States and configurations of levels with things, in words and as plain data."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.tables import Mdp
+
+
+def situation(level: Level, number: int) -> dict[str, Any]:
+    """Return what each thing of a level is in a configuration, by name.
+
+    Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
+    switches are `"on"` or `"off"`; movers and a drawn exit are the cells in which they are.
+    """
+    found = level.configuration(number)
+    exits = [list(found.exits[0])] if level.exit_one_of is not None else []
+    items = [
+        "held" if cell is None else "lies" if len(item.places) == 1 else list(cell)
+        for item, cell in zip(level.items, found.items, strict=True)
+    ]
+    switches = ["on" if is_on else "off" for is_on in found.on]
+    movers = [list(cell) for cell in found.movers]
+    return dict(zip(level.things().names, [*exits, *items, *switches, *movers], strict=True))
+
+
+def situation_words(things: Mapping[str, Any]) -> str:
+    """Return a situation in words, without what goes without saying: "key held, bat at [2, 4]"."""
+    states = [f"{name} {value}" for name, value in things.items() if value in ("held", "on")]
+    return ", ".join([*states, *_places(things)])
+
+
+def _places(things: Mapping[str, Any]) -> list[str]:
+    return [
+        f"{name} at [{place[0]}, {place[1]}]"
+        for name, place in things.items()
+        if isinstance(place, list)
+    ]
+
+
+def told(level: Level, mdp: Mdp, state: int) -> str:
+    """Return a state in words, with all that distinguishes it from others.
+
+    Args:
+        level: the level.
+        mdp: its tables, or those of a robot that turns.
+        state: the number of the state in these tables.
+    """
+    x, y = mdp.cell(state)
+    number = mdp.configuration(state)
+    heading = f" looking {SIDES[mdp.heading(state)]}" if mdp.headings > 1 else ""
+    condition = level.things().condition(mdp.configurations[number].tolist())
+    text = f"[{x}, {y}]{heading}{condition and ' ' + condition}"
+    return ", ".join([text, *_places(situation(level, number))])

@@ -1,0 +1,1 @@
+"""Grids of MiniGrid: its environments and its text."""
