@@ -6,6 +6,7 @@ import random
 import sys
 import time
 from importlib.metadata import version
+from typing import Any
 
 from minigrid.core.grid import Grid
 from minigrid.core.mission import MissionSpace
@@ -16,7 +17,7 @@ from minigrid.minigrid_env import MiniGridEnv
 class Room(MiniGridEnv):
     """An empty room with a goal in its corner, as MiniGrid's own `EmptyEnv`, but not square."""
 
-    def __init__(self, width: int, height: int, **settings: object) -> None:
+    def __init__(self, width: int, height: int, **settings: Any) -> None:
         mission = MissionSpace(mission_func=lambda: "get to the green goal square")
         super().__init__(mission, width=width, height=height, **settings)
 

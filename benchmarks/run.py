@@ -23,7 +23,17 @@ from timing import FEW, ROUNDS, Comparison
 
 from babyrobot_levels.text.files import write_text
 
-BENCHMARKS = ("step", "vector", "frames", "solve", "validate", "lint", "mazes", "generate")
+BENCHMARKS = (
+    "step",
+    "vector",
+    "things",
+    "frames",
+    "solve",
+    "validate",
+    "lint",
+    "mazes",
+    "generate",
+)
 RESULTS = Path(__file__).with_name("RESULTS.md")
 
 INTERRUPTED = "interrupted"

@@ -114,12 +114,13 @@ def bare(num_envs: int) -> Measure:
     """Return a measure of a compiled loop that does nothing but step."""
     import numba
 
-    from babyrobot_levels.envs.engine.tables import build_tables, masks_at
+    from babyrobot_levels.envs.engine.tables import build_tables, masks_at, part_of
 
     level = brl.load(LEVEL)
-    tables = build_tables([level.compile()], [2**62], 0)
+    mdp = level.compile()
+    tables = build_tables([part_of(level, mdp, 0)], [2**62])
     width = level.size[0]
-    states = np.arange(tables.is_terminal.size)
+    states = np.arange(mdp.num_states)
     shown = np.stack([states % width, states // width], axis=1)
 
     @numba.njit
@@ -161,7 +162,7 @@ def bare(num_envs: int) -> Measure:
     def step(action: Any) -> None:
         used = run(
             action, state, tables.next_state, tables.reward, tables.stochastic, tables.first,
-            tables.threshold, tables.is_terminal, shown, block, start, *results,
+            tables.threshold, mdp.is_terminal, shown, block, start, *results,
         )  # fmt: skip
         source.random(out=block[:used])
 

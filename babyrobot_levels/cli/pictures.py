@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode, wants_color
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import number_lines
 
 if TYPE_CHECKING:
@@ -258,8 +259,14 @@ def _at(solution: Solution, table: Any, configuration: int | None) -> Any:
     return table[configuration or 0] if solution.values.ndim > 2 else table
 
 
-def guide_of(level: Level, *, needed: bool) -> Guide | None:
-    """Return what a page shows of the solution; None without one, unless it is `needed`."""
+def guide_of(level: Level, *, needed: bool, turns: bool = False) -> Guide | None:
+    """Return what a page shows of the solution; None without one, unless it is `needed`.
+
+    Args:
+        level: the level.
+        needed: whether the command ends without a solution.
+        turns: whether the robot of the page turns; it can, too, if the level sets a heading.
+    """
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page_data import Guide
@@ -273,7 +280,28 @@ def guide_of(level: Level, *, needed: bool) -> Guide | None:
             note(f"the page shows no optimal moves: {error}")
             return None
     overlay = all_overlays(level, solution, values=True, policy=True)
-    return Guide(policy_of(solution), overlay, solution.expected_return)
+    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
+    return Guide(policy_of(solution), overlay, solution.expected_return, turning)
+
+
+def _turning_guide(level: Level) -> Guide | None:
+    """Return what a page shows of the solution for a robot that turns; None without one."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+    from babyrobot_levels.render.page_data import Guide
+    from babyrobot_levels.render.scene.overlay import Overlay
+
+    try:
+        solution = solve(level, actions="turns")
+    except UndefinedReturnError:
+        return None
+
+    def part(configuration: int | None, heading: int | None) -> Overlay:
+        found = solution.at(configuration or 0, SIDES[heading or 0])
+        return overlay_of(found, values=True, policy=False)
+
+    policy: list[int] = solution.policy.ravel().tolist()
+    return Guide(policy, Overlay(parts=part), solution.expected_return)
 
 
 def text_picture(level: Level, *, plain: bool = False, configuration: int | None = None) -> str:

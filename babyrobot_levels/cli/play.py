@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,7 +15,7 @@ import typer
 from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -22,13 +23,27 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.cli.keyboard import NextKey
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.configurations import Configuration
 
-_ACTIONS = {
+
+class PlayActions(StrEnum):
+    """The actions with which a level can be played."""
+
+    ALL = "all"
+    TURNS = "turns"
+
+
+_MOVES = {
     **dict.fromkeys(("up", "w"), Action.NORTH),
     **dict.fromkeys(("right", "d"), Action.EAST),
     **dict.fromkeys(("down", "s"), Action.SOUTH),
     **dict.fromkeys(("left", "a"), Action.WEST),
     **dict.fromkeys((" ", "."), Action.STAY),
+}
+_TURNS = {
+    **dict.fromkeys(("left", "a"), Turn.LEFT),
+    **dict.fromkeys(("right", "d"), Turn.RIGHT),
+    **dict.fromkeys(("up", "w"), Turn.FORWARD),
 }
 _RESTART, _QUIT = "r", ("q", "\x04")
 _ALL_SCREEN, _SCREEN_AS_IT_WAS = "\x1b[?1049h\x1b[?25l", "\x1b[?25h\x1b[?1049l"
@@ -53,16 +68,26 @@ def play(
         ),
     ] = None,
     maze_seed: MazeSeedOption = None,
+    actions: Annotated[
+        PlayActions,
+        typer.Option(
+            help="What the robot can do: move to all sides, or turn left, turn right and move "
+            "forward.",
+        ),
+    ] = PlayActions.ALL,
 ) -> None:
     """Play a level in the terminal with the arrow keys.
 
-    W, A, S and D move the robot, too. Space or a full stop lets it stay, r restarts, q quits.
+    W, A, S and D move the robot, too. Space or a full stop lets it stay, r restarts, q quits. A
+    robot that turns does so with the arrow keys left and right, and moves forward with up.
 
     Examples:
 
       babyrobot play final-maze
 
       babyrobot play frozen-lake --seed 7
+
+      babyrobot play first-key --actions turns
     """
     from babyrobot_levels.cli.keyboard import keyboard
     from babyrobot_levels.render.terminal import moves_cursor
@@ -77,7 +102,7 @@ def play(
             "`babyrobot play` needs a terminal",
             "use `babyrobot preview` to look at a level",
         )
-    game = _Game(loaded, seed, maze_seed)
+    game = _Game(loaded, seed, maze_seed, turns=actions is PlayActions.TURNS)
     # A closed terminal ends the game as q does.
     with _ended_by_signals(), suppress(EOFError), _whole_screen(), keyboard() as next_key:
         _play(game, next_key)
@@ -109,73 +134,152 @@ def _play(game: _Game, next_key: NextKey) -> None:
             return
         if key == _RESTART:
             game.begin()
-        elif key in _ACTIONS:
-            game.act(_ACTIONS[key])
+        elif key in game.keys:
+            game.act(game.keys[key])
 
 
 class _Game:
     """The game: its state, and the screen that shows it.
 
     Attributes:
+        keys: the actions of the keys, as the environment numbers them.
         moment: counts the changes of the screen.
     """
 
-    def __init__(self, level: Level, seed: int | None, maze_seed: int | None) -> None:
-        self._env = level.make(observation="index")
+    def __init__(
+        self, level: Level, seed: int | None, maze_seed: int | None, *, turns: bool
+    ) -> None:
+        self._turns = turns
+        self.keys: dict[str, int] = {**(_TURNS if turns else _MOVES)}
+        self._env = level.make(observation="index", actions="turns" if turns else "valid")
         self._options = {} if maze_seed is None else {"maze_seed": maze_seed}
         self._color, self._unicode = wants_color(sys.stdout), speaks_unicode(sys.stdout)
         self._name = printable(level.name or "level")
         self._title = printable(level.title or self._name)
         self._aim = "Find the exit." if level.exits else "This level has no exit."
         self._limit = f" of {level.max_steps}" if level.max_steps else ""
-        self._level: Level | None = None
         self.moment = 0
+        self._use(self._env.get_wrapper_attr("level"))
         self.begin(seed)
+
+    def _use(self, level: Level) -> None:
+        """Set the level of the episode: one with a random maze has others."""
+        from babyrobot_levels.render.text import TextPainter
+
+        self._level, self._painter = level, TextPainter(level, plain=not self._unicode)
+        self._mdp = level.compile().turning(level.heading) if self._turns else level.compile()
 
     def begin(self, seed: int | None = None) -> None:
         """Begin an episode."""
-        from babyrobot_levels.render.text import TextPainter
-
-        self._state, info = self._env.reset(seed=seed, options=self._options)
+        state, info = self._env.reset(seed=seed, options=self._options)
         self._mask = info["action_mask"]
         maze = f"  maze {info['maze_seed']}" if "maze_seed" in info else ""
         self._heading = self._title + maze
         level = self._env.get_wrapper_attr("level")
         if level is not self._level:
-            self._level, self._painter = level, TextPainter(level, plain=not self._unicode)
-        self._exits = {y * level.size[0] + x for x, y in level.exits}
+            self._use(level)
+        self._enter(state)
         self._steps, self._reward, self._return = 0, 0.0, 0.0
         self._end = ""
-        self._say(self._aim, _DIM)
+        needs = "" if self._now.exit_is_open else f" It needs {_listed(self._level.exit_keys)}."
+        self._say(self._aim + needs, _DIM)
 
-    def act(self, action: Action) -> None:
+    def _enter(self, state: int) -> None:
+        """Set the state and what it means."""
+        self._state, self._now = state, self._level.configuration(self._mdp.configuration(state))
+
+    def act(self, action: int) -> None:
         """Take an action, if the episode is not over."""
         if self._end:
             return
-        possible = self._mask[action]
-        self._state, reward, over, late, info = self._env.step(action)
+        possible, before, then = self._mask[action], self._state, self._now
+        state, reward, over, late, info = self._env.step(action)
+        self._enter(state)
         self._reward = float(reward)
         self._mask = info["action_mask"]
         self._steps += 1
         self._return += self._reward
-        if over:
-            at_exit = self._state in self._exits
-            self._end = "reached the exit" if at_exit else "ended"
-            if at_exit:
-                self._say("The exit! Well done.", _GOOD)
-            else:
-                self._say("The episode is over.", _WARNING)
+        told = list(self._changes(then))
+        if info.get("hit"):
+            told.insert(0, f"The {self._hitter(before, action)} hits the robot!")
+        style = _WARNING if info.get("hit") else {}
+        if over and not info.get("hit") and self._is_at_exit():
+            self._end, style = "reached the exit", _GOOD
+            told = ["The exit! Well done."]
+        elif over:
+            self._end, style = "ended", _WARNING
+            told.append("The episode is over.")
         elif late:
-            self._end = "ran out of steps"
-            self._say("No steps left.", _WARNING)
+            self._end, style = "ran out of steps", _WARNING
+            told.append("No steps left.")
         elif info["skidded"]:
-            self._say("Whoops, the robot skids!", _WARNING)
+            style = _WARNING
+            told.insert(0, "Whoops, the robot skids!")
         elif not possible:
-            self._say(f"Bump! A wall in the {action.name.lower()}.", _WARNING)
+            style = _WARNING
+            told.insert(0, self._bump(before, action, then))
         elif not info["target_reached"]:
-            self._say("The glass throws the robot back.", _WARNING)
-        else:
-            self._say("")
+            style = _WARNING
+            told.insert(0, "The glass throws the robot back.")
+        self._say(" ".join(told), style)
+
+    def _changes(self, then: Configuration) -> Iterator[str]:
+        """Yield what has changed since a configuration."""
+        from babyrobot_levels.mdp.doors import door_name
+
+        level, now = self._level, self._now
+        yield from (f"Took the {name}." for name in now.held if name not in then.held)
+        for switch, before, after in zip(level.switches, then.on, now.on, strict=True):
+            if before != after:
+                yield f"The {switch.name} is {'on' if after else 'off'}."
+        for door, before, after in zip(level.doors, then.doors, now.doors, strict=True):
+            if before != after:
+                yield f"The {door_name(door)} {'closes' if after else 'opens'}."
+        if then.exit_is_open != now.exit_is_open:
+            yield f"The exit is {'open' if now.exit_is_open else 'closed'}."
+
+    def _hitter(self, before: int, action: int) -> str:
+        """Return the name of the mover that hit the robot in the last step."""
+        from babyrobot_levels.mdp.events import hits_by_mover
+
+        is_outcome = (self._mdp.probability[before, action] > 0) & (
+            self._mdp.next_state[before, action] == self._state
+        )
+        names = self._level.things().names[self._level.things().static :]
+        hits = hits_by_mover(self._level, self._mdp, slice(before, before + 1))
+        return next(
+            name
+            for name, by_mover in zip(names, hits, strict=True)
+            if by_mover[0, action][is_outcome].any()
+        )
+
+    def _bump(self, before: int, action: int, then: Configuration) -> str:
+        """Return what refused the last move."""
+        from babyrobot_levels.language.base import SIDES
+        from babyrobot_levels.mdp.doors import door_sides
+
+        move = self._mdp.heading(before) + Action.NORTH if self._turns else action
+        cell, side = before % self._mdp.cells, SIDES[move - Action.NORTH]
+        doors = door_sides(self._level, self._level.grid())
+        is_door = any((cell, side) == (at, of) and then.doors[number] for at, of, number in doors)
+        where = Action(move).name.lower()
+        return (
+            f"Bump! The door in the {where} is closed."
+            if is_door
+            else (f"Bump! A wall in the {where}.")
+        )
+
+    def _is_at_exit(self) -> bool:
+        return self._now.exit_is_open and self._mdp.cell(self._state) in self._now.exits
+
+    def _status(self) -> str:
+        """Return what is held, and which switches are on; nothing for a level without such."""
+        level = self._level
+        on = [switch.name for switch, on in zip(level.switches, self._now.on, strict=True) if on]
+        kinds = [("held", level.items, self._now.held), ("on", level.switches, on)]
+        return "   ".join(
+            f"{kind}: {', '.join(names) or 'nothing'}" for kind, things, names in kinds if things
+        )
 
     def summary(self) -> str:
         """Return the result in one line."""
@@ -185,25 +289,39 @@ class _Game:
     def screen(self, room: os.terminal_size) -> list[str]:
         """Return the lines of the whole screen."""
         dot, arrows = (" · ", "←↑↓→") if self._unicode else (", ", "arrows")
+        turns, forward = ("←→", "↑") if self._unicode else ("left, right", "up")
         keys = ["r restarts", "q quits"]
-        if not self._end:
+        if not self._end and self._turns:
+            keys = [f"{turns} or AD turn", f"{forward} or W moves forward", *keys]
+        elif not self._end:
             keys = [f"{arrows} or WASD move", "space stays", *keys]
         facts = [f"step {self._steps}{self._limit}", f"reward {self._reward:g}",
                  f"return {self._return:g}"]  # fmt: skip
         if len(dot.join(keys)) > room.columns - 2:
-            keys = [*([] if self._end else [f"{arrows} move"]), "r restart", "q quits"]
+            short = [f"{turns} turn", f"{forward} moves"] if self._turns else [f"{arrows} move"]
+            keys = [*([] if self._end else short), "r restart", "q quits"]
         above = [self._styled(self._heading, _BOLD, room)]
+        status = self._status()
         below = [
             self._styled("   ".join(facts), {}, room),
+            *([self._styled(status, {}, room)] if status else []),
             self._styled(*self._message, room),
             self._styled(dot.join(keys), _DIM, room),
         ]
         size = type(room)((room.columns - 2, max(1, room.lines - len(above) - len(below))))
-        picture = self._painter.lines(self._state, color=self._color, room=size)
+        heading = self._mdp.heading(self._state) if self._turns else None
+        picture = self._painter.lines(
+            self._shown(), heading=heading, color=self._color, held=False, room=size
+        )
         if len(picture) + len(above) + len(below) + 3 <= room.lines:
             # There is room for empty lines.
-            above, below = [*above, ""], ["", *below[:2], "", *below[2:]]
+            above, below = [*above, ""], ["", *below[:-1], "", below[-1]]
         return [*above, *(" " + line for line in picture), *below][: room.lines]
+
+    def _shown(self) -> int:
+        """Return the state in the numbering of the level's tables."""
+        mdp = self._mdp
+        return mdp.configuration(self._state) * mdp.cells + self._state % mdp.cells
 
     def _say(self, text: str, style: _Style | None = None) -> None:
         """Set the message about what has just happened."""
@@ -214,6 +332,11 @@ class _Game:
         """Return a line that fits, in a style if the terminal takes colour."""
         text = " " + text[: room.columns - 2]
         return typer.style(text, **style) if style and self._color and text.strip() else text
+
+
+def _listed(names: Sequence[str]) -> str:
+    """Return names as a sentence lists them."""
+    return " and ".join([*([", ".join(names[:-1])] if names[1:] else []), names[-1]])
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -109,8 +110,9 @@ def _fragment(level: Level) -> str:
     check_page_size(played, "send the level file")
     guide = guide_of(played, needed=False)
     if guide is not None:
-        with suppress(TooLargeError):
-            return link_fragment(level, played, guide)
+        for known in (guide, replace(guide, turning=None)):
+            with suppress(TooLargeError):
+                return link_fragment(level, played, known)
     try:
         fragment = link_fragment(level, played)
         if guide is not None:

@@ -75,10 +75,12 @@ class Pictures:
     def reset(self, level: Level, state: int, heading: int | None) -> None:
         """Show the start of an episode, perhaps in another level.
 
-        Overlays stay if the level is as large as the one before.
+        Overlays stay if the level is as large as the one before, unless they differ between its
+        configurations or headings.
         """
         if level is not self._level:
-            if level.size != self._level.size:
+            varies = self._overlay is not None and self._overlay.parts is not None
+            if varies or level.size != self._level.size:
                 self._overlay = None
                 if self._view is not None:
                     self._view.set_overlay(None)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -82,7 +83,7 @@ class LevelVecEnv(VecEnv):
         seeds = None if self._seeds[0] is None else self._seeds
         observations: NDArray[Any]
         observations, info = self.envs.reset(seed=seeds, options=options)
-        self.reset_infos = _rows(info, slice(None))
+        self.reset_infos = _rows(info, range(self.num_envs), self._item_names())
         self._reset_seeds()
         return observations
 
@@ -97,13 +98,14 @@ class LevelVecEnv(VecEnv):
             Observations `[num_envs, …]`, those of the next episode where one is over, rewards
             (float32 `[num_envs]`), dones (bool `[num_envs]`), and an info for each environment.
         """
+        names = self._item_names()
         observations, rewards, terminated, truncated, info = self.envs.step(self._actions)
         dones = terminated | truncated
         ends, final = info.pop("final_obs", None), info.pop("final_info", None)
-        infos = _rows(info, slice(None))
+        infos = _rows(info, range(self.num_envs), names if final is None else self._item_names())
         if final is not None:
-            done = dones.nonzero()[0]
-            for number, info_of_end in zip(done.tolist(), _rows(final, done), strict=True):
+            done = dones.nonzero()[0].tolist()
+            for number, info_of_end in zip(done, _rows(final, done, names), strict=True):
                 # After an autoreset, the info of the step is about the next episode.
                 self.reset_infos[number] = infos[number]
                 infos[number] = info_of_end
@@ -111,6 +113,14 @@ class LevelVecEnv(VecEnv):
         for each, is_cut in zip(infos, (truncated & ~terminated).tolist(), strict=True):
             each["TimeLimit.truncated"] = is_cut
         return observations, rewards.astype(np.float32), dones, infos
+
+    def _item_names(self) -> list[list[str]]:
+        """Return the names of the items in the current level of each environment."""
+        if not self.envs.num_items:
+            return []
+        levels = self.envs.call("level")
+        names = {id(level): [item.name for item in level.items] for level in levels}
+        return [names[id(level)] for level in levels]
 
     def close(self) -> None:
         """Release the painters."""
@@ -155,20 +165,27 @@ class LevelVecEnv(VecEnv):
         return [self.envs.render()]
 
 
-def _rows(info: dict[str, Any], which: Any) -> list[dict[str, Any]]:
+def _rows(
+    info: dict[str, Any], which: Sequence[int], item_names: list[list[str]]
+) -> list[dict[str, Any]]:
     """Return the info of each environment from that of a vector environment.
 
     Args:
         info: values `[num_envs, …]`, and for each key another one with `_` before it: where the
             value holds.
-        which: the environments, as an index of these arrays.
+        which: the environments.
+        item_names: the names of the items in the level of each environment, for `held`.
     """
+    index = np.asarray(which, np.intp)
     names = [name for name in info if f"_{name}" in info]
-    columns = [info[name][which] for name in names]
+    columns = [info[name][index] for name in names]
     # Lists are faster to iterate over; of an array with more dimensions, each gets a row.
     lists = [column if column.ndim > 1 else column.tolist() for column in columns]
     rows = [dict(zip(names, values, strict=True)) for values in zip(*lists, strict=True)]
     for name in names:
-        for number in (~info[f"_{name}"][which]).nonzero()[0].tolist():
+        for number in (~info[f"_{name}"][index]).nonzero()[0].tolist():
             del rows[number][name]
+    for number, row in zip(which, rows, strict=True):
+        if "held" in row:
+            row["held"] = tuple(compress(item_names[number], row["held"].tolist()))
     return rows

@@ -62,7 +62,7 @@ _Part = tuple[NDArray[np.int8], NDArray[np.bool_], tuple[str, ...]]
 MAX_MAZE_SEED = 2**31
 """The seeds that are drawn for mazes with `seed: random` are below this."""
 
-_DERIVED = ("_mdp", "_parts", "_observer", "_starts", "_states", "_tells_things", "_table")
+_DERIVED = ("_mdp", "_parts", "_observer", "_starts", "_states", "_tells", "_table")
 """The attributes that `_enter` sets, all of which follow from the level."""
 
 
@@ -159,7 +159,7 @@ class LevelEnv(RenderedEnv):
         self._observer = make_observer(level, self._observation, self._extent())
         self._starts: list[int] = mdp.start.nonzero()[0].tolist()
         self._states: list[_State | None] = [None] * mdp.num_states
-        self._tells_things = bool(level.items or level.movers)
+        self._tells = bool(level.items), bool(level.movers)
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
 
     def _extent(self) -> Extent:
@@ -216,16 +216,12 @@ class LevelEnv(RenderedEnv):
         if self._pictures is not None:
             self._pictures.reset(self.level, *self._shown(self._state))
         info["action_mask"] = copy_mask()
-        if self._tells_things:
-            self._tell_things(info, held, False)
-        return observe(), info
-
-    def _tell_things(self, info: dict[str, Any], held: tuple[str, ...], hit: bool) -> None:
-        """Add to an info what is held and whether a mover hit the robot, if the level has such."""
-        if self.level.items:
+        has_items, has_movers = self._tells
+        if has_items:
             info["held"] = held
-        if self.level.movers:
-            info["hit"] = hit
+        if has_movers:
+            info["hit"] = False
+        return observe(), info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Take an action.
@@ -262,8 +258,12 @@ class LevelEnv(RenderedEnv):
         if self._pictures is not None:
             self._show_step(self._pictures, int(action), before, skidded)
         info = {"action_mask": copy_mask(), "target_reached": target_reached, "skidded": skidded}
-        if self._tells_things:
-            self._tell_things(info, held, hit)
+        # Written out, because a call is a considerable part of a step.
+        has_items, has_movers = self._tells
+        if has_items:
+            info["held"] = held
+        if has_movers:
+            info["hit"] = hit
         return observe(), reward, terminal, False, info
 
     def action_masks(self) -> NDArray[np.int8]:

@@ -5,9 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
+from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, OPPOSITE, Grid
+
+
+def door_name(door: Door) -> str:
+    """Return what a door is called in messages: `door east of [4, 2]`."""
+    (side,) = (name for name, side in SIDE_NAMES.items() if side == door.side)
+    return f"door {side} of [{door.at[0]}, {door.at[1]}]"
 
 
 def door_sides(level: LevelFields, grid: Grid) -> Iterator[tuple[int, str, int]]:

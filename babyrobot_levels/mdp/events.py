@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from enum import IntEnum
 from typing import TYPE_CHECKING
 
@@ -65,10 +66,17 @@ def hits_of(world: GridWorld, mdp: Mdp, states: slice = ALL) -> NDArray[np.bool_
         mdp: its tables, with or without turning.
         states: the states whose outcomes are told.
     """
-    next_state = mdp.next_state[states]
-    hits = np.zeros(next_state.shape, np.bool_)
+    hits = np.zeros(mdp.next_state[states].shape, np.bool_)
+    for by_mover in hits_by_mover(world, mdp, states):
+        hits |= by_mover
+    return hits
+
+
+def hits_by_mover(world: GridWorld, mdp: Mdp, states: slice = ALL) -> Iterator[NDArray[np.bool_]]:
+    """Yield the hits of each mover in turn; see `hits_of`."""
     if not world.movers:
-        return hits
+        return
+    next_state = mdp.next_state[states]
     state = np.arange(mdp.num_states)[states, None, None]
     here, there = state % mdp.cells, next_state % mdp.cells
     before, after = (number // (mdp.cells * mdp.headings) for number in (state, next_state))
@@ -76,9 +84,9 @@ def hits_of(world: GridWorld, mdp: Mdp, states: slice = ALL) -> NDArray[np.bool_
     for mover, phase in zip(world.movers, values.T, strict=True):
         cells = np.array([y * mdp.width + x for x, y in mover.phases])[phase]
         was, now = cells[before], cells[after]
-        hits |= (now == there) | ((now == here) & (was == there) & (here != there))
-    hits[mdp.is_terminal[states]] = False
-    return hits
+        hits = (now == there) | ((now == here) & (was == there) & (here != there))
+        hits[mdp.is_terminal[states]] = False
+        yield hits
 
 
 _ROW = np.int8(3)

@@ -4,10 +4,11 @@ The page plays the compiled tables. Its random numbers come from the generator t
 environments use: a seed and the same actions give the same episode there and here. Opened with a
 link's play part after a `#`, it shows and plays that level instead.
 
-The play part of a link follows the level's share code. It is `~1.`, the number of characters
-after the next `.`, that `.`, and base64url without padding. Its bytes are a CRC-32 of the share
-code and of the packed data (four bytes, big-endian) and the packed data: the page's data as JSON
-in UTF-8, as a raw deflate stream with a preset dictionary.
+The play part of a link follows the level's share code. It is `~1.` (`~2.` for a level with things
+or a heading), the number of characters after the next `.`, that `.`, and base64url without
+padding. Its bytes are a CRC-32 of the share code and of the packed data (four bytes, big-endian)
+and the packed data: the page's data as JSON in UTF-8, as a raw deflate stream with a preset
+dictionary.
 """
 
 from __future__ import annotations
@@ -43,11 +44,20 @@ from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-SCRIPTS = ("random.js", "checks.js", "link.js", "game.js", "paint.js", "picture.js", "page.js")
+SCRIPTS = (
+    "random.js",
+    "checks.js",
+    "link.js",
+    "things.js",
+    "game.js",
+    "paint.js",
+    "picture.js",
+    "page.js",
+)
 """The parts of the page's script, in the order of their dependencies."""
 
-PLAY_VERSION = 1
-"""The version of play parts; a page reads only its own."""
+PLAY_VERSIONS = (1, 2)
+"""The versions of play parts that a page reads: 2 is for levels with things or a heading."""
 
 MAX_LINK = 30_000
 """The most characters of a link after its `#` that browsers and chats handle reliably."""
@@ -64,6 +74,7 @@ def to_html(
     seed: int = 0,
     values: bool = False,
     arrows: bool = False,
+    turns: bool = False,
 ) -> str:
     """Return a page on which the level can be played with keys, buttons and touch.
 
@@ -74,17 +85,21 @@ def to_html(
         seed: the random seed of the first episode.
         values: whether the values of cells are shown at first.
         arrows: whether the optimal actions are shown at first.
+        turns: whether the robot turns at first. The page can switch between turning and moving
+            if it does, or if the level sets a `heading`.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
         TooLargeError: the level is too large for a page.
     """
     level = without_panels(level)
-    data = page_data(level, guide=guide, policy=policy, seed=seed, values=values, arrows=arrows)
+    data = page_data(
+        level, guide=guide, policy=policy, seed=seed, values=values, arrows=arrows, turns=turns
+    )
     common = {
         **common_data(),
-        "code_version": VERSION,
-        "play_version": PLAY_VERSION,
+        "code_versions": [VERSION],
+        "play_versions": PLAY_VERSIONS,
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
@@ -118,7 +133,7 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
     scene = layers["base"]
-    names = ["base", "grid", *(LAYERS[name] for name in shown)]
+    names = ["base", "grid", "things", *(LAYERS[name] for name in shown), "movers"]
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
         f'width="{number(scene.width)}" height="{number(scene.height)}" role="img" '
@@ -164,9 +179,9 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
         TooLargeError: the level is too large for a link.
     """
     code = encode(level.to_dict(whole=True))
-    text = json.dumps(
-        page_data(played, guide=guide), ensure_ascii=False, separators=(",", ":"), allow_nan=False
-    )
+    content = page_data(played, guide=guide)
+    version = PLAY_VERSIONS["things" in content or "turns" in content]
+    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     data = text.encode("utf-8")
     if len(data) > MAX_UNPACKED:
         raise TooLargeError(
@@ -177,7 +192,7 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
     packed = packer.compress(data) + packer.flush()
     checksum = zlib.crc32(packed, zlib.crc32(code.encode("ascii")))
     body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + packed).decode().rstrip("=")
-    fragment = f"{code}{PLAY_MARK}{PLAY_VERSION}.{len(body)}.{body}"
+    fragment = f"{code}{PLAY_MARK}{version}.{len(body)}.{body}"
     if len(fragment) > MAX_LINK:
         raise TooLargeError(
             f"the level is too large for a link: it would have {len(fragment):,} characters, "

@@ -11,23 +11,34 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
+from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
-from babyrobot_levels.mdp.actions import DELTAS, NUM_ACTIONS, Action
-from babyrobot_levels.mdp.events import Event, events_of
+from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
+from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
+from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
+from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
+from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.mdp.tables import Mdp
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
+
+MAX_STATES = 200_000
+"""The most states of a level with things on a page."""
+
+MAX_NUMBERS = 2_000_000
+"""The most numbers of the distinct rows of a page's tables."""
 
 LAYERS = {"base": "base", "grid": "grid", "policy": "underlay", "values": "overlay"}
 """The layers of a page's picture and their names in a scene; the robot is not one of them."""
@@ -37,27 +48,8 @@ WatchedPolicy = Literal["best", "random"]
 _ROBOT_COLORS = ("robot", "puddle")
 """The colours of a theme in the robot's pictures: of its body, and of splashes."""
 
-EVENTS = ("stay", "move", "carried", "bump", "skid", "bounce")
-"""The events of a step: warps and wind carry the robot, walls bump it, glass bounces it."""
-
-CHEER = 1
-"""The index of the pose at an exit."""
-
-POSES = (
-    STANDING,
-    Pose(mood=Mood.CHEER),
-    *(Pose(action) for action in Action if action is not Action.STAY),
-    *(Pose(action, Mood.SLIP) for action in Action),
-)
-"""All poses after a step; outcomes give their indices. The first one is that of the start."""
-
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
-
-Row = tuple[float | int, ...]
-
-_NAMES: dict[int, str] = {Event.BUMPED: "bump", Event.SKIDDED: "skid", Event.BOUNCED: "bounce"}
-_NUMBERS = {pose: number for number, pose in enumerate(POSES)}
 
 
 class TooLargeError(ValueError):
@@ -72,11 +64,13 @@ class Guide:
         policy: the optimal action of each state, as `Action`s, `[states]`; -1 where there is none.
         overlay: the values and optimal actions of the cells, which the page can show.
         expected_return: the policy's expected return from the starts; it may be infinite.
+        turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
     """
 
     policy: Sequence[int]
     overlay: Overlay
     expected_return: float
+    turning: Guide | None = None
 
 
 def without_panels(level: GridWorld) -> GridWorld:
@@ -91,6 +85,12 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {width} x {height} cells is too large for a page; "
             f"the limit is {MAX_CELLS:,} cells"
         )
+    states = level.compile().num_states if level.has_things else 0
+    if states > MAX_STATES:
+        raise TooLargeError(
+            f"a level of {states:,} states is too large for a page; "
+            f"the limit is {MAX_STATES:,} states"
+        )
     display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
 
@@ -103,6 +103,7 @@ def page_data(
     seed: int = 0,
     values: bool = False,
     arrows: bool = False,
+    turns: bool = False,
 ) -> dict[str, Any]:
     """Return everything that a page needs to show and play a level.
 
@@ -116,7 +117,7 @@ def page_data(
         "facts": list(facts(level)),
         **playable(level),
         "robot": [hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS],
-        "picture": _picture(level, guide),
+        **_picture(level, guide, turns=turns),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -142,6 +143,9 @@ def common_data() -> dict[str, Any]:
         "cheer": CHEER,
         "phases": PHASES,
         "max_cells": MAX_CELLS,
+        "max_states": MAX_STATES,
+        "headings": HEADING_POSES,
+        "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
         "robot": _ROBOT_COLORS,
         "palette": palette.colors,
         "sprites": sprites,
@@ -168,18 +172,58 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
     yield from ((name, text) for name, text in values.items() if text)
 
 
-def _picture(level: GridWorld, guide: Guide | None) -> dict[str, Any]:
-    overlay = guide.overlay if guide is not None else None
+def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str, Any]:
+    """Return the picture, what it shows of things, and what of a robot that turns.
+
+    Values and optimal actions are layers of the picture if they are the same in all states of a
+    cell; otherwise they are marks.
+    """
+    may_turn = turns or "heading" in level.model_fields_set
+    has_marks = level.has_things or may_turn
+    overlay = guide.overlay if guide is not None and not has_marks else None
     layers = build_layers(level, robot=False, overlay=overlay)
-    margin, palette = layout_of(level).margin, Palette()
-    return {
-        "width": round(layers["base"].width),
-        "height": round(layers["base"].height),
+    layout, palette = layout_of(level), Palette()
+    picture: dict[str, Any] = {
+        "width": round(layout.width),
+        # Without the strip for what is held, which the page has outside of the picture.
+        "height": round(layout.top_height),
         "layers": {
-            name: pack(layers[layer].shapes, palette, margin) for name, layer in LAYERS.items()
+            name: pack(layers[layer].shapes, palette, layout.margin)
+            for name, layer in LAYERS.items()
         },
-        "palette": palette.colors,
     }
+    data: dict[str, Any] = {"picture": picture}
+    if level.has_things:
+        data["things"], picture["looks"] = things_data(level, layout, palette)
+    marks = Marks(level, layout, palette)
+    count = level.compile().num_configurations
+    if has_marks and guide is not None:
+        overlays = [guide.overlay.at(number) for number in range(count)]
+        data["marks"] = {"values": marks.values(overlays), "policy": marks.actions(overlays)}
+    if may_turn:
+        data["turns"] = _turns(level, guide.turning if guide is not None else None, marks, on=turns)
+    if marks.packed:
+        picture["marks"] = marks.packed
+    picture["palette"] = palette.colors
+    return data
+
+
+def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> dict[str, Any]:
+    """Return what a page knows about the robot that turns, and whether it does so at first."""
+    data: dict[str, Any] = {
+        "on": on,
+        "heading": SIDES.index(level.heading),
+        "policy": list(guide.policy) if guide is not None else None,
+        "best": _best(guide),
+    }
+    if guide is not None:
+        overlays = (
+            guide.overlay.at(number, heading)
+            for number in range(level.compile().num_configurations)
+            for heading in range(HEADINGS)
+        )
+        data["marks"] = {"values": marks.values(overlays)}
+    return data
 
 
 def _best(guide: Guide | None) -> str:
@@ -191,11 +235,8 @@ def _best(guide: Guide | None) -> str:
 def playable(level: GridWorld) -> dict[str, Any]:
     """Return what the page's script plays: the tables, and the event and pose of each outcome.
 
-    `rows` are the distinct outcome distributions, and `table` gives the row of each state and
-    action (`NUM_ACTIONS * state + action`): -1 for terminal states. A row is one list with six
-    numbers for each outcome: probability, next state minus state, reward, terminal, and the
-    indices of event and pose. `possible` has a bit for each action. Lengths are those of the
-    scene.
+    `rows` and `table` are those of `rows_of`. `possible` has a bit for each action. Lengths are
+    those of the scene.
 
     Args:
         level: the level; a maze needs a seed.
@@ -204,13 +245,13 @@ def playable(level: GridWorld) -> dict[str, Any]:
         LevelError: the maze has no seed yet (`seed: random`).
     """
     mdp = level.compile()
-    events = events_of(mdp)
-    rows: dict[Row, int] = {}
-    table: list[int] = []
-    for state, over in enumerate(mdp.is_terminal.tolist()):
-        for action in range(NUM_ACTIONS):
-            row = None if over else tuple(_row(mdp, events[state, action].tolist(), state, action))
-            table.append(-1 if row is None else rows.setdefault(row, len(rows)))
+    rows, table = rows_of(level)
+    numbers = sum(map(len, rows))
+    if numbers > MAX_NUMBERS:
+        raise TooLargeError(
+            f"the tables of the level are too large for a page: their rows have {numbers:,} "
+            f"numbers, and the limit is {MAX_NUMBERS:,}"
+        )
     return {
         "width": mdp.width,
         "height": mdp.height,
@@ -219,34 +260,10 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "starts": mdp.start.nonzero()[0].tolist(),
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
-        "rows": [list(row) for row in rows],
+        "rows": rows,
         "table": table,
-        "possible": [
-            sum(possible << action for action, possible in enumerate(row))
-            for row in mdp.action_mask.tolist()
-        ],
+        "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),
     }
-
-
-def _row(mdp: Mdp, events: list[int], state: int, action: int) -> list[float | int]:
-    row: list[float | int] = []
-    outcomes = mdp.outcomes(state, action)
-    for (probability, next_state, reward, terminal), code in zip(outcomes, events, strict=False):
-        event = _NAMES.get(code) or _movement(mdp.width, state, action, next_state)
-        pose = pose_of(state, next_state, action, mdp.width, skidded=event == "skid")
-        row += [_short(probability), next_state - state, _short(reward), int(terminal)]
-        row += [EVENTS.index(event), _NUMBERS[pose]]
-    return row
-
-
-def _movement(width: int, state: int, action: int, next_state: int) -> str:
-    """Return how the robot comes where its action leads: by its own move, or carried there."""
-    if next_state == state:
-        return "stay"
-    before_y, before_x = divmod(state, width)
-    y, x = divmod(next_state, width)
-    is_own_move = DELTAS.get(Action(action)) == (x - before_x, y - before_y)
-    return "move" if is_own_move else "carried"
 
 
 def _short(value: float) -> float | int:

@@ -95,7 +95,7 @@ def pack(shapes: Iterable[Shape], palette: Palette, margin: float = 0.0) -> list
             packed.append(_packed(shape, (left, top), palette, last))
             if isinstance(shape, Path) and packed[-1][0] == PATH:
                 last = shape
-        groups.append([_length(left), _length(top), packed])
+        groups.append([length(left), length(top), packed])
     return groups
 
 
@@ -112,18 +112,18 @@ def _corner(point: Point, margin: float) -> Point:
 
 
 def _packed(shape: Shape, origin: Point, palette: Palette, last: Path | None) -> Packed:
-    x, y = (_length(a - b) for a, b in zip(_start(shape), origin, strict=True))
+    x, y = (length(a - b) for a, b in zip(_start(shape), origin, strict=True))
     fill, opacity = palette.place(shape.fill), round(100 * shape.opacity)
     match shape:
         case Rect():
-            size = _length(shape.width), _length(shape.height)
-            return _short([RECT, fill, x, y, *size], (opacity, 100), (_length(shape.radius), 0))
+            size = length(shape.width), length(shape.height)
+            return _short([RECT, fill, x, y, *size], (opacity, 100), (length(shape.radius), 0))
         case Ellipse():
-            size = _length(shape.rx), _length(shape.ry)
+            size = length(shape.rx), length(shape.ry)
             return _short([ELLIPSE, fill, x, y, *size], (opacity, 100))
         case Text():
             return _short(
-                [TEXT, fill, x, y, shape.text, _length(shape.size)],
+                [TEXT, fill, x, y, shape.text, length(shape.size)],
                 (ANCHORS.index(shape.anchor), 1),
                 (int(shape.bold), 0),
                 (opacity, 100),
@@ -136,10 +136,10 @@ def _packed(shape: Shape, origin: Point, palette: Palette, last: Path | None) ->
                 [PATH, fill, _commands(shape.commands, origin)],
                 (opacity, 100),
                 (palette.place(shape.stroke), -1),
-                (_length(shape.width), 10),
+                (length(shape.width), 10),
                 (int(shape.cap == "round"), 0),
-                (_length(dash), 0),
-                (_length(gap), 0),
+                (length(dash), 0),
+                (length(gap), 0),
             )
 
 
@@ -151,7 +151,8 @@ def _short(needed: Packed, *more: tuple[int, int]) -> Packed:
     return needed + [value for value, _ in values]
 
 
-def _length(value: float) -> int:
+def length(value: float) -> int:
+    """Return a length in tenths of a pixel."""
     return round(value / _UNIT)
 
 
@@ -173,7 +174,7 @@ def _scaled(path: Path, other: Path, origin: Point) -> tuple[int, int, int] | No
         for a, b in zip(mine, there, strict=True):
             if abs(middle + scale * (b - middle) - a) > _NEAR:
                 return None
-    x, y = (_length(place - start) for place, start in zip(fixed, origin, strict=True))
+    x, y = (length(place - start) for place, start in zip(fixed, origin, strict=True))
     return round(1000 * scale), x, y
 
 
@@ -186,13 +187,13 @@ def _places(commands: Sequence[Command]) -> tuple[list[float], list[float]]:
 
 
 def _commands(commands: Sequence[Command], origin: Point) -> str:
-    last = _length(origin[0]), _length(origin[1])
+    last = length(origin[0]), length(origin[1])
     if points := _smooth_points(commands):
         return "s" + _joined(_steps(points, last))
     parts = []
     for letter, numbers in commands:
         points = list(zip(numbers[::2], numbers[1::2], strict=True))
-        places = [(_length(x), _length(y)) for x, y in points]
+        places = [(length(x), length(y)) for x, y in points]
         parts.append(letter.lower() + _joined((x - last[0], y - last[1]) for x, y in places))
         last = places[-1] if places else last
     return "".join(parts)
@@ -208,7 +209,7 @@ def _smooth_points(commands: Sequence[Command]) -> list[Point]:
 
 def _steps(points: Sequence[Point], last: tuple[int, int]) -> Iterator[tuple[int, int]]:
     for x, y in points:
-        place = _length(x), _length(y)
+        place = length(x), length(y)
         yield place[0] - last[0], place[1] - last[1]
         last = place
 

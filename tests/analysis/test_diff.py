@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import json
+from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from oracles.random_things import random_level
 from support.worlds import World, decorated_worlds, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.diff import Change, Difference, diff
+from babyrobot_levels.analysis.changes import Change
+from babyrobot_levels.analysis.compare import compare
+from babyrobot_levels.analysis.diff import Difference, diff
 
 PLAIN: World = {"version": 1, "size": [3, 2]}
 
@@ -382,6 +386,18 @@ def test_a_mover_with_another_path_changes_where_it_is_met() -> None:
     path = [[1, 1], [2, 1], [3, 1]]
     longer = changed_things(movers=[{"name": "guard", "path": path, "back": True}])
     assert longer.transitions.count == 0
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_levels_with_things(seed: int) -> None:
+    fields = random_level(Random(seed))
+    same = diff(fields, fields)
+    assert same.same_game
+    assert count_of_game(same) + same.things.count + len(same.beside) == 0
+    certificate = compare(fields, fields)
+    assert (certificate.equal, certificate.everywhere) == (True, True)
+    other = diff(fields, random_level(Random(seed + 100)))
+    assert other.same_game or count_of_game(other) + other.things.count > 0
 
 
 def test_limits() -> None:

@@ -364,6 +364,102 @@ def test_a_level_from_standard_input_is_played_with_the_terminals_keys(tmp_path:
         assert "return -1" in told
 
 
+# -- things ------------------------------------------------------------------------------------
+
+HALL = """
+version: 1
+title: The hall
+size: [4, 2]
+exit: [3, 0]
+exit_needs: [key, lever]
+items: [{name: key, at: [1, 0], reward: 3}]
+doors: [{at: [2, 0], side: E, needs: key, unless: lever}]
+switches: [{name: lever, at: [0, 1]}]
+movers: [{name: guard, path: [[2, 1], [3, 1]], back: true}]
+hit: {ends: false}
+heading: S
+"""
+
+
+@pytest.fixture
+def hall(tmp_path: Path) -> Iterator[Game]:
+    (tmp_path / "hall.yaml").write_text(HALL, encoding="utf-8")
+    with Game(tmp_path, "hall.yaml", "--seed", "1") as game:
+        game.until("Find the exit. It needs key and lever.")
+        yield game
+
+
+def test_the_status_line_tells_what_is_held_and_on(hall: Game) -> None:
+    assert " held: nothing   on: nothing" in hall.screen
+    hall.press(RIGHT)
+    screen = hall.until("Took the key. The door east of [2, 0] opens.")
+    assert "reward 3   return 3" in screen
+    assert " held: key   on: nothing" in screen
+    hall.press(DOWN + LEFT)
+    screen = hall.until("The lever is on. The door east of [2, 0] closes. The exit is open.")
+    assert " held: key   on: lever" in screen
+    hall.press(b"r")
+    hall.until(" held: nothing   on: nothing")
+
+
+def test_a_closed_door_is_not_a_wall(hall: Game) -> None:
+    hall.press(RIGHT + DOWN + LEFT + UP + RIGHT + RIGHT)
+    hall.until("step 6 ")
+    hall.press(RIGHT)
+    hall.until("Bump! The door in the east is closed.")
+    hall.press(UP)
+    hall.until("Bump! A wall in the north.")
+
+
+def test_a_hit_is_told_with_the_name_of_the_mover(hall: Game) -> None:
+    hall.press(b"." + DOWN + RIGHT + RIGHT)
+    hall.until("The guard hits the robot!")
+    assert "The episode is over" not in hall.screen
+    hall.press(b"q")
+    assert hall.ended() == (0, "hall: stopped after 4 steps, return -4\n")
+
+
+def test_a_hit_that_ends_the_episode(tmp_path: Path) -> None:
+    text = HALL.replace("ends: false", "reward: -9")
+    (tmp_path / "hall.yaml").write_text(text, encoding="utf-8")
+    with Game(tmp_path, "hall.yaml") as game:
+        game.until("Find the exit.")
+        game.press(b"." + DOWN + RIGHT + RIGHT)
+        game.until("The guard hits the robot! The episode is over.")
+        game.press(b"q")
+        assert game.ended() == (0, "hall: ended after 4 steps, return -12\n")
+
+
+def test_an_exit_that_is_locked_does_not_end_the_episode(tmp_path: Path) -> None:
+    text = "version: 1\nsize: [3, 1]\nexit: [1, 0]\nexit_needs: [gem]\n"
+    text += "items: [{name: gem, at: [2, 0]}]\n"
+    (tmp_path / "gem.yaml").write_text(text, encoding="utf-8")
+    with Game(tmp_path, "gem.yaml") as game:
+        game.until("Find the exit. It needs gem.")
+        game.press(RIGHT)
+        assert "over" not in game.until("step 1 ")
+        game.press(RIGHT)
+        game.until("Took the gem. The exit is open.")
+        game.press(LEFT)
+        game.until("The exit! Well done.")
+
+
+def test_a_robot_that_turns(tmp_path: Path) -> None:
+    (tmp_path / "hall.yaml").write_text(HALL, encoding="utf-8")
+    with Game(tmp_path, "hall.yaml", "--actions", "turns") as game:
+        screen = game.until("←→ or AD turn · ↑ or W moves forward · r restarts · q quits")
+        assert "▼" in screen
+        # Keys without a meaning for this robot do nothing.
+        game.press(b" " + DOWN + b"s" + LEFT)
+        assert "►" in game.until("step 1 ")
+        game.press(UP)
+        assert "held: key" in game.until("Took the key.")
+        game.press(b"aw")
+        game.until("Bump! A wall in the north.")
+        game.press(b"d" + RIGHT)
+        assert "▼" in game.until("step 6 ")
+
+
 @pytest.mark.parametrize(
     ("variables", "stdin"), [({"TERM": "dumb"}, None), ({}, subprocess.DEVNULL)]
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,10 +26,11 @@ DOCUMENT = DOCS / "level-format.md"
 TEXT = DOCUMENT.read_text(encoding="utf-8")
 LINES = TEXT.splitlines()
 
-OUTCOMES = re.compile(r"outcomes of (\w+) at \[(\d+), (\d+)\]")
+OUTCOMES = re.compile(r"outcomes of (\w+) at \[(\d+), (\d+)\](?: in \[([\d, ]+)\])?")
 ERROR = re.compile(r"error (BR\d{3})")
 KINDS = re.compile(
-    rf"draws|fragment|report|same digest|skid rules|theme|{ERROR.pattern}|lint( BR\d{{3}})+"
+    "configurations|draws|fragment|report|same digest|skid rules|theme|"
+    rf"{ERROR.pattern}|lint( BR\d{{3}})+"
 )
 
 
@@ -171,14 +173,36 @@ def test_the_drawing_is_that_of_the_level_before(block: Block) -> None:
 def test_the_outcomes_are_those_of_the_level_before(block: Block) -> None:
     match = OUTCOMES.fullmatch(block.kind)
     assert match is not None
-    mdp = level_of(yaml_before(block)).compile()
-    state = int(match[3]) * mdp.width + int(match[2])
-    outcomes = mdp.outcomes(state, Action[match[1].upper()])
-    assert block.text.startswith("| next cell | probability | reward |")
-    assert [
-        [f"[{there % mdp.width}, {there // mdp.width}]", pytest.approx(chance), reward]
-        for chance, there, reward, _ in outcomes
-    ] == [[cell, float(chance), float(reward)] for cell, chance, reward in rows_of(block)]
+    level = level_of(yaml_before(block))
+    mdp = level.compile()
+    configurations = [values_text(row) for row in mdp.configurations.tolist()]
+    configuration = configurations.index(f"[{match[4]}]") if match[4] else 0
+    state = configuration * mdp.cells + int(match[3]) * mdp.width + int(match[2])
+    assert not mdp.is_terminal[state]
+    found = [
+        [values_text(mdp.cell(there)), configurations[mdp.configuration(there)], chance, reward]
+        for chance, there, reward, _ in mdp.outcomes(state, Action[match[1].upper()])
+    ]
+    names = ["next cell", "configuration", "probability", "reward"]
+    assert level.has_things == bool(match[4])
+    if not level.has_things:
+        found, names = [[row[0], *row[2:]] for row in found], [names[0], *names[2:]]
+    assert cells_of(block.text.splitlines()[0]) == names
+    told = [[*texts, float(chance), float(reward)] for *texts, chance, reward in rows_of(block)]
+    assert [[*texts, pytest.approx(chance), reward] for *texts, chance, reward in found] == told
+
+
+def values_text(values: Iterable[int]) -> str:
+    return f"[{', '.join(map(str, values))}]"
+
+
+@of_kind("configurations")
+def test_the_configurations_are_those_of_the_level_before(block: Block) -> None:
+    level = level_of(yaml_before(block))
+    assert cells_of(block.text.splitlines()[0]) == ["configuration", *level.things().names]
+    told = [[int(value) for value in row] for row in rows_of(block)]
+    configurations = level.compile().configurations.tolist()
+    assert told == [[number, *row] for number, row in enumerate(configurations)]
 
 
 @of_kind("skid rules")

@@ -14,6 +14,7 @@ from PIL import Image
 from support.playing import level_named, plain
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.rendering import Pictures
 from babyrobot_levels.render.frames import FramePainter
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
@@ -307,3 +308,69 @@ def test_what_is_not_looked_at_is_not_made() -> None:
     env = make(None)
     env.step(E)
     assert vars(env)["_pictures"] is None
+
+
+# -- things and headings ---------------------------------------------------------------------
+
+
+def with_key(columns: int = 4) -> brl.Level:
+    fields = {
+        "version": 1,
+        "size": [columns, 1],
+        "items": [{"name": "key", "at": [1, 0]}],
+        "doors": [{"at": [2, 0], "side": "E", "needs": "key"}],
+    }
+    return brl.Level.from_fields(fields)
+
+
+def test_texts_follow_things_and_headings() -> None:
+    env: Any = with_key().make(render_mode="ansi", actions="turns")
+    env.reset()
+    assert env.render().splitlines()[1:] == [
+        "│ ►   ♀     ┃ E │",
+        "└───────────────┘",
+        "",
+        "held: nothing",
+    ]
+    env.step(brl.Turn.FORWARD)
+    env.step(brl.Turn.LEFT)
+    assert env.render().splitlines()[1:] == [
+        "│ S   ▲     : E │",
+        "└───────────────┘",
+        "",
+        "held: key",
+    ]
+
+
+def test_frames_follow_things() -> None:
+    env: Any = with_key().make(render_mode="rgb_array")
+    env.reset()
+    before = env.render()
+    env.step(E)
+    level = with_key()
+    state = int(level.compile().next_state[0, E, 0])
+    expected = FramePainter(level).frame(state, Pose(E))
+    assert (env.render() == expected).all()
+    assert (before != expected)[-42:].any()
+
+
+def test_values_of_configurations_follow_the_episode() -> None:
+    env: Any = with_key().make(render_mode="ansi")
+    env.reset()
+    solution = brl.solve(with_key())
+    env.unwrapped.show_info({"values": solution})
+    first = env.render().splitlines()[-1]
+    env.step(E)
+    second = env.render().splitlines()[-1]
+    assert first.split()[0] == "-2.00"
+    assert second.split() == ["-2.00", "-1.00", "0.00", "0.00"]
+
+
+def test_values_of_configurations_do_not_outlast_their_level() -> None:
+    first, second = with_key(), with_key().replace(title="another")
+    for info, stays in (({"values": brl.solve(first)}, False), ({"values": [[1] * 4]}, True)):
+        pictures = Pictures("ansi", first, 0, None)
+        pictures.show_info(info)
+        assert not pictures.text().endswith("held: nothing\n")
+        pictures.reset(second, 0, None)
+        assert pictures.text().endswith("held: nothing\n") is not stays

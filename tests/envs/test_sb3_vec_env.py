@@ -42,6 +42,17 @@ TRAPS: dict[str, Any] = {
 """Many episodes end here at once, some at the very step that would cut them off."""
 
 
+GUARDED: dict[str, Any] = {
+    "version": 1,
+    "size": [3, 2],
+    "exit_needs": "key",
+    "items": [{"name": "coin", "at": [0, 1], "reward": 2}, {"name": "key", "at": [1, 0]}],
+    "movers": [{"path": [[1, 1], [2, 1]], "back": True}],
+    "hit": {"ends": False},
+}
+"""Items are taken and the guard is met within a few steps, but no episode ends before the limit."""
+
+
 def many(level: Any = "final-maze", num_envs: int = 5, **kwargs: Any) -> LevelVecEnv:
     from babyrobot_levels.envs.sb3 import LevelVecEnv
 
@@ -88,9 +99,11 @@ except ImportError as error:
 
 
 @needs_sb3
-@pytest.mark.parametrize("actions", ["valid", "all", "moves"])
-@pytest.mark.parametrize("observation", ["position", "index", "walls", "image"])
-@pytest.mark.parametrize("level", [TRAPS, "teleport-pads"], ids=["traps", "teleport-pads"])
+@pytest.mark.parametrize("actions", ["valid", "all", "moves", "turns"])
+@pytest.mark.parametrize("observation", ["position", "index", "walls", "image", "view"])
+@pytest.mark.parametrize(
+    "level", [TRAPS, "teleport-pads", GUARDED], ids=["traps", "teleport-pads", "guarded"]
+)
 def test_it_walks_as_single_environments_do(level: Any, observation: str, actions: str) -> None:
     kwargs: dict[str, Any] = {"observation": observation, "actions": actions}
     kwargs["max_episode_steps"] = 6

@@ -42,7 +42,7 @@ def drawn(text: str, **fields: Any) -> Level:
 # -- both ways -------------------------------------------------------------------------------
 
 
-@given(drawings())
+@given(drawings(marks=" |:/"))
 def test_what_is_composed_parses_to_the_same(drawing: d.Drawing) -> None:
     text = d.compose(drawing)
     assert parse(text) == (drawing, [])
@@ -60,6 +60,24 @@ def test_the_drawing_of_a_drawn_level_stays_the_same(drawing: d.Drawing) -> None
 def test_without_blocked_cells_a_drawn_level_draws_what_was_drawn(drawing: d.Drawing) -> None:
     text = d.compose(drawing)
     assert drawn(text, legend=LEGEND).draw() == text
+
+
+def doors_of(drawing: d.Drawing) -> list[World]:
+    """Return an entry for each drawn door, from one of its sides."""
+    return [
+        {"at": list(cell), "side": side, "length": length}
+        for cell, side, length in drawing.runs(d.DOOR)
+    ]
+
+
+@given(drawings(cells=" SEoO~x9", marks=" |:/"))
+def test_doors_are_drawn_as_they_were_drawn(drawing: d.Drawing) -> None:
+    text = d.compose(drawing)
+    level = drawn(text, legend=LEGEND, doors=doors_of(drawing))
+    assert level.draw() == text
+    # All of them are open, as nothing closes them.
+    without = drawn(text.replace("-/-", "   ").replace("/", " "), legend=LEGEND)
+    assert (level.grid().open == without.grid().open).all()
 
 
 @given(worlds())
@@ -176,7 +194,7 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
 ) -> None:
     text = d.compose(drawing)
     place = data.draw(st.integers(0, len(text) - 1))
-    character = data.draw(st.sampled_from("+-|: #SEoO~?\n\t"))
+    character = data.draw(st.sampled_from("+-|:/ #SEoO~?\n\t"))
     assume(text[place] != character)
     changed = text[:place] + character + text[place + 1 :]
     other, problems = parse(changed)
@@ -213,6 +231,10 @@ def test_a_drawing_with_one_other_character_is_faulty_or_another_drawing(
         ("+---+\n| S |\n+---*", 2, 4, 1, "expected the corner `+`, found `*`"),
         ("+---+\n| S |\n+ - +\n|   |\n+---+", 2, 1, 3, "` - ` is not a wall"),
         ("+---+\n| S |\n+-- +\n|   |\n+---+", 2, 1, 3, "`-- ` is not a wall"),
+        ("+---+\n| S |\n+ / +\n|   |\n+---+", 2, 1, 3, "` / ` is not a wall"),
+        ("+-/-+\n| S |\n+---+", 0, 1, 3, "the outer wall must be solid"),
+        ("+---+\n/ S |\n+---+", 1, 0, 1, "the outer wall must be solid"),
+        ("+---+\n| / |\n+---+", 1, 2, 1, "`/` is not in the legend"),
         ("+   +\n| S |\n+---+", 0, 1, 3, "the outer wall must be solid"),
         ("+---+\n| S |\n+- -+", 2, 1, 3, "the outer wall must be solid"),
         ("+---+\n: S |\n+---+", 1, 0, 1, "the outer wall must be solid"),

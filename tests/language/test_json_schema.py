@@ -16,6 +16,7 @@ from hypothesis.strategies import DrawFn
 from pydantic import BaseModel
 from support.places import ROOT
 from support.sessions import environment, run_here
+from support.things import thing_worlds
 from support.worlds import decorated_worlds
 
 from babyrobot_levels.cli.schema import schema_text
@@ -134,6 +135,9 @@ JUNK = st.one_of(
             {"colors": {}},
             {"x": {"reward": 1}},
             {"small": {"skid": 0.1}},
+            {"name": "key", "at": [0, 0]},
+            {"item": "key"},
+            {"path": [[1, 1]]},
         ]
     ),
 ).map(copy.deepcopy)
@@ -145,6 +149,7 @@ FIELDS = st.sampled_from(
         *("at", "side", "length", "pass", "color", "width", "fit", "reward", "ends", "label"),
         *("colors", "widths", "probability", "to", "loops", "seed", "small", "large", "show"),
         *("speed", "text_color", "nonsense", "pass_", "form:cell"),
+        *("name", "one_of", "shape", "once", "on", "path", "back", "within", "needs", "unless"),
     ]
 )
 
@@ -193,6 +198,17 @@ def test_good_levels_are_accepted(world: dict[str, Any]) -> None:
     LEVEL.validate(world)
 
 
+@given(thing_worlds())
+def test_good_levels_with_things_are_accepted(world: dict[str, Any]) -> None:
+    assert shape_faults(world, LevelSpec) == []
+    LEVEL.validate(world)
+
+
+@given(bent(thing_worlds()))
+def test_they_agree_on_things(data: dict[str, Any]) -> None:
+    assert_agreed(data)
+
+
 @given(bent(decorated_worlds()))
 def test_the_schema_accepts_the_shapes_that_the_loader_accepts(data: dict[str, Any]) -> None:
     assert_agreed(data)
@@ -204,6 +220,20 @@ def test_they_agree_on_single_fields_of_all_shapes(fields: dict[str, Any]) -> No
 
 
 DRAWN = "+---+---+\n| S   E |\n+---+---+\n"
+
+
+MOVERS: list[dict[str, Any]] = [
+    {},
+    {"path": [[1, 1]]},
+    {"path": []},
+    {"path": [[1, 1]], "start": None, "within": None},
+    {"path": [[1, 1]], "start": [1, 1]},
+    {"path": [[1, 1]], "within": {"at": [1, 1]}},
+    {"within": {"at": [1, 1]}, "start": [1, 1], "path": None},
+    {"within": {"at": [1, 1]}, "back": False},
+    {"within": {"at": [1, 1]}, "back": True},
+]
+"""Movers, valid ones and others."""
 
 
 @pytest.mark.parametrize(
@@ -252,6 +282,56 @@ DRAWN = "+---+---+\n| S   E |\n+---+---+\n"
         {"max_steps": 0},
         {"discount": 0},
         {"discount": 1},
+        {"exit_one_of": [[0, 1], [1, 1]]},
+        {"exit_one_of": [[0, 1], [1, 1]], "exit": [2, 2]},
+        {"exit_one_of": [[0, 1], [1, 1]], "exit": "none"},
+        {"exit_one_of": [[0, 1]]},
+        {"exit_one_of": None, "exit": [2, 2]},
+        {"exit_needs": []},
+        {"heading": "south"},
+        {"heading": None},
+        {"hit": {"reward": 1, "ends": False}},
+        {"hit": {"ends": None}},
+        *(
+            {"items": [{"name": "key", **place}]}
+            for place in (
+                {},
+                {"at": [1, 1]},
+                {"at": None},
+                {"one_of": [[1, 1], [0, 1]]},
+                {"one_of": [[1, 1]]},
+                {"one_of": [[1, 1], [0, 1]], "at": None},
+                {"one_of": [[1, 1], [0, 1]], "at": [1, 2]},
+                {"one_of": None, "at": [1, 2], "shape": "gem"},
+                {"at": [1, 2], "shape": "rock"},
+            )
+        ),
+        {"items": [{"at": [1, 1]}]},
+        {"doors": [{"at": [1, 1], "side": "E", "needs": [], "width": 100}]},
+        {"doors": [{"at": [1, 1], "side": "E", "needs": None}]},
+        {"doors": [{"at": [1, 1], "side": "E", "width": 101}]},
+        {"switches": [{"name": "lever", "at": [1, 1], "once": True, "on": False}]},
+        {"switches": [{"name": "lever"}]},
+        *({"movers": [mover]} for mover in MOVERS),
+        *(
+            {"map": DRAWN, "legend": {"x": entry}}
+            for entry in (
+                {"item": "key"},
+                {"item": "key", "reward": 1, "shape": "key", "color": "red", "label": ""},
+                {"item": "key", "switch": None, "skid": None, "ends": None},
+                {"item": "key", "skid": 0.5},
+                {"item": "key", "ends": False},
+                {"item": "key", "once": False},
+                {"item": "key", "switch": "lever"},
+                {"item": None, "reward": 1},
+                {"switch": "lever", "once": True, "on": True, "color": "red", "label": ""},
+                {"switch": "lever", "reward": 1},
+                {"switch": "lever", "shape": "key"},
+                {"reward": 1, "shape": "key"},
+                {"reward": 1, "shape": None},
+                {"on": True},
+            )
+        ),
     ],
     ids=str,
 )

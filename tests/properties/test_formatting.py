@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from support.each import for_each
 from support.handwriting import Scribe
 from support.places import TESTS
+from support.things import thing_worlds
 from support.worlds import decorated_worlds, level_of_text, worlds
 
 from babyrobot_levels.generate.starter import TEMPLATES, StarterOptions, starter
@@ -66,7 +67,7 @@ def handwritten(scribe: Scribe, world: dict[str, Any]) -> tuple[str, Document]:
 
 
 @given(
-    decorated_worlds(),
+    decorated_worlds() | thing_worlds(),
     st.randoms(use_true_random=False),
     st.sampled_from([0.0, 0.1, 0.4]),
 )
@@ -80,7 +81,7 @@ def test_any_handwriting(world: dict[str, Any], rng: random.Random, chatty: floa
     assert formatted(result) == result
 
 
-@given(worlds(5), st.randoms(use_true_random=False))
+@given(worlds(5) | thing_worlds(), st.randoms(use_true_random=False))
 def test_the_digest_stays(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Scribe(rng), world)
     before, after = level_of_text(text), level_of_text(formatted(text))
@@ -98,13 +99,13 @@ class Copyist(Scribe):
         return []
 
 
-@given(worlds(4), st.randoms(use_true_random=False))
+@given(worlds(4) | thing_worlds(), st.randoms(use_true_random=False))
 def test_lists_and_mappings_come_to_one_form(world: dict[str, Any], rng: random.Random) -> None:
     text, _ = handwritten(Copyist(rng, chatty=0.0), world)
     assert formatted(text).replace("\r\n", "\n") == Level.from_fields(world).to_yaml()
 
 
-@given(decorated_worlds())
+@given(decorated_worlds() | thing_worlds())
 def test_what_levels_write_is_canonical(world: dict[str, Any]) -> None:
     text = Level.from_fields(world).to_yaml()
     assert formatted(text) == text

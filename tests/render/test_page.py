@@ -16,7 +16,8 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import embedded_json, to_html
-from babyrobot_levels.render.page_data import CHEER, EVENTS, POSES, Guide, facts, playable
+from babyrobot_levels.render.page_data import Guide, facts, playable
+from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes

@@ -147,7 +147,7 @@ def with_flags(info: dict[str, Any], envs: LevelVectorEnv) -> dict[str, Any]:
         told["final_info"] = with_flags(told["final_info"], envs)
     if "held" in info:
         names = [[item.name for item in level.items] for level in envs.call("level")]
-        flags = np.zeros((envs.num_envs, envs._num_items), np.bool_)
+        flags = np.zeros((envs.num_envs, envs.num_items), np.bool_)
         for number, held in enumerate(info["held"]):
             flags[number, : len(names[number])] = [name in (held or ()) for name in names[number]]
         told["held"] = flags

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 
 MIB = 1 << 20
 HUGE = "size: [1024, 1024]\n"
@@ -48,6 +48,21 @@ def drawing(
 def start_and(other: str) -> Callable[[int, int], str]:
     """Return marks with a start in the corner, and something else everywhere."""
     return lambda x, y: "S" if x == y == 0 else other
+
+
+def on_grid(width: int, number: int) -> str:
+    """Return a cell of a grid of some width, counted row by row."""
+    return f"[{number % width}, {number // width}]"
+
+
+def named(width: int, count: int, first: int = 1) -> Iterator[str]:
+    """Return entries of items or switches in the first cells of a grid of some width."""
+    return (f"{{name: i{n}, at: {on_grid(width, n)}}}" for n in range(first, first + count))
+
+
+def pairs_of_cells(count: int) -> Iterator[str]:
+    """Return movers that walk at random, each between two cells."""
+    return (f"{{within: {{at: [{2 * n}, 1], size: [2, 1]}}}}" for n in range(count))
 
 
 def bomb() -> bytes:
@@ -164,6 +179,68 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
             HUGE + "start: [" + ",".join(cell(n) for n in range(6_999, -1, -1)) + "]\n",
         ),
     ),
+    # Things.
+    "60 items": (
+        "BR404",
+        lambda: listed("items", (f"{{name: i{n}, at: {cell(7 * n)}}}" for n in range(60)), HUGE),
+    ),
+    "11,000 items": ("BR404", lambda: listed("items", named(123, 11_000), "size: [123, 123]\n")),
+    "items side by side": ("BR404", lambda: listed("items", named(30, 889), "size: [30, 30]\n")),
+    "switches everywhere": ("BR404", lambda: listed("switches", named(7, 39), "size: [7, 7]\n")),
+    "an item in many cells": (
+        "BR404",
+        lambda: level(
+            "size: [200, 200]\nitems:\n- {name: key, one_of: ["
+            + ",".join(on_grid(200, n) for n in range(1, 30_000))
+            + "]}\n"
+        ),
+    ),
+    "many exits": (
+        "BR404",
+        lambda: level(
+            "size: [200, 200]\nexit_one_of: ["
+            + ",".join(on_grid(200, n) for n in range(1, 30_000))
+            + "]\n"
+        ),
+    ),
+    "a drawn item in all cells": (
+        "BR404",
+        lambda: drawing(350, 350, start_and("k")) + b"legend: {k: {item: key}}\n",
+    ),
+    "15 movers": ("BR404", lambda: listed("movers", pairs_of_cells(15), "size: [40, 3]\n")),
+    "7 movers": ("BR405", lambda: listed("movers", pairs_of_cells(7), "size: [20, 3]\n")),
+    "movers in large rectangles": (
+        "BR205",
+        lambda: entries("movers", "{within: {at: [0, 0], size: [64, 64]}}", 9_000, HUGE),
+    ),
+    "a path of 16,385 cells": (
+        "BR205",
+        lambda: level("movers:\n- {path: [" + "[1, 1], " * 16_384 + "[1, 1]]}\n"),
+    ),
+    "names of nothing": (
+        "BR321",
+        lambda: (
+            listed("items", named(123, 5_000), "size: [123, 123]\n")
+            + f"exit_needs: [{', '.join(f'j{n}' for n in range(40_000))}]\n".encode()
+        ),
+    ),
+    "one name for all": ("BR320", lambda: entries("items", "{name: key, at: [1, 1]}", 12_000)),
+    "doors on one side": ("BR322", lambda: entries("doors", "{at: [0, 0], side: S}", 14_000)),
+    "long doors": (
+        "BR322",
+        lambda: entries("doors", "{at: [0, 0], side: S, length: 1024}", 10_000, HUGE),
+    ),
+    "doors without entries": ("BR314", lambda: drawing(350, 350, start_and(" "), "/", "-/-")),
+    "drawn items on warps": (
+        "BR318",
+        lambda: (
+            drawing(250, 250, start_and("k"))
+            + b"legend: {k: {item: key}}\nwarps:\n"
+            + "".join(
+                f"- {{at: {on_grid(250, n)}, to: [0, 0]}}\n" for n in range(1, 7_000)
+            ).encode()
+        ),
+    ),
     # Drawings.
     "a drawing that is cut off": (
         "BR312",
@@ -206,6 +283,13 @@ VALID: dict[str, Callable[[], bytes]] = {
     "long walls": lambda: entries("walls", "{at: [1, 0], side: E, length: 1024}", 11_000, HUGE),
     "glass": lambda: drawing(300, 300, start_and(" "), ":", "- -"),
     "walls and puddles": lambda: drawing(360, 360, start_and("o"), "|", "---"),
+    "13,000 doors": lambda: listed(
+        "doors",
+        (f"{{at: {on_grid(200, n)}, side: S}}" for n in range(13_000)),
+        "size: [200, 200]\n",
+    ),
+    "16,000 movers that stand still": lambda: entries("movers", "{path: [[1, 1]]}", 16_000),
+    "items in a corridor": lambda: listed("items", named(400, 390), "size: [400, 1]\n"),
     "a number with many digits": lambda: level("discount: 0." + "9" * 5000),
 }
 """Files that are levels, and large."""

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,12 +18,27 @@ KEYS = [" ", "ArrowUp", "ArrowRight", "ArrowDown", "ArrowLeft"]
 """The keys of the actions."""
 
 
-def guide(world: Any) -> Guide:
-    solution = solve(world)
-    values = solution.values.tolist()
-    actions = [[() if best < 0 else (best,) for best in row] for row in solution.policy.tolist()]
+def guide(world: Any, actions: str = "all") -> Guide:
+    """Return the solution of a level as a page shows it: also where it differs by states."""
+    solution = solve(world, actions=actions)
     policy = solution.policy.ravel().tolist()
-    return Guide(policy, Overlay(values=values, actions=actions), solution.expected_return)
+    parts = None
+    if world.has_things or actions == "turns":
+
+        def parts(configuration: int | None, heading: int | None) -> Overlay:
+            part = solution.at(configuration or 0, "NESW"[heading] if heading is not None else None)
+            return _overlay(part)
+
+    return Guide(policy, replace(_overlay(solution), parts=parts), solution.expected_return)
+
+
+def _overlay(solution: Any) -> Overlay:
+    values, policy = solution.values, solution.policy
+    if values.ndim > 2:
+        return Overlay()
+    actions = [[() if best < 0 else (best,) for best in row] for row in policy.tolist()]
+    shown = [[None if math.isnan(value) else value for value in row] for row in values.tolist()]
+    return Overlay(values=shown, actions=actions)
 
 
 class Playground:
@@ -88,3 +105,7 @@ class Playground:
         left, top = 64 * x + 3, 64 * y + 3
         place = f"translate({left:.2f} {top:.2f})"
         expect(self.page.locator("#robot")).to_have_attribute("transform", place)
+
+    def wait_until_still(self) -> None:
+        """Wait until nothing moves any more."""
+        self.page.wait_for_function("() => picture.running === null")

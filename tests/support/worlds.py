@@ -204,7 +204,9 @@ def worlds(draw: DrawFn, largest: int = 8) -> World:
 
 
 @st.composite
-def drawings(draw: DrawFn, largest: int = 8, cells: str = " SEoO#~x9") -> d.Drawing:
+def drawings(
+    draw: DrawFn, largest: int = 8, cells: str = " SEoO#~x9", marks: str = " |:"
+) -> d.Drawing:
     """Random drawings with at least one start."""
     width, height = draw(st.integers(1, largest)), draw(st.integers(1, largest))
 
@@ -216,7 +218,6 @@ def drawings(draw: DrawFn, largest: int = 8, cells: str = " SEoO#~x9") -> d.Draw
     if not any("S" in row for row in shown):
         x, y = draw(st.integers(0, width - 1)), draw(st.integers(0, height - 1))
         shown[y] = shown[y][:x] + "S" + shown[y][x + 1 :]
-    marks = d.OPEN + d.SOLID + d.GLASS
     east, south = draw(rows(marks, width - 1, height)), draw(rows(marks, width, height - 1))
     return d.Drawing(tuple(shown), tuple(east), tuple(south))
 

@@ -36,6 +36,7 @@ class PlainEngine:
         self._too_large = self._num_actions.astype(_UNSIGNED)
         self._sizes = tables.state_info.size, tables.num_actions
         self._hit = np.array(HIT, np.uint8)
+        self._tells_hits, self._tells_held = tables.tells_hits, tables.held.shape[1] > 0
         self._is_stochastic = tables.stochastic >= 0
         self._has_limits = bool((tables.limit < NO_LIMIT).any())
         self._flags = np.empty(num_envs, np.bool_)
@@ -82,8 +83,6 @@ class PlainEngine:
         end = results.infos["end"]
         # The bit of terminal outcomes is the highest.
         greater(end, self._hit, terminated)
-        if tables.tells_hits:
-            bitwise_and(end, self._hit, results.hit.view(np.uint8))
         if self._has_limits:
             np.less_equal(envs.deadline, np.array(envs.clock), truncated)
             np.logical_or(terminated, truncated, envs.done)
@@ -91,8 +90,10 @@ class PlainEngine:
             truncated.fill(False)
             envs.done[:] = terminated
         self._observations.take(state, axis=0, out=results.observations, mode="clip")
-        if results.held_words.size:
-            tables.held.take(state, axis=0, out=results.held_words, mode="clip")
+        if self._tells_hits:
+            bitwise_and(end, self._hit, results.record["hit_bytes"])
+        if self._tells_held:
+            tables.held.take(state, axis=0, out=results.record["held_words"], mode="clip")
         return True
 
     def run(
@@ -100,7 +101,8 @@ class PlainEngine:
     ) -> None:
         """Follow a policy for several steps and record them; see `Engine`."""
         tables, state, level = self._tables, envs.state, envs.level
-        results = Results(Layout(state.size, self._observations.shape[1], tables.num_actions))
+        numbers, num_items = self._observations.shape[1], 8 * tables.held.shape[1]
+        results = Results(Layout(state.size, numbers, tables.num_actions, num_items))
         thresholds = np.ascontiguousarray(policy.T)
         for row in range(len(chances)):
             base = tables.offset.take(level)

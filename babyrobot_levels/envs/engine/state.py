@@ -71,9 +71,18 @@ class Layout:
     Attributes:
         dtype: one record of all of them.
         words: how many words of eight bytes they take.
+        tells_held: whether there are items.
+        tells_hits: whether there are movers.
     """
 
-    def __init__(self, num_envs: int, numbers: int, num_actions: int, num_items: int = 0) -> None:
+    def __init__(
+        self,
+        num_envs: int,
+        numbers: int,
+        num_actions: int,
+        num_items: int = 0,
+        tells_hits: bool = False,
+    ) -> None:
         """Compute the layout.
 
         Args:
@@ -81,7 +90,9 @@ class Layout:
             numbers: how many numbers an observation has.
             num_actions: how many actions there are.
             num_items: the most items of a level.
+            tells_hits: whether a level has movers.
         """
+        self.tells_held, self.tells_hits = num_items > 0, tells_hits
         each = (num_envs,)
         fields: dict[str, tuple[Any, int]] = {}
         end = 0
@@ -100,6 +111,7 @@ class Layout:
             end += fields[name][0].itemsize
         fields["infos"] = np.dtype((info_dtype(num_actions), each)), fields["words"][1]
         fields["items"] = np.dtype((held_dtype(num_items), each)), fields["held_words"][1]
+        fields["hit_bytes"] = np.dtype((np.uint8, each)), fields["hit"][1]
         fields["flags"] = np.dtype((np.bool_, (2, num_envs))), fields["acted"][1]
         self.words = -(-end // 8)
         formats, offsets = zip(*fields.values(), strict=True)
@@ -125,23 +137,24 @@ class Results:
         acted: bool `[envs]`: whether the environment took its action instead of an autoreset.
         all_true: bool `[envs]`.
         flags: bool `[2, envs]`: the last two together.
-        hit: bool `[envs]`: whether a mover hit the robot; only written if a level has movers.
         words: uint64 `[envs]`: the info words.
         infos: the info words with the fields of `info_dtype`.
-        held_words: uint64 `[envs, words]`: the items that are held.
-        items: the same with the field of `held_dtype`.
+        record: all of them; also `held_words`, uint64 `[envs, words]` in the form of `held_dtype`,
+            and `hit_bytes`, uint8 `[envs]`.
+        held: bool `[envs, items]`: the items that are held; only if the layout has items.
+        hit: bool `[envs]`: whether a mover hit the robot; only if the layout has movers.
     """
 
     __slots__ = (
         "acted",
         "all_true",
         "flags",
-        "held_words",
+        "held",
         "hit",
         "infos",
-        "items",
         "memory",
         "observations",
+        "record",
         "rewards",
         "terminated",
         "truncated",
@@ -160,11 +173,13 @@ class Results:
         self.acted: Flags = record["acted"]
         self.all_true: Flags = record["all_true"]
         self.flags: Flags = record["flags"]
-        self.hit: Flags = record["hit"]
         self.words: Words = record["words"]
         self.infos: NDArray[np.void] = record["infos"]
-        self.held_words: Words = record["held_words"]
-        self.items: NDArray[np.void] = record["items"]
+        self.record = record
+        if layout.tells_held:
+            self.held: Flags = record["items"]["held"]
+        if layout.tells_hits:
+            self.hit: Flags = record["hit"]
 
 
 @dataclass(slots=True)

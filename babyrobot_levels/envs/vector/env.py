@@ -35,7 +35,7 @@ from babyrobot_levels.envs.vector.levels import (
 from babyrobot_levels.envs.vector.observations import make_batch_observer
 
 if TYPE_CHECKING:
-    from babyrobot_levels.envs.engine.tables import Ints, Tables
+    from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
     from babyrobot_levels.envs.single import LevelLike
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -55,6 +55,7 @@ class LevelVectorEnv(ChangingVectorEnv):
     Attributes:
         levels: the levels, as they were given. `call("level")` returns the current level of each
             environment.
+        num_items: the most items of a level.
     """
 
     __module__ = "babyrobot_levels"
@@ -144,15 +145,18 @@ class LevelVectorEnv(ChangingVectorEnv):
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
-        self._num_items, self._has_movers = played.num_items, played.has_movers
+        self.num_items, self._has_movers = played.num_items, played.has_movers
+        # Of a suite, levels are not known in advance.
         fixed = self.levels if isinstance(self.levels, tuple) else ()
-        self._all_tell = (
-            bool(fixed) and all(each.items for each in fixed),
-            bool(fixed) and all(each.movers for each in fixed),
-        )
+        self._all_have_items = bool(fixed) and all(each.items for each in fixed)
+        self._all_have_movers = bool(fixed) and all(each.movers for each in fixed)
         self._info_dtype = info_dtype(num_actions)
         self._layout = Layout(
-            self.num_envs, self._observer.table.shape[1], num_actions, played.num_items
+            self.num_envs,
+            self._observer.table.shape[1],
+            num_actions,
+            played.num_items,
+            played.has_movers,
         )
         self._kept = None if self._copy else Results(self._layout)
         self._has_begun = False
@@ -189,6 +193,8 @@ class LevelVectorEnv(ChangingVectorEnv):
             The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
             `level_digest` and, for several levels, `level_index` (int64 `[num_envs]`). For a level
             with `maze: {seed: random}`, `maze_seed` (int64 `[num_envs]`) takes the place of both.
+            Levels with items add `held` (bool `[num_envs, num_items]`), in the order of the level
+            file, and levels with movers `hit` (bool `[num_envs]`).
 
         Raises:
             ValueError: the robot cannot start in that cell, there is no level with that number or
@@ -221,7 +227,8 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
         results.words[~is_reset] = 0
-        results.held_words[~is_reset] = 0
+        if self.num_items:
+            results.held[~is_reset] = False
         values = {"action_mask": results.infos["mask"], **self._digests(which)}
         info = self._masked(values, is_reset) | self._things(results, is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
@@ -235,9 +242,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         Returns:
             Observations, rewards (float64 `[num_envs]`), terminated and truncated (bool
             `[num_envs]`), and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `target_reached`, `skidded` (bool `[num_envs]`), `level_index` or `maze_seed` if
-            `reset` has it, and for each key another one with `_` before it: in which environments
-            the value holds.
+            `target_reached`, `skidded` (bool `[num_envs]`), `held`, `hit`, `level_index` or
+            `maze_seed` if `reset` has it, and for each key another one with `_` before it: in which
+            environments the value holds.
 
         Raises:
             ResetNeeded: there was no reset yet, or an episode is over and there is no autoreset.
@@ -273,8 +280,12 @@ class LevelVectorEnv(ChangingVectorEnv):
             "skidded": infos["skidded"],
             "_skidded": acted,
         }
-        if self._num_items or self._has_movers:
-            info |= self._things(results, all_true)
+        if self.num_items:
+            info["held"] = results.held
+            info["_held"] = all_true if self._all_have_items else self._with_items(all_true)
+        if self._has_movers:
+            info["hit"] = results.hit
+            info["_hit"] = all_true if self._all_have_movers else self._with_movers(all_true)
         if self._has_level_numbers:
             for key, numbers in self._level_numbers().items():
                 info[key] = numbers
@@ -310,31 +321,32 @@ class LevelVectorEnv(ChangingVectorEnv):
         """Write the observations and infos of environments that were reset."""
         state = self._envs.state[which]
         results.words[which] = self._tables.state_info[state]
-        results.hit[which] = False
-        results.held_words[which] = self._tables.held[state]
+        if self.num_items:
+            results.record["held_words"][which] = self._tables.held[state]
+        if self._has_movers:
+            results.hit[which] = False
         results.observations[which] = self._observer.table[state]
 
-    def _things(
-        self, results: Results, where: NDArray[np.bool_], *, copy: bool = False
-    ) -> dict[str, NDArray[np.bool_]]:
-        """Return what infos say about things in some environments.
-
-        Args:
-            results: what an engine wrote.
-            where: the environments, bool `[num_envs]`.
-            copy: whether to return new arrays, which are False for other environments.
-        """
-        told, level = {}, self._envs.level
-        if self._num_items:
-            held = results.items["held"]
-            told["held"] = held & where[:, None] if copy else held
-            has = self._tables.has_items
-            told["_held"] = where if self._all_tell[0] else where & has.take(level)
+    def _things(self, results: Results, where: Flags) -> dict[str, Flags]:
+        """Return what infos say about things in some environments, as new arrays."""
+        told: dict[str, Flags] = {}
+        if self.num_items:
+            told |= {"held": results.held & where[:, None], "_held": self._with_items(where)}
         if self._has_movers:
-            told["hit"] = results.hit & where if copy else results.hit
-            has = self._tables.has_movers
-            told["_hit"] = where if self._all_tell[1] else where & has.take(level)
+            told |= {"hit": results.hit & where, "_hit": self._with_movers(where)}
         return told
+
+    def _with_items(self, where: Flags) -> Flags:
+        """Return which of some environments have a level with items."""
+        if self._all_have_items:
+            return where
+        return where & self._tables.has_items.take(self._envs.level)
+
+    def _with_movers(self, where: Flags) -> Flags:
+        """Return which of some environments have a level with movers."""
+        if self._all_have_movers:
+            return where
+        return where & self._tables.has_movers.take(self._envs.level)
 
     def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
         """Return an info of values that hold in some environments."""
@@ -365,7 +377,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         info = {
             "final_obs": observations,
             "_final_obs": where,
-            "final_info": self._masked(values, where) | self._things(results, where, copy=True),
+            "final_info": self._masked(values, where) | self._things(results, where),
             "_final_info": where,
         }
         if self._slots is not None:

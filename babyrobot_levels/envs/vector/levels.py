@@ -145,14 +145,11 @@ def checked_levels(
     if levels is not None and not len(levels):
         raise ValueError("levels must have at least one level in it")
     if isinstance(levels, Suite):
-        # Without drawing, no more levels are needed, and a suite may have a billion.
-        return Played(
-            levels if draw_levels else tuple(levels[:num_envs]),
-            suite_extent(levels, turns=turns),
-            levels.most_items,
-            levels.has_guards,
-            SuiteLevels(levels) if draw_levels else None,
-        )
+        extent = suite_extent(levels, turns=turns)
+        if draw_levels:
+            return Played(levels, extent, levels.most_items, levels.has_guards, SuiteLevels(levels))
+        # No more levels are needed, and a suite may have a billion.
+        return _played(tuple(levels[:num_envs]), extent)
     loaded = tuple(load(each) for each in ([level] if levels is None else levels))
     is_random = any(each.has_random_maze for each in loaded)
     if is_random and len(loaded) > 1:
@@ -160,13 +157,13 @@ def checked_levels(
             "a level with `maze: {seed: random}` must be the only one; instead, draw some of its "
             "mazes: levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
         )
-    return Played(
-        loaded,
-        Extent.of(loaded, turns=turns),
-        max(len(each.items) for each in loaded),
-        any(each.movers for each in loaded),
-        GrownMazes(loaded[0]) if is_random else None,
-    )
+    family = GrownMazes(loaded[0]) if is_random else None
+    return _played(loaded, Extent.of(loaded, turns=turns), family)
+
+
+def _played(levels: tuple[Level, ...], extent: Extent, family: Family | None = None) -> Played:
+    num_items = max(len(level.items) for level in levels)
+    return Played(levels, extent, num_items, any(level.movers for level in levels), family)
 
 
 def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs: int) -> Any:

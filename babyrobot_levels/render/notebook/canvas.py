@@ -208,49 +208,49 @@ class LayeredCanvas:
             self._painted.clear()
             self.widget.width, self.widget.height = size
         stale = {
-            name: [scene]
-            for name, scene in layers.items()
-            if self._painted.get(name) != scene.shapes
+            name: scene for name, scene in layers.items() if self._painted.get(name) != scene.shapes
         }
         if stale:
-            self._draw(stale)
+            self._draw([stale])
 
     def repaint(self) -> None:
         """Paint everything again."""
         self._painted.clear()
         self.paint(self._wanted)
 
-    def animate(self, name: str, frames: Sequence[Scene], milliseconds: float) -> None:
-        """Play frames on a layer; the last one stays.
+    def animate(self, frames: Sequence[Mapping[str, Scene]], milliseconds: float) -> None:
+        """Play frames; what the last one that has a layer shows on it stays.
 
         The browser plays them asynchronously.
 
         Args:
-            name: the layer.
-            frames: the frames in order.
+            frames: the frames in order, each with the layers that it changes.
             milliseconds: the duration of each frame.
         """
         # Finish first what an exception interrupted.
         self.paint(self._wanted)
-        self._wanted[name] = frames[-1]
-        self._draw({name: frames}, milliseconds)
+        for frame in frames:
+            self._wanted |= frame
+        self._draw(frames, milliseconds)
 
-    def _draw(self, animations: Mapping[str, Sequence[Scene]], milliseconds: float = 0.0) -> None:
+    def _draw(self, frames: Sequence[Mapping[str, Scene]], milliseconds: float = 0.0) -> None:
         # These layers count as unknown until everything is sent: after an exception they are
         # painted again.
-        for name in animations:
+        changed = {name: scene for frame in frames for name, scene in frame.items()}
+        for name in changed:
             self._painted.pop(name, None)
         names = list(self._wanted)
         with one_message(self.widget):
-            for name, frames in animations.items():
-                self._animate(self.widget[names.index(name)], frames, milliseconds)
-        self._painted |= {name: frames[-1].shapes for name, frames in animations.items()}
-
-    def _animate(self, canvas: Canvas, frames: Sequence[Scene], milliseconds: float) -> None:
-        for number, frame in enumerate(frames):
-            if number:
-                canvas.sleep(milliseconds)
-            paint(canvas, frame.shapes, screen_scale(frame))
+            for number, frame in enumerate(frames):
+                # One pause for all layers of a frame.
+                pause = milliseconds if number else 0.0
+                for name, scene in frame.items():
+                    canvas = self.widget[names.index(name)]
+                    if pause:
+                        canvas.sleep(pause)
+                        pause = 0.0
+                    paint(canvas, scene.shapes, screen_scale(scene))
+        self._painted |= {name: scene.shapes for name, scene in changed.items()}
 
     def close(self) -> None:
         """Remove the widget from the screen, and free its memory."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -20,10 +20,13 @@ from babyrobot_levels.render.notebook.bundle import (
 )
 from babyrobot_levels.render.notebook.frontend import Frontend, frontend
 from babyrobot_levels.render.scene.build import build_layers
-from babyrobot_levels.render.scene.layout import layout_of
+from babyrobot_levels.render.scene.layout import CELL, layout_of
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene
+from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted
+from babyrobot_levels.render.scene.situation import Cell, Place, place_of, situation_of
+from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.text import TextPainter
 
 if TYPE_CHECKING:
@@ -76,7 +79,9 @@ class LevelView:
         self._build(level, y * level.size[0] + x, STANDING, None)
 
     def _build(self, level: GridWorld, state: int, pose: Pose, overlay: Overlay | None) -> None:
-        self._layers = build_layers(level, state=state, pose=pose, overlay=overlay)
+        self._layers = build_layers(
+            level, state=state, heading=pose.heading, pose=pose, overlay=overlay
+        )
         self._layout = layout_of(level, overlay=overlay)
         self._level, self._state, self._pose, self._overlay = level, state, pose, overlay
 
@@ -144,23 +149,22 @@ class LevelView:
     # -- what it shows ---------------------------------------------------------------------
 
     def move(self, state: int, pose: Pose = STANDING) -> None:
-        """Move the robot to a cell: it glides to a neighbouring cell and jumps to others.
+        """Show a state: the robot and movers glide to neighbouring cells and jump to others.
 
         Args:
-            state: the cell, `y * width + x`.
+            state: the configuration and the cell, `configuration * cells + y * width + x`.
             pose: the robot's pose in that cell.
 
         Raises:
             ValueError: the level has no such state.
         """
-        columns, rows = self._level.size
-        if not 0 <= state < columns * rows:
-            raise ValueError(f"state {state} is not on the level")
+        place = place_of(self._level, state)
         self._wait(self._busy_until)
-        frames = [*self._gliding(state, pose), self._robot(*divmod(state, columns), pose)]
-        self._state, self._pose, self._layers["robot"] = state, pose, frames[-1]
+        frames = [*self._gliding(place, pose), self._changed(place, pose)]
+        self._state, self._pose = state, pose
+        self._layers |= frames[-1]
         if self._canvas is not None:
-            self._canvas.animate("robot", frames, 1000 * _FRAME_SECONDS)
+            self._canvas.animate(frames, 1000 * _FRAME_SECONDS)
         if self._output is not None:
             self._output.refresh()
         if self._is_watched:
@@ -181,7 +185,7 @@ class LevelView:
             self._read_until = time.monotonic() + self._step_seconds
 
     def set_level(self, level: GridWorld, state: int) -> None:
-        """Show another level, with the robot in a state. The overlay stays.
+        """Show another level, in one of its states. The overlay stays.
 
         Raises:
             LevelError: the maze has no seed yet (`seed: random`).
@@ -196,25 +200,74 @@ class LevelView:
         if self._output is not None:
             self._output.refresh()
 
-    def _gliding(self, state: int, pose: Pose) -> Iterator[Scene]:
-        """Yield the robot's layer for a move to a neighbouring cell."""
-        columns, _ = self._level.size
-        (y, x), (to_y, to_x) = divmod(self._state, columns), divmod(state, columns)
-        if abs(to_x - x) + abs(to_y - y) != 1 or not self._is_watched:
+    def _changed(self, place: Place, pose: Pose) -> dict[str, Scene]:
+        """Return the layers that a new state and pose change: always the robot's."""
+        level, layout = self._level, self._layout
+        layers: dict[str, tuple[Shape, ...]] = {}
+        if level.has_things:
+            situation = situation_of(level, place.configuration)
+            still = pieces(level, layout, situation)
+            layers["things"] = tuple(shape for piece in still for shape in piece.shapes)
+            moving = (figure for _, figure in self._movers(place))
+            layers["movers"] = tuple(shape for figure in moving for shape in figure)
+        if self._overlay is not None and self._overlay.parts is not None:
+            part = self._overlay.at(place.configuration, pose.heading)
+            layers |= overlay_shapes(level, part, layout)._asdict()
+        changed = {
+            name: self._scene(shapes)
+            for name, shapes in layers.items()
+            if shapes != self._layers[name].shapes
+        }
+        return {**changed, "robot": self._robot(place.y, place.x, pose)}
+
+    def _gliding(self, place: Place, pose: Pose) -> Iterator[dict[str, Scene]]:
+        """Yield the frames of a step in which the robot or movers go to neighbouring cells."""
+        if not self._is_watched:
+            return
+        before = place_of(self._level, self._state)
+        shift = _step(before.cell, place.cell)
+        movers = self._movers(before)
+        shifts = [
+            _step(cell, to) for (cell, _), (to, _) in zip(movers, self._movers(place), strict=True)
+        ]
+        if not any((shift, *shifts)):
             return
         # It cheers only when it has arrived.
         mood = Mood.SLIP if pose.mood is Mood.SLIP else Mood.CALM
-        facing = pose_of(self._state, state, Action.STAY, columns).facing
+        width = self._level.size[0]
+        here, there = (y * width + x for x, y in (before.cell, place.cell))
+        facing = pose_of(here, there, Action.STAY, width).facing
         count = int(_GLIDE_SHARE * self._step_seconds / _FRAME_SECONDS)
         for share in (number / (count + 1) for number in range(1, count + 1)):
-            place = y + share * (to_y - y), x + share * (to_x - x)
-            yield self._robot(*place, Pose(facing, mood, share))
+            frame = {}
+            if shift is not None:
+                x, y = before.x + share * shift[0], before.y + share * shift[1]
+                way = Pose(facing, mood, share).turned(pose.heading)
+                frame["robot"] = self._robot(y, x, way)
+            if any(shifts):
+                frame["movers"] = self._scene(
+                    shape
+                    for (_, figure), way in zip(movers, shifts, strict=True)
+                    for shape in shifted(
+                        figure, *(share * CELL * length for length in way or (0, 0))
+                    )
+                )
+            yield frame
+
+    def _movers(self, place: Place) -> list[tuple[Cell, tuple[Shape, ...]]]:
+        """Return the cell and the figure of each mover."""
+        situation = situation_of(self._level, place.configuration)
+        found = moving_pieces(self._level, self._layout, situation, place.cell)
+        return [(cell, piece.shapes) for cell, piece in found]
 
     def _robot(self, y: float, x: float, pose: Pose) -> Scene:
         """Return the robot's layer with the robot in a cell, or between two."""
         corner = self._layout.corner(x, y)
-        shapes = robot_shapes(self._level.resolved_theme, *corner, pose)
-        return replace(self._layers["robot"], shapes=shapes)
+        return self._scene(robot_shapes(self._level.resolved_theme, *corner, pose))
+
+    def _scene(self, shapes: Iterable[Shape]) -> Scene:
+        """Return a layer with these shapes."""
+        return replace(self._layers["robot"], shapes=tuple(shapes))
 
     @property
     def _is_watched(self) -> bool:
@@ -236,3 +289,16 @@ class LevelView:
         if self._canvas is not None:
             self._canvas.close()
         self._output = self._canvas = None
+
+
+def _step(before: Cell, after: Cell) -> tuple[int, int] | None:
+    """Return the step to a neighbouring cell; None to another one, or the same."""
+    dx, dy = after[0] - before[0], after[1] - before[1]
+    return (dx, dy) if abs(dx) + abs(dy) == 1 else None
+
+
+def _on_its_way(
+    figure: Iterable[Shape], step: tuple[int, int] | None, share: float
+) -> Iterable[Shape]:
+    """Return a figure that has done a part of its step."""
+    return figure if step is None else shifted(figure, *(share * CELL * part for part in step))

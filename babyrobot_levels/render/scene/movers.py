@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 Cell = tuple[int, int]
 
 _WHITE = "#ffffff"
-_CORNERS = ((0.2, -0.2), (0.2, 0.2), (-0.2, -0.2), (-0.2, 0.2))
+CORNERS = ((0.2, -0.2), (0.2, 0.2), (-0.2, -0.2), (-0.2, 0.2))
 """Where movers are that share their cell, as shares of a cell from its centre."""
-_SMALL = 0.62
+SMALL = 0.62
 """The scale of a mover that shares its cell."""
 
 
@@ -57,8 +57,8 @@ def mover_spots(
         if not crowded and cell != robot and cell not in lying and places.count(cell) == 1:
             spots.append(Spot(*centre))
             continue
-        dx, dy = _CORNERS[places[:number].count(cell) % len(_CORNERS)]
-        spots.append(Spot(centre[0] + dx * CELL, centre[1] + dy * CELL, _SMALL))
+        dx, dy = CORNERS[places[:number].count(cell) % len(CORNERS)]
+        spots.append(Spot(centre[0] + dx * CELL, centre[1] + dy * CELL, SMALL))
     return tuple(spots)
 
 

@@ -133,15 +133,16 @@ def _overview(level: GridWorld) -> Situation:
 
 def _looks(level: GridWorld, phases: Sequence[int]) -> tuple[Cell, ...]:
     """Return where movers look, by the phases of those that walk a path."""
-    looks = []
-    for mover, phase in zip(level.movers, phases, strict=True):
-        cells = mover.phases if mover.within is None else ()
-        if not cells:
-            looks.append((0, 0))
-            continue
-        (x, y), (to_x, to_y) = cells[phase], cells[(phase + 1) % len(cells)]
-        looks.append((to_x - x, to_y - y))
-    return tuple(looks)
+    return tuple(look_of(mover, phase) for mover, phase in zip(level.movers, phases, strict=True))
+
+
+def look_of(mover: Mover, phase: int) -> Cell:
+    """Return the way of a mover to the next cell of its path; `(0, 0)` for one without a path."""
+    if mover.within is not None:
+        return 0, 0
+    cells = mover.phases
+    (x, y), (to_x, to_y) = cells[phase], cells[(phase + 1) % len(cells)]
+    return to_x - x, to_y - y
 
 
 def _first_cell(mover: Mover) -> Cell:

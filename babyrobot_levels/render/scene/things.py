@@ -119,7 +119,7 @@ def _item(
     yield from item_shapes(item.picture, color, Spot(x, y, 1.0, colors.base if faint else None))
     if faint:
         yield from _question_mark(x + 14, y + 13)
-    yield from _label(level, layout, cell, item.label)
+    yield from thing_label(level, layout, cell, item.label)
 
 
 def _question_mark(x: float, y: float) -> Iterator[Shape]:
@@ -129,7 +129,7 @@ def _question_mark(x: float, y: float) -> Iterator[Shape]:
     yield Text(x, y + 4.1, "?", 11.5, _WHITE, bold=True)
 
 
-def _label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> Iterator[Shape]:
+def thing_label(level: GridWorld, layout: Layout, cell: Cell, label: str | None) -> Iterator[Shape]:
     """Yield the label of a thing at the foot of its cell."""
     line = " ".join((label or "").split())
     if not line:
@@ -162,7 +162,7 @@ def _switch(level: GridWorld, layout: Layout, number: int, is_on: bool) -> Itera
         yield from spot.wire(plate, color, 3.0)
         for ink, width in ((INK, 5.6), (color, 3.0)):
             yield spot.line(circle(0, 0, 7.5), ink, width)
-    yield from _label(level, layout, switch.at, switch.label)
+    yield from thing_label(level, layout, switch.at, switch.label)
 
 
 # -- doors ---------------------------------------------------------------------------------------
@@ -336,4 +336,4 @@ def _mover(
         yield from _question_mark(spot.x + 14 * spot.scale, spot.y + 13 * spot.scale)
     else:
         yield from mover_shapes(level, number, spot, look)
-    yield from _label(level, layout, cell, level.movers[number].label)
+    yield from thing_label(level, layout, cell, level.movers[number].label)

@@ -2,6 +2,7 @@
 const MOST_SHAPES = 200000;
 const MOST_PLACES = 6e6; // Numbers in all paths together.
 const MOST_OUTCOMES = 2e7; // Numbers in the rows of all states and actions together.
+const MOST_THINGS = 1000;
 const FARTHEST = 1e8; // In tenths of a pixel.
 
 /** A defect of a link, with a message for people. */
@@ -42,15 +43,54 @@ function checked(data) {
   checkTexts(data);
   const cells = whole(data.width, 1, COMMON.max_cells) * whole(data.height, 1, COMMON.max_cells);
   need(cells <= COMMON.max_cells);
-  for (const cell of list(data.starts, cells, 1)) whole(cell, 0, cells - 1);
+  const states = cells * checkThings(data, cells);
+  need(states <= COMMON.max_states);
+  for (const state of list(data.starts, states, 1)) whole(state, 0, states - 1);
   for (const cell of list(data.exits, cells)) whole(cell, 0, cells - 1);
   if (data.max_steps !== null) whole(data.max_steps, 1, Infinity);
   need(Number.isFinite(data.margin) && data.margin >= 0 && data.margin <= 1000);
   need(Number.isFinite(data.speed) && data.speed > 0 && data.speed <= 100);
-  checkRows(data.rows, cells);
-  checkTable(data, cells);
-  checkAdvice(data, cells);
+  const movers = (data.things ?? []).filter(({ kind }) => kind === "mover").length;
+  checkRows(data.rows, states, COMMON.events.length * (1 + movers));
+  checkTable(data, states);
+  checkAdvice(data, states);
   return data;
+}
+
+/** Things: what they are called, and what is where; return the number of configurations. */
+function checkThings({ things = [], picture }, cells) {
+  const configurations = list(things, MOST_THINGS)[0]?.values.length ?? 1;
+  const last = list(picture?.looks ?? []).length - 1;
+  let shown = 0;
+  const checkLooks = (looks) => {
+    shown += list(looks, MOST_SHAPES).length;
+    looks.forEach((look) => whole(look, 0, last));
+  };
+  for (const thing of things) {
+    const { kind, values, looks, icon } = thing;
+    const count = list(looks, MOST_SHAPES, 1).length;
+    const checkCells = (lists, least = 0, most = cells) => list(lists, count, count).forEach(
+      (found) => list(found, most, least).forEach((cell) => whole(cell, 0, cells - 1)));
+    text(thing.name);
+    list(values, configurations, configurations).forEach((value) => whole(value, 0, count - 1));
+    looks.forEach(checkLooks);
+    if (kind === "exit") {
+      checkCells(thing.exits);
+      list(thing.needs, MOST_THINGS).forEach(text);
+    } else if (kind === "door") {
+      list(thing.sides, 4 * cells).forEach((number) => whole(number, 0, cells));
+    } else if (kind === "mover") {
+      checkCells(thing.cells, 1, 1);
+      for (const found of looks) list(found, 1, 1);
+      whole(thing.label, -1, last);
+    } else {
+      need(kind === "item" || kind === "switch");
+      checkCells(thing.cells);
+      list(icon, 4, 4).forEach((length) => whole(length));
+    }
+  }
+  need(shown <= MOST_SHAPES);
+  return configurations;
 }
 
 function checkTexts({ title, description, best, seed, facts, shown, robot }) {
@@ -62,8 +102,8 @@ function checkTexts({ title, description, best, seed, facts, shown, robot }) {
 }
 
 /** Rows: outcome distributions, whose probabilities add up to 1. */
-function checkRows(rows, cells) {
-  for (const row of list(rows, 5 * cells, 1)) {
+function checkRows(rows, states, events) {
+  for (const row of list(rows, 5 * states, 1)) {
     list(row, Infinity, OUTCOME_LENGTH);
     need(row.length % OUTCOME_LENGTH === 0);
     let sum = 0;
@@ -71,9 +111,9 @@ function checkRows(rows, cells) {
       const [probability, shift, reward, isOver, event, pose] = row.slice(at, at + OUTCOME_LENGTH);
       need(Number.isFinite(probability) && probability > 0 && probability <= 1);
       need(Number.isFinite(reward));
-      whole(shift, -cells, cells);
+      whole(shift, -states, states);
       whole(isOver, 0, 1);
-      whole(event, 0, COMMON.events.length - 1);
+      whole(event, 0, events - 1);
       whole(pose, 0, COMMON.sprites.length - 1);
       sum += probability;
     }
@@ -82,14 +122,14 @@ function checkRows(rows, cells) {
 }
 
 /** The table: each state and action has a row, and all next states are in the level. */
-function checkTable({ rows, table, starts, possible }, cells) {
-  list(table, 5 * cells, 5 * cells);
-  list(possible, cells, cells);
+function checkTable({ rows, table, starts, possible }, states) {
+  list(table, 5 * states, 5 * states);
+  list(possible, states, states);
   for (const row of table) whole(row, -1, rows.length - 1);
   const isOver = (state) => table[5 * state] === -1;
   need(!starts.some(isOver));
   let outcomes = 0;
-  for (let state = 0; state < cells; state++) {
+  for (let state = 0; state < states; state++) {
     whole(possible[state], isOver(state) ? 0 : 1, 31);
     for (let action = 0; action < 5; action++) {
       const number = table[5 * state + action];
@@ -98,15 +138,28 @@ function checkTable({ rows, table, starts, possible }, cells) {
       outcomes += row.length;
       need(outcomes <= MOST_OUTCOMES);
       for (let at = 0; at < row.length; at += OUTCOME_LENGTH) {
-        const next = whole(state + row[at + 1], 0, cells - 1);
+        const next = whole(state + row[at + 1], 0, states - 1);
         need(row[at + 3] === 1 || !isOver(next));
       }
     }
   }
 }
 
-function checkAdvice({ policy, walker }, cells) {
+/** Policies, and the marks of values and policies: one number for each state. */
+function checkAdvice({ policy, walker, marks, turns, picture }, states) {
   need(walker === null || walker === "random" || (walker === "best" && policy !== null));
-  if (policy === null) return;
-  for (const action of list(policy, cells, cells)) whole(action, -1, 4);
+  checkNumbers(policy, states, 4);
+  const last = list(picture?.marks ?? []).length - 1;
+  for (const name of ["values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
+  if (turns === undefined) return;
+  need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");
+  whole(turns.heading, 0, 3);
+  text(turns.best);
+  checkNumbers(turns.policy, 4 * states, 2);
+  checkNumbers(turns.marks?.values ?? null, 4 * states, last);
+}
+
+function checkNumbers(numbers, count, most) {
+  if (numbers === null) return;
+  for (const number of list(numbers, count, count)) whole(number, -1, most);
 }

@@ -1,12 +1,16 @@
 // The simulation: one robot in one level, and what happens in words.
 const COMMON = JSON.parse(document.getElementById("common").textContent);
 const SIDES = ["", "north", "east", "south", "west"];
+const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
 const OUTCOME_LENGTH = 6;
 
 /** One robot in one level, without a picture. */
 class Game {
-  constructor(data) {
+  constructor(data, isTurning = false) {
     this.data = data;
+    this.cells = data.width * data.height;
+    this.things = new Things(data);
+    this.isTurning = isTurning;
     this.seed(data.seed);
   }
 
@@ -21,19 +25,47 @@ class Game {
   reset() {
     const { starts } = this.data;
     this.state = starts[this.random.integer(starts.length)];
+    this.heading = this.isTurning ? this.data.turns.heading : null;
     this.steps = 0;
     this.total = 0;
     this.end = null;
   }
 
+  /** The number of the configuration at hand. */
+  get configuration() {
+    return this.configurationOf(this.state);
+  }
+
+  configurationOf(state) {
+    return Math.floor(state / this.cells);
+  }
+
+  /** The state with the heading, by which the policy and values of a robot that turns are listed. */
+  get number() {
+    if (!this.isTurning) return this.state;
+    return this.state + (3 * this.configuration + this.heading) * this.cells;
+  }
+
+  /** The action of the level that an action of the robot comes to. */
+  moveOf(action) {
+    if (!this.isTurning) return action;
+    return action === FORWARD ? this.heading + 1 : 0;
+  }
+
   isPossible(action) {
-    return ((this.data.possible[this.state] >> action) & 1) === 1;
+    return ((this.data.possible[this.state] >> this.moveOf(action)) & 1) === 1;
+  }
+
+  /** The pose before the first step. */
+  get standing() {
+    return this.isTurning ? COMMON.headings[0][this.heading] : 0;
   }
 
   /** Return the action of the watched policy here; -1 if it has none. */
   advice() {
     const { walker, policy } = this.data;
-    if (walker === "best") return policy[this.state];
+    if (walker === "best") return (this.isTurning ? this.data.turns.policy : policy)[this.number];
+    if (this.isTurning) return this.policyRandom.integer(3);
     const possible = [0, 1, 2, 3, 4].filter((action) => this.isPossible(action));
     return possible[this.policyRandom.integer(possible.length)];
   }
@@ -41,8 +73,9 @@ class Game {
   /** Take an action and return the outcome. */
   step(action) {
     const from = this.state;
-    const { rows, table, exits, max_steps: most } = this.data;
-    const outcomes = rows[table[5 * from + action]];
+    const { rows, table, max_steps: most } = this.data;
+    const move = this.moveOf(action);
+    const outcomes = rows[table[5 * from + move]];
     const last = outcomes.length - OUTCOME_LENGTH;
     let at = 0;
     if (last > 0) {
@@ -51,35 +84,57 @@ class Game {
         at += OUTCOME_LENGTH;
       }
     }
-    const [, shift, reward, isOver, event, pose] = outcomes.slice(at, at + OUTCOME_LENGTH);
+    const [, shift, reward, isOver, code, drawn] = outcomes.slice(at, at + OUTCOME_LENGTH);
     const next = from + shift;
     this.state = next;
     this.steps += 1;
     this.total += reward;
-    if (isOver) this.end = exits.includes(next) ? "exit" : "over";
+    if (this.isTurning && action !== FORWARD) this.heading = (this.heading + 3 + 2 * action) % 4;
+    // The number of an event also tells which mover hits the robot.
+    const { events, cheer, headings } = COMMON;
+    const hit = this.things.of("mover")[Math.floor(code / events.length) - 1] ?? null;
+    if (isOver) this.end = hit !== null ? "hit" : this.isExit(next) ? "exit" : "over";
     else if (this.steps === most) this.end = "time";
-    const after = this.end === "exit" ? COMMON.cheer : pose;
-    return { from, action, next, reward, event: COMMON.events[event], pose, after };
+    const event = events[code % events.length];
+    const pose = this.isTurning ? headings[Number(event === "skid")][this.heading] : drawn;
+    const after = this.end === "exit" ? cheer : pose;
+    return { from, action, move, next, reward, event, hit, pose, after };
+  }
+
+  isExit(state) {
+    return this.things.exitsOf(this.configurationOf(state)).includes(state % this.cells);
   }
 
   place(state) {
-    return [state % this.data.width, Math.floor(state / this.data.width)];
+    const cell = state % this.cells;
+    return [cell % this.data.width, Math.floor(cell / this.data.width)];
+  }
+
+  /** Return the upper left corner of a cell in the picture; fractions are between cells. */
+  corner(x, y) {
+    return [x, y].map((place) => this.data.margin + place * COMMON.cell);
   }
 
   /** Describe the outcome of a step. */
-  describeStep({ from, action, next, reward, event }) {
+  describeStep({ from, action, move, next, reward, event, hit }) {
     const place = `[${this.place(next).join(", ")}]`;
-    const side = SIDES[action];
+    const side = SIDES[move];
+    const isSame = from % this.cells === next % this.cells;
+    const door = this.things.doorAt(this.configurationOf(from), from % this.cells, move);
+    const turned = this.isTurning ? ["Turned left", "Turned right"][action] : undefined;
     const words = {
-      stay: "Stayed",
+      stay: turned ?? "Stayed",
       move: `Moved ${side} to ${place}`,
       carried: `Carried to ${place}`,
-      bump: `Blocked by a wall to the ${side}`,
-      skid: from === next ? `Skidded while moving ${side}, and stayed` :
+      bump: `Blocked by ${door ? "the closed door" : "a wall"} to the ${side}`,
+      skid: isSame ? `Skidded while moving ${side}, and stayed` :
         `Skidded to ${place} while moving ${side}`,
-      bounce: from === next ? "Bounced off the glass" : `Bounced off the glass to ${place}`,
+      bounce: isSame ? "Bounced off the glass" : `Bounced off the glass to ${place}`,
     };
-    return `${words[event]}: ${reward > 0 ? "+" : ""}${formatted(reward)}`;
+    const step = `${words[event]}: ${reward > 0 ? "+" : ""}${formatted(reward)}`;
+    const [before, after] = [from, next].map((state) => this.configurationOf(state));
+    const changes = this.things.changes(before, after);
+    return [step, ...(hit === null ? [] : [`Hit by the ${hit.name}`]), ...changes].join(". ");
   }
 
   /** Describe how the episode ended. */
@@ -87,6 +142,7 @@ class Game {
     const after = `after ${this.steps} step${this.steps === 1 ? "" : "s"}`;
     const how = {
       exit: `Exit reached ${after}!`,
+      hit: `The episode ended ${after}.`,
       over: `The episode ended ${after}.`,
       time: `Time limit reached ${after}.`,
     };

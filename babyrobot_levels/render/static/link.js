@@ -4,7 +4,7 @@
 async function linkedLevel(fragment) {
   if (!/^#\s*brl[0-9]/i.test(fragment)) return null;
   const [code, play] = decoded(fragment.slice(1)).replace(/\s/g, "").split("~");
-  needVersion(/^brl([0-9]+)/i.exec(code)[1], COMMON.code_version);
+  needVersion(/^brl([0-9]+)/i.exec(code)[1], COMMON.code_versions);
   if (play === undefined) {
     throw new LinkError(
       "This link contains only a share code, which a page cannot play. " +
@@ -13,7 +13,7 @@ async function linkedLevel(fragment) {
   const parts = /^([0-9]+)\.([0-9]+)\.(.*)$/.exec(play);
   if (parts === null) throw new LinkError("This link is cut off or damaged.");
   const [, version, length, body] = parts;
-  needVersion(version, COMMON.play_version);
+  needVersion(version, COMMON.play_versions);
   if (body.length < Number(length)) {
     throw new LinkError(
       `This link is cut off: its last ${Number(length) - body.length} characters are missing.`);
@@ -46,9 +46,10 @@ function decoded(fragment) {
 }
 
 function needVersion(version, ours) {
-  if (Number(version) === ours) return;
+  if (ours.includes(Number(version))) return;
+  const known = `version${ours.length > 1 ? "s" : ""} ${ours.join(" and ")}`;
   throw new LinkError(
-    `This link has version ${Number(version)}, but this page supports version ${ours}. ` +
+    `This link has version ${Number(version)}, but this page supports ${known}. ` +
     "Open it on a page made by the same version of babyrobot-levels.");
 }
 

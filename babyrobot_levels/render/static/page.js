@@ -13,22 +13,37 @@ function showLevel(data) {
   const svg = levelPicture(data);
   watch(false);
   picture?.stop();
-  game = new Game(data);
+  game = new Game(data, data.turns?.on ?? false);
   picture = new Picture(game, svg, find("stage"));
   document.title = data.title;
-  for (const name of ["title", "description", "best"]) find(name).textContent = data[name];
+  for (const name of ["title", "description"]) find(name).textContent = data[name];
   find("facts").replaceChildren(...data.facts.flatMap(factElements));
-  find("best").parentElement.hidden = data.best === "";
-  find("watch").hidden = data.walker === null;
   find("watched").textContent =
     data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
   for (const name of ["values", "policy"]) {
-    find(`show-${name}`).hidden = data.policy === null;
     find(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
   find("seed").value = data.seed;
-  picture.stand(game.state);
-  show(HELLO);
+  find("turning").hidden = data.turns === undefined;
+  showActions();
+  picture.stand();
+  show(HELLO + game.things.needs(game.configuration));
+}
+
+/** Show the controls of the robot's actions, and what is known about them. */
+function showActions() {
+  const { data, isTurning } = game;
+  const known = isTurning ? data.turns : data;
+  find("turning").setAttribute("aria-pressed", isTurning);
+  for (const place of document.querySelectorAll("[data-mode]")) {
+    place.hidden = (place.dataset.mode === "turns") !== isTurning;
+  }
+  const { walker } = data;
+  find("watch").hidden = walker === null || (walker === "best" && known.policy === null);
+  find("best").textContent = known.best;
+  find("best").parentElement.hidden = known.best === "";
+  find("show-values").hidden = known.policy === null;
+  find("show-policy").hidden = known.policy === null || isTurning;
 }
 
 function factElements([name, value]) {
@@ -73,10 +88,41 @@ function show(message, kind = "") {
   const line = find("message");
   line.textContent = message;
   line.dataset.kind = kind;
+  showHeld();
   for (const button of document.querySelectorAll("[data-action]")) {
+    if (button.parentElement.hidden) continue;
     const isOpen = game.end === null && game.isPossible(Number(button.dataset.action));
     button.classList.toggle("shut", !isOpen);
   }
+}
+
+/** Show what is held, and which switches are on. */
+function showHeld() {
+  const { things, configuration } = game;
+  const groups = [["Held", "item", things.held(configuration)],
+    ["On", "switch", things.on(configuration)]];
+  find("held").replaceChildren(...groups.flatMap(([title, kind, found]) =>
+    (things.of(kind).length === 0 ? [] : [heldElement(title, found)])));
+  find("held").hidden = !find("held").hasChildNodes();
+}
+
+function heldElement(title, found) {
+  const [group, name] = ["div", "dt"].map((tag) => document.createElement(tag));
+  name.textContent = title;
+  group.append(name, ...(found.length === 0 ? [null] : found).map((thing) => {
+    const detail = document.createElement("dd");
+    if (thing === null) {
+      detail.textContent = "nothing";
+      detail.className = "none";
+      return detail;
+    }
+    const [look, left, top, side] = thing.icon;
+    const box = [left, top, side, side].map(pixels).join(" ");
+    const icon = element("svg", { viewBox: box, "aria-hidden": true }, lookElement(look));
+    detail.append(icon, thing.name);
+    return detail;
+  }));
+  return group;
 }
 
 function watch(wanted) {
@@ -112,7 +158,7 @@ function take(action) {
 function begin(seed = null) {
   if (seed === null) game.reset();
   else game.seed(seed);
-  picture.stand(game.state);
+  picture.stand();
   show("A new episode begins.");
 }
 
@@ -122,6 +168,16 @@ function toggle(name) {
   const isShown = button.getAttribute("aria-pressed") !== "true";
   button.setAttribute("aria-pressed", isShown);
   find(name).classList.toggle("hidden", !isShown);
+  picture.marks.stand();
+}
+
+/** Let the robot turn, or move to all sides again: from the first episode of the seed. */
+function turn() {
+  if (find("turning").hidden) return;
+  watch(false);
+  game.isTurning = !game.isTurning;
+  showActions();
+  begin(find("seed").checkValidity() ? find("seed").value : game.data.seed);
 }
 
 function byHand(action) {
@@ -129,12 +185,11 @@ function byHand(action) {
   take(action);
 }
 
+const MOVES = ["stay", ...SIDES.slice(1)];
+const TURNS = ["left", "right", "forward"];
 const CONTROLS = {
-  stay: () => byHand(0),
-  north: () => byHand(1),
-  east: () => byHand(2),
-  south: () => byHand(3),
-  west: () => byHand(4),
+  ...Object.fromEntries([MOVES, TURNS].flatMap((names) =>
+    names.map((name, action) => [name, () => byHand(action)]))),
   restart: () => {
     watch(false);
     begin();
@@ -142,13 +197,17 @@ const CONTROLS = {
   watch: () => find("watch").hidden || watch(!isWatching),
   values: () => toggle("values"),
   policy: () => toggle("policy"),
+  turning: turn,
 };
 
 const KEYS = {
   arrowup: "north", arrowright: "east", arrowdown: "south", arrowleft: "west",
   w: "north", d: "east", s: "south", a: "west", " ": "stay",
-  r: "restart", p: "watch", v: "values", b: "policy",
+  r: "restart", p: "watch", v: "values", b: "policy", t: "turning",
 };
+
+/** What the keys of moves do while the robot turns; the others do nothing. */
+const TURN_KEYS = { north: "forward", east: "right", west: "left" };
 
 document.addEventListener("keydown", (event) => {
   if (game === null || event.ctrlKey || event.metaKey || event.altKey) return;
@@ -158,9 +217,10 @@ document.addEventListener("keydown", (event) => {
   const control = KEYS[event.key.toLowerCase()];
   if (control === undefined) return;
   event.preventDefault();
+  const isMove = MOVES.includes(control);
   // A key that is held down waits until the robot has arrived.
-  if (event.repeat && (picture.running !== null || !SIDES.includes(control))) return;
-  CONTROLS[control]();
+  if (event.repeat && (picture.running !== null || !isMove || control === "stay")) return;
+  CONTROLS[isMove && game.isTurning ? TURN_KEYS[control] : control]?.();
 });
 for (const button of document.querySelectorAll("[data-control]")) {
   button.addEventListener("click", () => CONTROLS[button.dataset.control]());

@@ -4,7 +4,8 @@ const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
 const CELLS = [22, 112]; // The smallest and the largest cells, in pixels.
 
 /** Return the picture of a level as an SVG element. */
-function levelPicture({ title, picture, robot, shown }) {
+function levelPicture(data) {
+  const { title, picture, robot, shown } = data;
   need(picture !== null && typeof picture === "object");
   const { layers, palette } = picture;
   need(layers !== null && typeof layers === "object");
@@ -12,6 +13,7 @@ function levelPicture({ title, picture, robot, shown }) {
   list(palette, 100000).forEach(color);
   const painter = new Painter(palette);
   const layer = (name) => painter.layer(layers[name]);
+  const things = thingElements(data, painter);
   const hidden = (name) => ({ id: name, class: shown.includes(name) ? undefined : "hidden" });
   return element("svg", {
     viewBox: `0 0 ${width} ${height}`,
@@ -22,12 +24,14 @@ function levelPicture({ title, picture, robot, shown }) {
     "stroke-linejoin": "round",
   },
   element("title", {}, title),
-  element("defs", {}, ...sprites(robot)),
+  element("defs", {}, ...sprites(robot), ...things.definitions),
   ...layer("base"),
   ...layer("grid"),
+  things.still,
   element("g", hidden("policy"), ...layer("policy")),
   element("g", hidden("values"), ...layer("values")),
-  element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })));
+  element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
+  things.moving);
 }
 
 /** Return the robot's symbols for all poses and phases, in the colours of a level. */
@@ -45,6 +49,8 @@ class Picture {
     this.stage = stage;
     this.robot = svg.querySelector("#robot");
     this.sprite = this.robot.querySelector("use");
+    this.things = new ThingsLayer(game, svg);
+    this.marks = new MarksLayer(game, svg);
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     this.running = null;
     stage.replaceChildren(svg);
@@ -61,18 +67,20 @@ class Picture {
 
   /** Show the robot at a place, in a pose and a phase of its move. */
   draw([x, y], pose, phase = 0) {
-    const { margin } = this.game.data;
-    const left = margin + x * COMMON.cell;
-    const top = margin + y * COMMON.cell;
+    const [left, top] = this.game.corner(x, y);
     const number = Math.round(phase * COMMON.phases) % COMMON.phases;
     this.robot.setAttribute("transform", `translate(${left.toFixed(2)} ${top.toFixed(2)})`);
     this.sprite.setAttribute("href", `#pose-${pose}-${number}`);
   }
 
-  stand(state, pose = 0) {
+  /** Show the state of the game. */
+  stand() {
+    const { state, standing } = this.game;
     this.stop();
     this.robot.dataset.state = state;
-    this.draw(this.game.place(state), pose);
+    this.draw(this.game.place(state), standing);
+    this.things.stand(state);
+    this.marks.stand();
     this.follow();
   }
 
@@ -82,26 +90,31 @@ class Picture {
   }
 
   /** Move the robot as a step did, and call `then` when it has arrived. */
-  go({ from, action, next, event, pose, after }, then) {
+  go({ from, move, next, event, pose, after }, then) {
     const start = this.game.place(from);
     const end = this.game.place(next);
     const shift = [end[0] - start[0], end[1] - start[1]];
     const duration = this.calm.matches ? 0 : GLIDE / this.game.data.speed;
-    const toWall = event === "bump" || (event === "bounce" && from === next);
+    const toWall = event === "bump" || (event === "bounce" && shift.every((length) => length === 0));
     this.stop();
     this.robot.dataset.state = next;
+    this.things.stand(from);
     let begin = null;
     const frame = (now) => {
       begin ??= now;
       const phase = duration ? Math.min(1, (now - begin) / duration) : 1;
       const eased = phase * phase * (3 - 2 * phase);
       const reach = toWall ? 0.13 * Math.sin(Math.PI * phase) : eased;
-      const [dx, dy] = toWall ? SHIFTS[action] : shift;
+      const [dx, dy] = toWall ? SHIFTS[move] : shift;
       const isThere = phase === 1;
       const place = isThere ? end : [start[0] + reach * dx, start[1] + reach * dy];
-      this.draw(place, isThere ? after : pose, isThere || from === next ? 0 : phase);
+      const isStill = shift.every((length) => length === 0);
+      this.draw(place, isThere ? after : pose, isThere || isStill ? 0 : phase);
+      this.things.between(from, next, eased).forEach((spot, index) => this.things.put(index, spot));
       this.running = isThere ? null : requestAnimationFrame(frame);
       if (isThere) {
+        this.things.stand(next);
+        this.marks.stand();
         this.follow();
         then();
       }

@@ -99,7 +99,7 @@ map: |
   |                ###  E |
   +---+---+---+---+---+---+
 legend:
-  k: {color: gold, item: yellow-key, shape: key}
+  k: {item: yellow-key, shape: key, color: gold}
 heading: N
 doors:
   - {at: [4, 4], side: W, needs: yellow-key, color: gold}

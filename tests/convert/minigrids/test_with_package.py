@@ -64,9 +64,9 @@ def test_a_plan_for_the_level_does_the_task_in_minigrid(name: str) -> None:
 def plan_of(level: Level) -> list[int]:
     """Return the actions of a shortest way to succeed, by turning and moving."""
     mdp = level.replace(rewards={"step": -1, "exit": 1000}).compile().turning(level.heading)
-    (state,) = mdp.start.nonzero()[0]
-    previous: dict[int, tuple[int, int]] = {int(state): (-1, -1)}
-    waiting = [int(state)]
+    (start,) = mdp.start.nonzero()[0].tolist()
+    previous: dict[int, tuple[int, int]] = {start: (-1, -1)}
+    waiting: list[int] = [start]
     for state in waiting:
         for action in range(3):
             ((_, after, reward, ends),) = mdp.outcomes(state, action)
@@ -103,7 +103,7 @@ class Player:
 
     def act(self, action: int) -> None:
         """Turn or move; on the way, open and pick up what is ahead."""
-        ahead = self.env.grid.get(*self.env.front_pos) if action == FORWARD else None
+        ahead: Any = self.env.grid.get(*self.env.front_pos) if action == FORWARD else None
         if getattr(ahead, "contains", None) is not None:
             self.step(TOGGLE)
             ahead = ahead.contains

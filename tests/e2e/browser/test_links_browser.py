@@ -300,7 +300,7 @@ LINK = fragment_of("walls")
         ),
         (
             LINK.replace("~1.", "~31."),
-            "has version 31, but this page supports version 1.",
+            "has version 31, but this page supports versions 1 and 2.",
         ),
         (play_sealed(b""), "This link is damaged: it cannot be decompressed."),
         (play_sealed(b"\xff\xff"), "This link is damaged: it cannot be decompressed."),

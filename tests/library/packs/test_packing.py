@@ -49,6 +49,31 @@ def test_what_is_packed_is_what_is_installed() -> None:
     assert len(brl.load_suite("zoo/herd")) == 10
 
 
+VAULT = (
+    level()
+    + """\
+doors:
+  - {at: [2, 0], side: E, length: 3, needs: key}
+items:
+  - {name: key, at: [1, 2]}
+"""
+)
+
+
+def test_levels_with_things_are_packed() -> None:
+    archive = packed(files={**zoo(), "levels/vault.yaml": VAULT})
+    assert babyrobot("install", archive).status == 0
+    found = brl.load("zoo/vault")
+    assert [item.name for item in found.items] == ["key"]
+    assert found.digest == brl.load(Path("source-1.0.0/levels/vault.yaml")).digest
+
+
+def test_things_that_walls_do_not_allow_are_not_packed() -> None:
+    walled = VAULT + "walls:\n  - {at: [3, 1], side: W}\n"
+    write_files(Path("zoo"), {**zoo(), "levels/vault.yaml": walled})
+    assert [(code, file) for code, file, _, _ in findings()] == [("BR322", "zoo/levels/vault.yaml")]
+
+
 def test_the_archive_is_a_zip_that_everybody_can_read() -> None:
     with zipfile.ZipFile(packed()) as archive:
         assert archive.testzip() is None

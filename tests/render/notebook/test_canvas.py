@@ -59,7 +59,7 @@ def test_frames_are_played_by_the_browser_in_one_message(sent: Sent) -> None:
     stage = LayeredCanvas(build_layers(SMALL, state=0))
     frames = [build_layers(SMALL, state=state)["robot"] for state in (0, 1, 2)]
     sent.clear()
-    stage.animate("robot", frames, 40)
+    stage.animate([{"robot": frame} for frame in frames], 40)
     assert len(sent.drawings) == 1
     assert sent.layers == 3 * ids(stage, "robot")
     assert sent.commands("sleep") == [[40], [40]]
@@ -137,7 +137,7 @@ def test_what_an_exception_left_unfinished_is_painted_the_next_time(
     assert sent.commands("fillRect") == [[0, 0, 1, 1]]
     sent.clear()
     robot = build_layers(SMALL, state=1)["robot"]
-    stage.animate("robot", [robot], 40)
+    stage.animate([{"robot": robot}], 40)
     assert set(sent.layers) == set(ids(stage, *LAYERS))
     assert sent.layers[-1:] == ids(stage, "robot")
     sent.clear()
@@ -157,7 +157,7 @@ def test_a_step_that_was_broken_off_is_made_good(
     with monkeypatch.context() as patch:
         patch.setattr(stages, "paint", paint)
         with pytest.raises(KeyboardInterrupt):
-            stage.animate("robot", [build_layers(SMALL, state=1)["robot"]], 40)
+            stage.animate([{"robot": build_layers(SMALL, state=1)["robot"]}], 40)
     sent.clear()
     stage.paint(layers)
     assert sent.layers == ids(stage, "robot")
@@ -165,7 +165,7 @@ def test_a_step_that_was_broken_off_is_made_good(
 
 def test_a_page_that_is_opened_later_is_given_the_whole_picture(sent: Sent) -> None:
     stage = LayeredCanvas(build_layers(SMALL, state=0))
-    stage.animate("robot", [build_layers(SMALL, state=2)["robot"]], 40)
+    stage.animate([{"robot": build_layers(SMALL, state=2)["robot"]}], 40)
     before = sent.seen_on(stage.widget)
     sent.clear()
     client_ready(stage)
@@ -178,7 +178,7 @@ def test_every_message_says_on_which_canvas_it_draws(sent: Sent) -> None:
     stage = LayeredCanvas(build_layers(SMALL, state=0))
     for state in (1, 2):
         stage.paint(build_layers(SMALL, state=state))
-        stage.animate("robot", [build_layers(SMALL, state=0)["robot"]], 40)
+        stage.animate([{"robot": build_layers(SMALL, state=0)["robot"]}], 40)
     base = build_layers(SMALL, state=0)
     base["base"] = replace(base["base"], shapes=())
     stage.paint(base)

@@ -5,8 +5,10 @@ from __future__ import annotations
 import xml.etree.ElementTree as ET
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from support.canvases import Sent
+from support.vault import vault
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.looks import Theme
@@ -14,7 +16,7 @@ from babyrobot_levels.render.notebook import view as views
 from babyrobot_levels.render.notebook.canvas import LayeredCanvas
 from babyrobot_levels.render.notebook.frontend import Frontend
 from babyrobot_levels.render.notebook.view import LevelView
-from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.build import LAYERS, build_layers
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
@@ -184,6 +186,70 @@ def test_what_was_painted_bit_by_bit_is_the_picture(sent: Sent) -> None:
     view.set_overlay(None)
     clean = LayeredCanvas(build_layers(other, state=7, pose=EAST)).widget
     assert sent.seen_on(view.widget) == sent.seen_on(clean) != sent.seen_on(whole)
+
+
+@pytest.mark.parametrize("actions", ["all", "turns"])
+def test_an_episode_with_things_is_painted_as_the_picture(
+    actions: str, watched: Clock, sent: Sent
+) -> None:
+    level = vault()
+    mdp = level.compile()
+    tables = mdp.turning("S") if actions == "turns" else mdp
+    view = LevelView(level)
+    _ = view.widget
+    random = np.random.default_rng(2)
+    state, seen = int(np.flatnonzero(tables.start)[0]), set()
+    for _ in range(60):
+        if tables.is_terminal[state]:
+            state = int(np.flatnonzero(tables.start)[0])
+        action = int(random.integers(tables.num_actions))
+        state = random.choice(
+            [next_state for _, next_state, _, _ in tables.outcomes(state, action)]
+        )
+        shown = tables.configuration(state) * mdp.cells + state % mdp.cells
+        heading = tables.heading(state) if actions == "turns" else None
+        pose = Pose().turned(heading)
+        view.move(shown, pose)
+        seen.add(tables.configuration(state))
+        whole = LayeredCanvas(build_layers(level, state=shown, heading=heading, pose=pose)).widget
+        assert sent.seen_on(view.widget) == sent.seen_on(whole)
+    assert len(seen) > 10
+
+
+def test_movers_glide_while_the_robot_stays(watched: Clock, sent: Sent) -> None:
+    level = brl.Level.from_fields(
+        {"version": 1, "size": [4, 2], "movers": [{"path": [[1, 1], [2, 1]], "back": True}]}
+    )
+    view = LevelView(level)
+    movers = view.widget[list(LAYERS).index("movers")].model_id
+    sent.clear()
+    view.move(8)
+    assert len(sent.drawings) == 1
+    assert sent.layers.count(movers) > 5
+    assert len(sent.layers) == sent.layers.count(movers) + 1
+    assert 100 < sum(pause for [pause] in sent.commands("sleep")) < 250
+
+
+def test_an_overlay_of_parts_follows_the_configuration(watched: Clock, sent: Sent) -> None:
+    level = brl.Level.from_fields(
+        {"version": 1, "size": [3, 1], "items": [{"name": "key", "at": [1, 0]}]}
+    )
+
+    def part(configuration: int | None, heading: int | None) -> Overlay:
+        return Overlay(values=[[float(configuration or 0)] * 3])
+
+    overlay = Overlay(parts=part)
+    view = LevelView(level)
+    _ = view.widget
+    view.set_overlay(overlay)
+    for state in (0, 1 + 3, 0 + 3):
+        view.move(state)
+        whole = LayeredCanvas(build_layers(level, state=state, overlay=overlay)).widget
+        assert sent.seen_on(view.widget) == sent.seen_on(whole)
+    sent.clear()
+    view.move(1 + 3)
+    # Only the robot has changed.
+    assert len(set(sent.layers)) == 1
 
 
 def test_what_is_refused_leaves_the_view_as_it_was(sent: Sent) -> None:

@@ -1,0 +1,201 @@
+"""Things on a page: what each of them can be, and what is where in each configuration.
+
+A thing has several values, and one of them in each configuration. A door is one, open or closed;
+so is the exit, if it is drawn or locked. Their pictures are pieces of the scene, each packed once
+as a *look*; the page's script shows those of the configuration at hand.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.mdp.doors import door_name, door_sides
+from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
+from babyrobot_levels.render.scene.icons import Spot
+from babyrobot_levels.render.scene.layout import Layout
+from babyrobot_levels.render.scene.movers import mover_shapes
+from babyrobot_levels.render.scene.situation import look_of, situation_of
+from babyrobot_levels.render.scene.things import Piece, pieces, thing_label
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.configurations import Cell, Configuration
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+Thing = dict[str, Any]
+
+_ONE_CELL = Layout(1, 1, 0.0, 0.0, 0.0)
+
+
+def things_data(
+    level: GridWorld, layout: Layout, palette: Palette
+) -> tuple[list[Thing], list[list[Group]]]:
+    """Return the things of a page, and the looks that they refer to.
+
+    A thing has its `kind` and `name`, and its value in each configuration (`values`). What else it
+    has depends on its kind:
+
+    - `looks`: the looks of each value; that of a mover is its figure around (0, 0). The last value
+      is that of an item that is held, a switch that is on, and a door that is closed.
+    - `cells` of items, switches and movers: where they are, a list for each value.
+    - `icon` of items and switches: the look that tells that it is held, or on, with the left and
+      upper edges and the side of the square around it.
+    - `sides` of doors: pairs of a cell and of the move that the closed door refuses there.
+    - `exits` and `needs` of the exit: the cells at which the episode ends, and what opens them.
+    - `label` of movers: the look of the label in the cell whose corner is (0, 0), -1 for none.
+
+    Args:
+        level: a level with things; a maze needs a seed.
+        layout: where its cells are.
+        palette: the palette of the page's picture.
+    """
+    return _Things(level, layout, palette).data()
+
+
+class _Things:
+    def __init__(self, level: GridWorld, layout: Layout, palette: Palette) -> None:
+        self.level, self.layout, self.palette = level, layout, palette
+        self.things, self.configurations = level.things(), level.compile().configurations
+        self.looks: list[list[Group]] = []
+        self.pieces: dict[tuple[Any, ...], tuple[int, Piece]] = {}
+        # Doors and exits depend on what is held and on, and not on movers.
+        static = self.configurations[:, : self.things.static]
+        _, first, place = np.unique(static, axis=0, return_index=True, return_inverse=True)
+        self.found = [self.level.configuration(number) for number in first.tolist()]
+        self.place = place.ravel()
+        self.exits = list(dict.fromkeys(map(_exit_of, self.found)))
+        self.add_looks(first)
+
+    def add_looks(self, first: Any) -> None:
+        """Add the pieces of some configurations that show everything that there is."""
+        shown = set()
+        for column in self.configurations.T:
+            shown.update(np.unique(column, return_index=True)[1].tolist())
+        seen: set[Any] = set()
+        for number, configuration in zip(first.tolist(), self.found, strict=True):
+            kinds = {*enumerate(configuration.doors), _exit_of(configuration)}
+            if not kinds <= seen:
+                seen |= kinds
+                shown.add(number)
+        for number in sorted(shown):
+            situation = situation_of(self.level, number)
+            for piece in pieces(self.level, self.layout, situation):
+                if piece.name not in self.pieces:
+                    self.pieces[piece.name] = self.add(piece.shapes), piece
+
+    def add(self, shapes: Any) -> int:
+        """Add a look and return its number."""
+        self.looks.append(pack(shapes, self.palette, self.layout.margin))
+        return len(self.looks) - 1
+
+    def find(self, *names: tuple[Any, ...]) -> list[int]:
+        """Return the looks of the pieces that there are."""
+        return [self.pieces[name][0] for name in names if name in self.pieces]
+
+    def icon(self, name: tuple[Any, ...]) -> list[int]:
+        """Return a piece's look, and the square around it: left, top and side."""
+        number, piece = self.pieces.get(name, (-1, None))
+        if piece is None:
+            return [-1, 0, 0, 0]
+        left, top, right, _ = piece.box
+        return [number, length(left), length(top), length(right - left)]
+
+    def data(self) -> tuple[list[Thing], list[list[Group]]]:
+        things = [*self.exit(), *self.switches(), *self.items(), *self.doors(), *self.movers()]
+        return things, self.looks
+
+    def exit(self) -> Iterator[Thing]:
+        level = self.level
+        if level.exit_one_of is None and not level.exit_keys:
+            return
+        numbers = [self.exits.index(_exit_of(configuration)) for configuration in self.found]
+        yield {
+            "kind": "exit",
+            "name": "exit",
+            "needs": list(level.exit_keys),
+            "values": self.listed(numbers),
+            "looks": [
+                self.find(
+                    *(("exit", cell, False) for cell in cells),
+                    *(("lock", cell) for cell in cells if not is_open),
+                )
+                for cells, is_open in self.exits
+            ],
+            "exits": [
+                [self.number(cell) for cell in cells] if is_open else []
+                for cells, is_open in self.exits
+            ],
+        }
+
+    def switches(self) -> Iterator[Thing]:
+        columns = self.configurations[:, self.things.switches].T.tolist()
+        for number, (switch, values) in enumerate(zip(self.level.switches, columns, strict=True)):
+            yield {
+                "kind": "switch",
+                "name": switch.name,
+                "values": values,
+                "looks": [self.find(("switch", number, is_on)) for is_on in (False, True)],
+                "cells": [[self.number(switch.at)]] * 2,
+                "icon": self.icon(("switch", number, True)),
+            }
+
+    def items(self) -> Iterator[Thing]:
+        columns = self.configurations[:, self.things.items].T.tolist()
+        for number, (item, values) in enumerate(zip(self.level.items, columns, strict=True)):
+            looks = [self.find(("item", number, cell, False)) for cell in item.places]
+            yield {
+                "kind": "item",
+                "name": item.name,
+                "values": values,
+                "looks": [*looks, []],
+                "cells": [*([self.number(cell)] for cell in item.places), []],
+                "icon": self.icon(("held", number, True)),
+            }
+
+    def doors(self) -> Iterator[Thing]:
+        sides: list[list[int]] = [[] for _ in self.level.doors]
+        for cell, side, number in door_sides(self.level, self.level.grid()):
+            sides[number] += cell, SIDES.index(side) + 1
+        for number, door in enumerate(self.level.doors):
+            yield {
+                "kind": "door",
+                "name": door_name(door),
+                "values": self.listed([int(each.doors[number]) for each in self.found]),
+                "looks": [
+                    self.find(*(("door", number, cell, is_closed) for cell in sides_of(door)))
+                    for is_closed in (False, True)
+                ],
+                "sides": sides[number],
+            }
+
+    def movers(self) -> Iterator[Thing]:
+        level, static = self.level, self.things.static
+        for number, mover in enumerate(level.movers):
+            ways = [look_of(mover, phase) for phase in range(len(mover.phases))]
+            figures = {way: self.add(mover_shapes(level, number, Spot(0, 0), way)) for way in ways}
+            label = tuple(thing_label(level, _ONE_CELL, (0, 0), mover.label))
+            yield {
+                "kind": "mover",
+                "name": self.things.names[static + number],
+                "values": self.configurations[:, static + number].tolist(),
+                "looks": [[figures[way]] for way in ways],
+                "cells": [[self.number(cell)] for cell in mover.phases],
+                "label": self.add(label) if label else -1,
+            }
+
+    def listed(self, values: list[int]) -> list[int]:
+        """Return the value in each configuration of something that movers do not change."""
+        listed: list[int] = np.array(values)[self.place].tolist()
+        return listed
+
+    def number(self, cell: Cell) -> int:
+        return cell[1] * self.layout.columns + cell[0]
+
+
+def _exit_of(configuration: Configuration) -> tuple[tuple[Cell, ...], bool]:
+    """Return the exits of an episode, and whether they are open."""
+    return configuration.exits, configuration.exit_is_open

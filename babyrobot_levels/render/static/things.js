@@ -1,0 +1,178 @@
+// Things: items, doors, switches, movers and exits, whose values make up a configuration.
+
+/** The things of one level, without a picture. */
+class Things {
+  constructor({ things = [], exits }) {
+    this.all = things;
+    this.exits = exits;
+  }
+
+  /** Return the things of a kind. */
+  of(kind) {
+    return this.all.filter((thing) => thing.kind === kind);
+  }
+
+  /** Return the items that are held. */
+  held(configuration) {
+    return this.of("item").filter((item) => isLast(item, configuration));
+  }
+
+  /** Return the switches that are on. */
+  on(configuration) {
+    return this.of("switch").filter((item) => isLast(item, configuration));
+  }
+
+  /** Return the cells that end an episode as exits. */
+  exitsOf(configuration) {
+    const [exit] = this.of("exit");
+    return exit === undefined ? this.exits : exit.exits[exit.values[configuration]];
+  }
+
+  /** Return the cells in which items lie, and those of switches. */
+  lying(configuration) {
+    return [...this.of("item"), ...this.of("switch")].flatMap(({ cells, values }) =>
+      cells[values[configuration]]);
+  }
+
+  /** Describe what the exits need while they are locked. */
+  needs(configuration) {
+    const [exit] = this.of("exit");
+    if (exit === undefined || this.exitsOf(configuration).length > 0) return "";
+    return ` It needs ${exit.needs.join(", ").replace(/, ([^,]*)$/, " and $1")}.`;
+  }
+
+  /** Return the closed door that refuses a move; undefined for none. */
+  doorAt(configuration, cell, move) {
+    return this.of("door").find((door) => isLast(door, configuration) &&
+      door.sides.some((place, at) => at % 2 === 0 && place === cell && door.sides[at + 1] === move));
+  }
+
+  /** Describe what changed from one configuration to another. */
+  changes(before, after) {
+    const words = {
+      item: ({ name }) => `Took the ${name}`,
+      switch: (thing) => `The ${thing.name} is ${isLast(thing, after) ? "on" : "off"}`,
+      door: (thing) => `The ${thing.name} ${isLast(thing, after) ? "closes" : "opens"}`,
+      exit: () => `The exit is ${this.exitsOf(after).length > 0 ? "open" : "closed"}`,
+    };
+    return Object.entries(words).flatMap(([kind, told]) =>
+      this.of(kind).filter(({ values }) => values[before] !== values[after]).map(told));
+  }
+}
+
+/** Return whether a thing has its last value: an item is held, a switch on, a door closed. */
+function isLast({ values, looks }, configuration) {
+  return values[configuration] === looks.length - 1;
+}
+
+/** The pictures of things in a level's picture. */
+class ThingsLayer {
+  constructor(game, svg) {
+    this.game = game;
+    this.movers = game.things.of("mover");
+    this.others = game.things.all.filter(({ kind }) => kind !== "mover");
+    this.groups = [...svg.querySelectorAll("#things > g")];
+    this.moving = [...svg.querySelectorAll("#movers > g")];
+    this.shown = this.others.map(() => null);
+  }
+
+  /** Show the things of a state. */
+  stand(state) {
+    const configuration = this.game.configurationOf(state);
+    this.others.forEach(({ values, looks }, index) => {
+      const value = values[configuration];
+      if (this.shown[index] === value) return;
+      this.shown[index] = value;
+      this.groups[index].replaceChildren(...looks[value].map(lookElement));
+    });
+    this.movers.forEach(({ values, looks }, index) => {
+      const [look] = looks[values[configuration]];
+      this.moving[index].firstChild.setAttribute("href", `#look-${look}`);
+    });
+    this.spots(state).forEach((spot, index) => this.put(index, spot));
+  }
+
+  /** Show a mover: the corner of its cell, and there its figure. */
+  put(index, [left, top, x, y, scale]) {
+    const group = this.moving[index];
+    group.setAttribute("transform", `translate(${left} ${top})`);
+    group.firstChild.setAttribute("transform", `translate(${x} ${y}) scale(${scale})`);
+  }
+
+  /** Return where the movers are drawn: smaller, in a corner, where they share their cell. */
+  spots(state) {
+    const configuration = this.game.configurationOf(state);
+    const cells = this.movers.map(({ cells: places, values }) => places[values[configuration]][0]);
+    const taken = new Set([state % this.game.cells, ...this.game.things.lying(configuration)]);
+    return cells.map((cell, index) => {
+      const before = cells.slice(0, index).filter((other) => other === cell).length;
+      const isAlone = !taken.has(cell) && cells.indexOf(cell) === cells.lastIndexOf(cell);
+      const [scale, dx, dy] = COMMON.spots[isAlone ? 0 : 1 + (before % (COMMON.spots.length - 1))];
+      const [left, top] = this.game.corner(...this.game.place(cell));
+      return [left, top, COMMON.cell / 2 + dx, COMMON.cell / 2 + dy, scale];
+    });
+  }
+
+  /** Return where the movers are between two states, for a part of the way; far ones jump. */
+  between(from, to, part) {
+    const [before, after] = [this.spots(from), this.spots(to)];
+    return before.map((spot, index) => {
+      const end = after[index];
+      const isFar = Math.hypot(end[0] - spot[0], end[1] - spot[1]) > 1.01 * COMMON.cell;
+      return isFar ? spot : spot.map((length, place) => length + part * (end[place] - length));
+    });
+  }
+}
+
+function lookElement(number) {
+  return element("use", { href: `#look-${number}` });
+}
+
+/** Return the definitions of a picture with things, and the groups that show them. */
+function thingElements({ things = [], picture }, painter) {
+  const looks = list(picture.looks ?? []).map((look, index) =>
+    element("g", { id: `look-${index}` }, ...painter.layer(look)));
+  const marks = list(picture.marks ?? []).map((mark) => element("g", {}, ...painter.layer(mark)));
+  const still = things.filter(({ kind }) => kind !== "mover").map(() => element("g", {}));
+  const moving = things.filter(({ kind }) => kind === "mover").map(({ label }) =>
+    element("g", {}, element("use", {}), ...(label < 0 ? [] : [lookElement(label)])));
+  return {
+    definitions: [...looks, element("g", { id: "marks" }, ...marks)],
+    still: element("g", { id: "things" }, ...still),
+    moving: element("g", { id: "movers" }, ...moving),
+  };
+}
+
+/** The values and optimal actions in a level's picture: of the configuration at hand. */
+class MarksLayer {
+  constructor(game, svg) {
+    this.game = game;
+    this.shapes = [...svg.querySelector("#marks").children];
+    this.layers = ["values", "policy"].map((name) => svg.querySelector(`#${name}`));
+    this.shown = this.layers.map(() => []);
+  }
+
+  /** Show the marks of all cells, in the layers that are visible. */
+  stand() {
+    if (this.shapes.length === 0) return;
+    const { data, isTurning, number, cells } = this.game;
+    const marks = (isTurning ? data.turns : data).marks ?? {};
+    const first = number - (number % cells);
+    this.layers.forEach((layer, index) => {
+      if (layer.classList.contains("hidden")) return;
+      const numbers = (marks[layer.id] ?? []).slice(first, first + cells);
+      for (let cell = 0; cell < cells; cell++) this.put(layer, index, cell, numbers[cell] ?? -1);
+    });
+  }
+
+  put(layer, index, cell, mark) {
+    const shown = this.shown[index];
+    if ((shown[cell]?.mark ?? -1) === mark) return;
+    shown[cell]?.group.remove();
+    const [left, top] = this.game.corner(...this.game.place(cell));
+    const group = element("g", { transform: `translate(${left} ${top})` });
+    if (mark >= 0) group.append(this.shapes[mark].cloneNode(true));
+    layer.append(group);
+    shown[cell] = { mark, group };
+  }
+}
