@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.cells import PuddleTypes
@@ -17,13 +18,15 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.grid import Grid
+    from babyrobot_levels.mdp.tables import Mdp
 
 SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
 PATHS = ("reachable", "path_length", "turns")
+THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
 RETURNS = ("best_return", "best_steps", "random_return", "random_steps", "wet_share", "difficulty")
 
 Pose = tuple[int, tuple[int, int] | None]
-"""A cell, and the direction (dx, dy) of the step that led there."""
+"""A state, and the direction (dx, dy) of the last step that led to another cell."""
 
 
 def metrics(level: Any) -> Metrics:
@@ -47,6 +50,8 @@ class Metrics:
 
     - Shape: `cells`, `dead_ends`, `corridors`, `junctions`, `loops`. A wall of glass is a wall.
     - Paths: `reachable`, `path_length`, `path`, `turns`.
+    - Things, only of levels that have some: `items`, `doors`, `switches`, `movers`,
+      `configurations`, `detour`.
     - Returns: `best_return`, `best_steps`, `random_return`, `random_steps`, `wet_share`,
       `difficulty`. Only for these the level is solved. None stands for an undefined return and
       for episodes that are too long (`brl.UndefinedReturnError`, `brl.EpisodeTooLongError`).
@@ -60,12 +65,14 @@ class Metrics:
     level: Level
 
     def to_dict(self, *, solve: bool = True) -> dict[str, Any]:
-        """Return all numbers by their names.
+        """Return all numbers by their names, those about things for levels that have some.
 
         Args:
             solve: whether to include those for which the level must be solved.
         """
-        return {name: getattr(self, name) for name in SHAPE + PATHS + (RETURNS if solve else ())}
+        things = THINGS if self.level.has_things else ()
+        names = SHAPE + PATHS + things + (RETURNS if solve else ())
+        return {name: getattr(self, name) for name in names}
 
     def __repr__(self) -> str:
         numbers = (f"{name}={value!r}" for name, value in self.to_dict(solve=False).items())
@@ -114,14 +121,17 @@ class Metrics:
     @cached_property
     def reachable(self) -> float:
         """The share of the cells that the robot can reach, starts included."""
-        return sum(steps >= 0 for steps in self._steps.reached) / self.cells
+        cells = self.level.size[0] * self.level.size[1]
+        reached = {state % cells for state, steps in enumerate(self._steps.reached) if steps >= 0}
+        return len(reached) / self.cells
 
     @cached_property
     def path_length(self) -> int | None:
         """The number of steps of a shortest path from the start to the nearest exit.
 
         Each step is one that can happen, with whatever probability: through glass, too. Of several
-        starts, the farthest counts. None if from some start no exit can be reached.
+        starts, the farthest counts. None if from some start no exit can be reached. With things it
+        is a path on which the robot takes what doors and exits need.
         """
         return max(self._lengths) if self._lengths else None
 
@@ -131,7 +141,9 @@ class Metrics:
 
         Of all shortest paths it is one with the fewest turns, always the same.
         """
-        return tuple((cell % self._width, cell // self._width) for cell in self._straightest[0])
+        cells, width = self._cells, self.level.size[0]
+        at = (state % cells for state in self._straightest[0])
+        return tuple((cell % width, cell // width) for cell in at)
 
     @cached_property
     def turns(self) -> int | None:
@@ -153,15 +165,66 @@ class Metrics:
         if self.path_length is None:
             return [], None
         start = self._starts[self._lengths.index(self.path_length)]
-        return straightest_path(self._steps, start, self._width)
+        return straightest_path(self._steps, start, self.level.size)
 
     @property
-    def _width(self) -> int:
-        return self.level.size[0]
+    def _cells(self) -> int:
+        return self.level.size[0] * self.level.size[1]
 
-    @property
+    @cached_property
     def _starts(self) -> list[int]:
-        return [y * self._width + x for x, y in self.level.starts]
+        """The states in which episodes begin."""
+        if self.level.has_things:
+            return self.level.compile().start.nonzero()[0].tolist()
+        return [y * self.level.size[0] + x for x, y in self.level.starts]
+
+    # -- things ----------------------------------------------------------------------------
+
+    @cached_property
+    def items(self) -> int:
+        """The number of items."""
+        return len(self.level.items)
+
+    @cached_property
+    def doors(self) -> int:
+        """The number of doors."""
+        return len(self.level.doors)
+
+    @cached_property
+    def switches(self) -> int:
+        """The number of switches."""
+        return len(self.level.switches)
+
+    @cached_property
+    def movers(self) -> int:
+        """The number of movers."""
+        return len(self.level.movers)
+
+    @cached_property
+    def configurations(self) -> int:
+        """The number of configurations: 1 without things."""
+        return self.level.compile().num_configurations if self.level.has_things else 1
+
+    @cached_property
+    def detour(self) -> float | None:
+        """How much longer doors make the shortest path: 1 if not at all, 2 if twice as long.
+
+        It is `path_length` divided by that of the level with all doors open. None if there is no
+        path.
+        """
+        if not self.path_length:
+            return None
+        if not self.level.doors:
+            return 1.0
+        from babyrobot_levels.mdp.compiler import compile_mdp
+        from babyrobot_levels.mdp.reachability import reach_of
+
+        without = self.level.model_copy(update={"doors": ()})
+        without.__dict__.pop("_things", None)
+        mdp = compile_mdp(without, self.level.grid())
+        to_exit = reach_of(without, mdp).to_exit
+        direct = max(to_exit[state] for state in mdp.start.nonzero()[0].tolist())
+        return self.path_length / direct
 
     # -- returns ---------------------------------------------------------------------------
 
@@ -194,8 +257,8 @@ class Metrics:
         """
         if self._optimal is None:
             return None
-        wet = {y * self._width + x for x, y in (puddle.at for puddle in self.level.puddles)}
-        cells = [cell for start in self._starts for cell in self._trajectory(start)]
+        wet = {y * self.level.size[0] + x for x, y in (puddle.at for puddle in self.level.puddles)}
+        cells = [state % self._cells for start in self._starts for state in self._trajectory(start)]
         return sum(cell in wet for cell in cells) / len(cells)
 
     @cached_property
@@ -247,18 +310,30 @@ class Metrics:
             return None
 
     def _trajectory(self, start: int) -> list[int]:
-        """Return the cells to which the optimal policy leads from a start without chance."""
+        """Return the states to which the optimal policy leads from a start without chance."""
         assert self._optimal is not None
         mdp, policy = self.level.compile(), self._optimal.policy.ravel()
-        cells: dict[int, None] = {}
-        cell = start
+        states: dict[int, None] = {}
+        state = start
         # The number of states stands for the starts, one of which has come already.
-        while cell < mdp.num_states and cell not in cells:
-            cells[cell] = None
-            if policy[cell] < 0:
+        while state < mdp.num_states and state not in states:
+            states[state] = None
+            if policy[state] < 0:
                 break
-            cell = int(mdp.intended_next_state[cell, policy[cell] + self._optimal.first_action])
-        return list(cells)
+            action = policy[state] + self._optimal.first_action
+            following = int(mdp.intended_next_state[state, action])
+            state = _arrived(mdp, state, action, following) if self.level.has_things else following
+        return list(states)
+
+
+def _arrived(mdp: Mdp, state: int, action: int, intended: int) -> int:
+    """Return the likeliest state after a step to the cell that it intends, with all things."""
+    outcomes = [
+        (chance, following)
+        for chance, following, _, _ in mdp.outcomes(state, action)
+        if following % mdp.cells == intended % mdp.cells
+    ]
+    return max(outcomes, key=itemgetter(0))[1] if outcomes else intended
 
 
 def _steps_to_exit(found: Evaluation | None) -> float | None:
@@ -276,9 +351,9 @@ class PossibleSteps:
     """The steps that are possible in a level, with whatever probability.
 
     Attributes:
-        successors: for each cell, the other cells to which one step can lead.
-        reached: for each cell the fewest steps from a start, -1 where none leads there.
-        to_exit: for each cell the fewest steps to an exit, -1 where none can be reached.
+        successors: for each state, the other states to which one step can lead.
+        reached: for each state the fewest steps from a start, -1 where none leads there.
+        to_exit: for each state the fewest steps to an exit, -1 where none can be reached.
     """
 
     successors: Successors
@@ -314,7 +389,8 @@ def possible_steps(level: Level) -> PossibleSteps:
 def _only_walls_matter(level: Level) -> bool:
     """Return whether the robot can go through each side that walls leave open, and only there."""
     return not (
-        level.warps
+        level.has_things
+        or level.warps
         or level.wind
         or level.areas
         or level.skid is not None
@@ -332,33 +408,38 @@ def neighbours(grid: Grid) -> list[list[int]]:
     return [[cell + step for step in steps[bits]] for cell, bits in enumerate(grid.open_bits)]
 
 
-def straightest_path(steps: PossibleSteps, start: int, width: int) -> tuple[list[int], int]:
-    """Return the cells of a shortest path from a cell to an exit, and how often it turns.
+def straightest_path(
+    steps: PossibleSteps, start: int, size: tuple[int, int]
+) -> tuple[list[int], int]:
+    """Return the states of a shortest path from a state to an exit, and how often it turns.
 
     Of all shortest paths it is one with the fewest turns. A turn is a step in another direction
-    (dx, dy) than the step before it.
+    (dx, dy) than the step before it; waiting for movers is not one.
     """
+    width, cells = size[0], size[0] * size[1]
     # By pose: the turns so far, and the pose before.
     layers: list[dict[Pose, tuple[int, Pose]]] = [{(start, None): (0, (start, None))}]
     for left in range(steps.to_exit[start] - 1, -1, -1):
         found: dict[Pose, tuple[int, Pose]] = {}
         for pose, (turns, _) in layers[-1].items():
-            cell, heading = pose
-            y, x = divmod(cell, width)
-            for other in steps.successors[cell]:
+            state, heading = pose
+            y, x = divmod(state % cells, width)
+            for other in steps.successors[state]:
                 if steps.to_exit[other] == left:
-                    direction = (other % width - x, other // width - y)
+                    at_y, at_x = divmod(other % cells, width)
+                    moves = (at_x, at_y) != (x, y)
+                    direction = (at_x - x, at_y - y) if moves else heading
                     count = turns + (heading is not None and direction != heading)
                     if (other, direction) not in found or count < found[other, direction][0]:
                         found[other, direction] = (count, pose)
         layers.append(found)
     pose = min(layers[-1], key=lambda last: layers[-1][last][0])
     turns = layers[-1][pose][0]
-    cells = []
+    states = []
     for layer in reversed(layers):
-        cells.append(pose[0])
+        states.append(pose[0])
         pose = layer[pose][1]
-    return cells[::-1], turns
+    return states[::-1], turns
 
 
 def connected_components(successors: Successors, cells: Iterable[int]) -> int:

@@ -39,7 +39,7 @@ def show(
     """Show the facts about a level: texts, numbers, digest, metrics and drawing.
 
     The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
-    left out above 5,000 cells.
+    left out above 5,000 cells; with items, doors, switches or movers, above 5,000 states.
 
     Examples:
 
@@ -89,10 +89,16 @@ def _facts(level: Level) -> dict[str, Any]:
         "metrics": None,
     }
     if not level.has_random_maze:
+        from babyrobot_levels.analysis.solver.space import space_of
+
         mdp = level.compile()
         happens = mdp.probability > 0
         facts["states"] = int((~level.grid().blocked).sum())
         facts["outcomes"] = int(happens.sum())
+        if level.has_things:
+            # Of the pairs of configuration and cell, those that an episode reaches.
+            reached = ~space_of(level, "all").without_value
+            facts["states"], facts["outcomes"] = int(reached.sum()), int(happens[reached].sum())
         facts["chance"] = bool(happens[~mdp.is_terminal].sum(axis=2).max(initial=0) > 1)
         facts["digest"] = level.digest
         facts["metrics"] = _metrics(level)
@@ -105,7 +111,8 @@ def _metrics(level: Level) -> dict[str, Any]:
     from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
 
     found = metrics(level)
-    numbers = found.to_dict(solve=found.cells <= MAX_SOLVED)
+    states = level.compile().num_states if level.has_things else found.cells
+    numbers = found.to_dict(solve=states <= MAX_SOLVED)
     return {name: _number(value) for name, value in numbers.items()}
 
 

@@ -76,7 +76,10 @@ def read_policy(policy: Any, mdp: Mdp, actions: str, things: Things) -> Floats:
     policy, first_action = unwrapped_policy(policy)
     first = check_actions(actions) if first_action is None else first_action
     if first_action is not None and (own == TURNS) != (actions == TURNS):
-        raise ValueError(f"the policy is one for actions={own!r}, not for actions={actions!r}")
+        raise ValueError(
+            f"the policy is one for actions={own!r}, not for actions={actions!r}; "
+            f"give actions={own!r}"
+        )
     if callable(policy):
         policy = _called(policy, mdp, things)
     table = np.asarray(policy)
