@@ -229,7 +229,7 @@ def generate(
 
       babyrobot generate --count 100 --size 6x6..9x9 --path-length 20.. --seed 7 -o long-ways
 
-      babyrobot generate --count 50 --size 9x9 --keys 2 --coins 3 --detour 12.. -o locked
+      babyrobot generate --count 10 --size 9x9 --keys 2 --coins 3 --detour 12.. -o locked
 
       babyrobot generate --count 200 --split train=0.8,test=0.2 -o data
 

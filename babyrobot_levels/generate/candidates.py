@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.metrics import Metrics, neighbours
+from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.generate.locks import Counts, Placer
 from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.fields import Role, fields_with
@@ -37,6 +38,9 @@ THINGS = ("doors", "items", "movers")
 """The fields in which things are placed."""
 
 SIZES_KEPT = 256
+
+TOLERANCE = 1e-6
+"""Optima that differ by less are the same."""
 
 
 class Candidate:
@@ -78,9 +82,26 @@ class Candidate:
 
     @cached_property
     def has_room(self) -> bool:
-        """Whether all its things could be placed, and the exit can be reached past the guards."""
+        """Whether all its things could be placed, with a way to the exit, and none is idle."""
         things = self._things
-        return things is not None and (not things or self._steps_among_things > 0)
+        if not things:
+            return things is not None
+        return self._steps_among_things > 0 and self._needs_its_doors
+
+    @property
+    def _needs_its_doors(self) -> bool:
+        """Whether the optimum would be another one without any of the doors.
+
+        Doors that share a key may stand in one way, where one of them would do.
+        """
+        doors, level = self.level.doors, self.level
+        if not doors or len(doors) > sum(item.picture == "key" for item in level.items):
+            return True
+        optimum = solve(level).expected_return
+        return all(
+            solve(_without_door(level, number)).expected_return > optimum + TOLERANCE
+            for number in range(len(doors))
+        )
 
     @property
     def detour(self) -> int:
@@ -261,6 +282,13 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
         if plain_maze.grid().open_bits == level.grid().open_bits:
             return plain_maze
     return level
+
+
+def _without_door(level: Level, number: int) -> Level:
+    doors = level.doors[:number] + level.doors[number + 1 :]
+    other = level.model_copy(update={"doors": doors})
+    other.__dict__.pop("_mdp", None)
+    return other
 
 
 def _draw_puddles(

@@ -248,24 +248,32 @@ class Placer:
     def _path(
         self, free: list[int], kept: set[int], doors: set[frozenset[int]]
     ) -> list[int] | None:
-        """Return the cells of a walk without repetition, None where every try is too short."""
+        """Return the cells of a walk that the robot can pass, None where every try fails."""
         fewest, most = GUARD_CELLS
         for _ in range(MOST_TRIES if free else 0):
             path = [self._draw(free)]
             while len(path) < most:
-                ways = [
-                    other
-                    for other in self.ahead[path[-1]]
-                    if other not in kept
-                    and other not in path
-                    and frozenset((path[-1], other)) not in doors
-                ]
+                ways = self._beside(path, -1, kept, doors)
                 if not ways:
                     break
                 path.append(self._draw(ways))
-            if len(path) >= fewest:
+            # Beyond its ends the robot is safe, and in a niche beside it the guard passes.
+            ends = [self._beside(path, end, kept, doors) for end in (0, -1)]
+            niches = [self._beside(path, place, kept, doors) for place in range(1, len(path) - 1)]
+            if len(path) >= fewest and all(ends) and any(niches):
                 return path
         return None
+
+    def _beside(
+        self, path: list[int], place: int, kept: set[int], doors: set[frozenset[int]]
+    ) -> list[int]:
+        """Return the neighbours of a cell of a path that are not on it, nor behind a door."""
+        cell = path[place]
+        return [
+            other
+            for other in self.ahead[cell]
+            if other not in kept and other not in path and frozenset((cell, other)) not in doors
+        ]
 
     def _draw(self, choices: Sequence[Any]) -> Any:
         return choices[below(self.rng, len(choices))]

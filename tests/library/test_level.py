@@ -358,7 +358,16 @@ def test_good_files_are_saved_as_the_same_level(path: Path, tmp_path: Path) -> N
         {"description": "two\nlines\n"},
         {"discount": 0.5, "author": "me"},
         {"openings": None, "rewards": {"step": -2}, "max_steps": 7},
-        {"walls": None, "areas": None, "legend": None, "map": None, "wind": None, "size": [20, 20]},
+        {
+            "walls": None,
+            "areas": None,
+            "legend": None,
+            "map": None,
+            "wind": None,
+            "size": [20, 20],
+            "doors": None,
+            "movers": None,
+        },
     ],
     ids=lambda fields: "-".join(fields),
 )
