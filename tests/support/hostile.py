@@ -186,6 +186,17 @@ BROKEN: dict[str, tuple[str, Callable[[], bytes]]] = {
     ),
     "11,000 items": ("BR404", lambda: listed("items", named(123, 11_000), "size: [123, 123]\n")),
     "items side by side": ("BR404", lambda: listed("items", named(30, 889), "size: [30, 30]\n")),
+    "items in any order": (
+        "BR404",
+        lambda: listed("items", named(5, 24), "size: [5, 5]\nexit: none\n"),
+    ),
+    "12 items and a mover": (
+        "BR404",
+        lambda: (
+            listed("items", named(30, 12, 91), "size: [30, 30]\n")
+            + b"movers: [{within: {at: [0, 8], size: [4, 2]}, start: [0, 8]}]\n"
+        ),
+    ),
     "switches everywhere": ("BR404", lambda: listed("switches", named(7, 39), "size: [7, 7]\n")),
     "an item in many cells": (
         "BR404",

@@ -7,6 +7,7 @@ the cells; by taking an item or flipping a switch it comes to another layer.
 from __future__ import annotations
 
 from array import array
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -90,6 +91,44 @@ class Change(NamedTuple):
     reward: float | None
 
 
+class Changes:
+    """What arriving at cells changes, by the values of all things but the movers."""
+
+    def __init__(self, level: LevelFields, things: Things):
+        width = level.size[0]
+        # Column, cell of each value, and what changes there.
+        self._items = [
+            (column, [y * width + x for x, y in item.places], Change(column, held, item.reward))
+            for column, item in enumerate(level.items, things.items.start)
+            for held in [len(item.places)]
+        ]
+        # Column, cell, and for the values 0 and 1 what changes there.
+        self._switches = [
+            (
+                column,
+                switch.at[1] * width + switch.at[0],
+                [
+                    None if switch.once and value != switch.on else Change(column, 1 - value, None)
+                    for value in (0, 1)
+                ],
+            )
+            for column, switch in enumerate(level.switches, things.switches.start)
+        ]
+
+    def at(self, values: Values) -> dict[int, Change]:
+        """Return what changes at the cells at which something does."""
+        found = {
+            cells[value]: change
+            for column, cells, change in self._items
+            if (value := values[column]) < len(cells)
+        }
+        for column, cell, changes in self._switches:
+            change = changes[values[column]]
+            if change is not None:
+                found[cell] = change
+        return found
+
+
 @dataclass(eq=False)
 class Layer:
     """A layer, and what the search found in it.
@@ -108,6 +147,7 @@ class Layer:
 
     level: LevelFields
     things: Things
+    changes: Changes
     number: int
     values: Values
     exits: tuple[int, ...]
@@ -129,17 +169,7 @@ class Layer:
     @cached_property
     def arrivals(self) -> dict[int, Change]:
         """What changes at the cells at which something does."""
-        width, found = self.level.size[0], {}
-        for column, item in enumerate(self.level.items, self.things.items.start):
-            if (value := self.values[column]) < len(item.places):
-                x, y = item.places[value]
-                found[y * width + x] = Change(column, len(item.places), item.reward)
-        for column, switch in enumerate(self.level.switches, self.things.switches.start):
-            value = self.values[column]
-            if not switch.once or value == int(switch.on):
-                x, y = switch.at
-                found[y * width + x] = Change(column, 1 - value, None)
-        return found
+        return self.changes.at(self.values)
 
     def after(self, change: Change) -> Values:
         """Return the values after a change."""
@@ -173,6 +203,7 @@ class Layers:
         self._numbers: dict[Values, int] = {}
         places = [level.exits] if level.exit_one_of is None else [[c] for c in level.exit_one_of]
         self._exits = [tuple(y * grid.width + x for x, y in cells) for cells in places]
+        self._changes = Changes(level, things)
         self._exit_needs = [*self._columns(level.exit_keys)]
         self._grounds: dict[tuple[tuple[bool, ...], tuple[int, ...]], Ground] = {}
         self._overs: dict[tuple[tuple[int, ...], bool], bytes] = {}
@@ -254,6 +285,7 @@ class Layers:
         layer = Layer(
             level=self.level,
             things=self.things,
+            changes=self._changes,
             number=len(self.layers),
             values=values,
             exits=exits,
@@ -319,9 +351,10 @@ class Layers:
             layer.waiting.append(joint * self.size + cell)
 
     def _search(self) -> None:
-        waiting = [layer for layer in self.layers if layer.waiting]
+        # Layers that were found first come first: from them most others are found.
+        waiting = deque(layer for layer in self.layers if layer.waiting)
         while waiting:
-            layer = waiting.pop()
+            layer = waiting.popleft()
             touched = self._walk_among(layer) if self.level.movers else self._walk(layer)
             waiting += [other for other in touched if other.waiting]
 

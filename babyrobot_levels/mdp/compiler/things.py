@@ -35,6 +35,9 @@ from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
 
+MAX_WIDE_STATES = 5_000_000
+"""The most states times the outcomes of the longest row: the tables keep that room."""
+
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
 
@@ -86,6 +89,16 @@ def _field_of(level: LevelFields, field: str) -> str:
     return "legend" if level._drawn.get(field) else field
 
 
+def _too_large(level: LevelFields, states: int, width: int) -> UnplayableError:
+    message = (
+        f"the tables are too large: {states:,} states, and {width} outcomes of an action; "
+        f"together at most {MAX_WIDE_STATES:,} are allowed"
+    )
+    help_text = "use fewer things that walk or skid at random, or a smaller level"
+    field = "movers" if level.movers else _field_of(level, "items")
+    return UnplayableError([Issue("BR404", Key((field,)), message, help_text)])
+
+
 def _counted(count: int, one: str, several: str) -> str:
     return f"{count} {one if count == 1 else several}"
 
@@ -134,6 +147,7 @@ class _Compiler:
         intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
         parts: list[_Outcomes] = []
+        width = 1
         for ground, members in self._groups():
             hindered, targets = obstructions(ground.moves, ground.terrain, ground.warps)
             for layer in members:
@@ -144,7 +158,13 @@ class _Compiler:
                 target = targets[cells]
                 there = (states - cells)[:, None] + target
                 intended[states] = np.where(target == self.size, count, there)
-            parts += self._outcomes(ground, members)
+            for part in self._outcomes(ground, members):
+                parts.append(part)
+                width = max(width, int(part.slot.max()) + 1)
+                if width > MAX_OUTCOMES:
+                    raise _too_many_outcomes(self.level)
+                if width * count > MAX_WIDE_STATES:
+                    raise _too_large(self.level, count, width)
         action_mask = (obstruction != REFUSED).astype(np.int8)
         action_mask[over, 1:] = 0
         start = np.zeros(count)
@@ -160,7 +180,7 @@ class _Compiler:
             intended_next_state=intended,
             obstruction=obstruction,
             configurations=self.configurations,
-            **_wide(self.level, parts, over),
+            **_wide(parts, width, over),
         ).freeze()
 
     def _groups(self) -> Iterator[tuple[Ground, list[Layer]]]:
@@ -283,9 +303,13 @@ class _Ends:
 
 @dataclass(frozen=True, slots=True)
 class _Outcomes:
-    """Distinct outcomes, sorted by row, next state, reward and whether they end the episode."""
+    """Distinct outcomes, sorted by row, next state, reward and whether they end the episode.
+
+    `slot` is the number of each among those of its row.
+    """
 
     row: Ints
+    slot: Ints
     probability: Floats
     next_state: Ints
     reward: Floats
@@ -320,21 +344,16 @@ def _merged(
     )
     first = is_new.nonzero()[0]
     total = np.add.reduceat(probability[order], first)
-    return _Outcomes(row[first], total, next_state[first], reward[first], terminal[first])
+    row = row[first]
+    begins = np.ones(row.size, bool)
+    begins[1:] = row[1:] != row[:-1]
+    begin = begins.nonzero()[0]
+    slot = np.arange(row.size) - np.repeat(begin, np.diff(np.append(begin, row.size)))
+    return _Outcomes(row, slot, total, next_state[first], reward[first], terminal[first])
 
 
-def _wide(level: LevelFields, parts: list[_Outcomes], over: Flags) -> dict[str, Any]:
+def _wide(parts: list[_Outcomes], width: int, over: Flags) -> dict[str, Any]:
     """Return the tables with the outcomes in their rows; where it is over, states lead back."""
-    slots, width = [], 1
-    for part in parts:
-        begins = np.ones(part.row.size, bool)
-        begins[1:] = part.row[1:] != part.row[:-1]
-        first = begins.nonzero()[0]
-        length = np.diff(np.append(first, part.row.size))
-        slots.append(np.arange(part.row.size) - np.repeat(first, length))
-        width = max(width, int(length.max()))
-    if width > MAX_OUTCOMES:
-        raise _too_many_outcomes(level)
     states = over.size
     tables: dict[str, NDArray[Any]] = {
         "probability": np.zeros((states * NUM_ACTIONS, width)),
@@ -342,9 +361,9 @@ def _wide(level: LevelFields, parts: list[_Outcomes], over: Flags) -> dict[str, 
         "reward": np.zeros((states * NUM_ACTIONS, width)),
         "terminal": np.zeros((states * NUM_ACTIONS, width), bool),
     }
-    for part, slot in zip(parts, slots, strict=True):
+    for part in parts:
         for name, table in tables.items():
-            table[part.row, slot] = getattr(part, name)
+            table[part.row, part.slot] = getattr(part, name)
     shaped = {name: table.reshape(states, NUM_ACTIONS, width) for name, table in tables.items()}
     ended = over.nonzero()[0]
     shaped["probability"][ended, :, 0] = 1.0
