@@ -206,25 +206,19 @@ class Metrics:
         return self.level.compile().num_configurations if self.level.has_things else 1
 
     @cached_property
-    def detour(self) -> float | None:
-        """How much longer doors make the shortest path: 1 if not at all, 2 if twice as long.
+    def detour(self) -> int | None:
+        """The number of steps that things add to the shortest path; None if there is no path.
 
-        It is `path_length` divided by that of the level with all doors open. None if there is no
-        path.
+        It is `path_length` less that of the level with all doors and exits open, without movers.
         """
-        if not self.path_length:
+        if self.path_length is None:
             return None
-        if not self.level.doors:
-            return 1.0
-        from babyrobot_levels.mdp.compiler import compile_mdp
-        from babyrobot_levels.mdp.reachability import reach_of
-
-        without = self.level.model_copy(update={"doors": ()})
-        without.__dict__.pop("_things", None)
-        mdp = compile_mdp(without, self.level.grid())
-        to_exit = reach_of(without, mdp).to_exit
-        direct = max(to_exit[state] for state in mdp.start.nonzero()[0].tolist())
-        return self.path_length / direct
+        fields = ("items", "doors", "switches", "movers", "exit_needs")
+        bare = self.level.model_copy(update=dict.fromkeys(fields, ()))
+        for name in ("_things", "_mdp", "_digest"):
+            bare.__dict__.pop(name, None)
+        direct = Metrics(bare).path_length
+        return None if direct is None else self.path_length - direct
 
     # -- returns ---------------------------------------------------------------------------
 

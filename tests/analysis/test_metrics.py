@@ -14,7 +14,7 @@ from hypothesis import given
 from support.worlds import World, level_of, worlds
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE
+from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
 from babyrobot_levels.library.level import Level
 
 NAMES = (*SHAPE, *PATHS, *RETURNS)
@@ -401,6 +401,77 @@ def test_where_the_random_policy_may_be_caught_for_ever_it_is_infinite() -> None
         "warps": [{"at": [0, 1], "to": [3, 1]}],
     }
     assert difficulty(caught) == math.inf
+
+
+# -- things ----------------------------------------------------------------------------------
+
+
+def locked(**fields: Any) -> Level:
+    """Return a level whose exit is behind a door: the key is to the west, the coin to the south."""
+    level = {
+        "version": 1,
+        "size": [4, 2],
+        "start": [1, 0],
+        "exit": [3, 0],
+        "items": [{"name": "key", "at": [0, 0]}, {"name": "coin", "at": [1, 1], "reward": 1}],
+        "doors": [{"at": [1, 0], "side": "E", "needs": "key"}],
+        "walls": [{"at": [1, 1], "side": "E"}],
+    }
+    return brl.load({**level, **fields})
+
+
+def test_things_are_counted_and_the_path_leads_by_the_key() -> None:
+    found = brl.metrics(locked())
+    counted = {name: getattr(found, name) for name in THINGS}
+    # The key can be held without the coin, and the other way round.
+    assert counted == {
+        "items": 2,
+        "doors": 1,
+        "switches": 0,
+        "movers": 0,
+        "configurations": 4,
+        "detour": 2,
+    }
+    assert found.path == ((1, 0), (0, 0), (1, 0), (2, 0), (3, 0))
+    assert (found.path_length, found.turns, found.reachable) == (4, 1, 1.0)
+    assert list(found.to_dict()) == [*SHAPE, *PATHS, *THINGS, *RETURNS]
+    assert list(found.to_dict(solve=False)) == [*SHAPE, *PATHS, *THINGS]
+    # The coin is worth no step: the optimal path is the shortest one.
+    assert (found.best_return, found.best_steps) == (-3, 4)
+    # Without a door there is no detour; of a door that never opens, no path.
+    assert brl.metrics(locked(doors=[])).detour == 0
+    assert brl.metrics(locked(doors=[], exit_needs="key")).detour == 2
+    shut = locked(doors=[{"at": [1, 0], "side": "E", "needs": "key", "unless": "key"}])
+    assert (brl.metrics(shut).path_length, brl.metrics(shut).detour) == (None, None)
+    assert brl.metrics(shut).reachable == 4 / 8
+
+
+def test_levels_without_things_tell_nothing_about_them() -> None:
+    found = brl.metrics("final-maze")
+    assert list(found.to_dict()) == list(NAMES)
+    assert (found.items, found.configurations, found.detour) == (0, 1, 0)
+
+
+def test_waiting_for_a_guard_takes_a_step_and_is_no_turn() -> None:
+    # The guard blocks the corridor for one more step, and then steps aside.
+    level = {
+        "version": 1,
+        "size": [3, 2],
+        "exit": [2, 0],
+        "blocked": [{"at": [0, 1]}, {"at": [2, 1]}],
+        "movers": [{"path": [[1, 0], [1, 0], [1, 1], [1, 1]]}],
+        "hit": {"reward": -9},
+    }
+    found = brl.metrics(level)
+    assert found.path == ((0, 0), (0, 0), (1, 0), (2, 0))
+    assert (found.path_length, found.turns, found.best_steps, found.detour) == (3, 0, 3, 1)
+
+
+def test_the_trajectory_of_the_optimal_policy_takes_things() -> None:
+    # The only puddle lies under the key.
+    level = locked(puddles=[{"at": [0, 0]}])
+    found = brl.metrics(level)
+    assert found.wet_share == pytest.approx(1 / 5)
 
 
 # -- how it is asked -------------------------------------------------------------------------

@@ -8,7 +8,7 @@ import pytest
 from support.maze_pictures import DOCUMENT, FOLDER, pictures, table
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE
+from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
 from babyrobot_levels.mdp.mazes import ALGORITHMS
 
 TEXT = DOCUMENT.read_text(encoding="utf-8")
@@ -35,7 +35,7 @@ def test_each_algorithm_has_its_section_in_order() -> None:
 
 def test_each_metric_is_explained_in_order() -> None:
     rows = re.findall(r"^\| `(\w+)` \|", TEXT[TEXT.index("## Metrics") :], flags=re.MULTILINE)
-    assert [row for row in rows if row != "path"] == [*SHAPE, *PATHS, *RETURNS]
+    assert [row for row in rows if row != "path"] == [*SHAPE, *PATHS, *THINGS, *RETURNS]
 
 
 @pytest.mark.parametrize("text", re.findall(r"```yaml\n(.*?)```", TEXT, flags=re.DOTALL))
