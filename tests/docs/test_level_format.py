@@ -286,7 +286,8 @@ def codes_of_the_package() -> set[str]:
 def test_exactly_the_codes_that_exist_are_listed() -> None:
     listed = re.findall(r"^\| (BR\d{3}) \|", TEXT, flags=re.MULTILINE)
     assert listed == sorted(set(listed))
-    assert set(re.findall(r"BR\d{3}", TEXT)) == set(listed)
+    told = re.sub(r"<!-- lint .*? -->", "", TEXT)
+    assert set(re.findall(r"BR\d{3}", told)) == set(listed)
     assert set(listed) == codes_of_the_package()
 
 
