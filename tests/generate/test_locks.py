@@ -21,7 +21,7 @@ FIELDS: dict[str, Any] = {
     "version": 1,
     "kind": "suite",
     "name": "locked",
-    "count": 60,
+    "count": 12,
     "size": {"min": [5, 5], "max": [8, 8]},
     "maze": {"algorithm": ["wilson", "depth-first"], "loops": {"max": 0.5}},
     "exit": "farthest",
@@ -96,7 +96,7 @@ def test_every_door_separates_the_maze(locked: Suite) -> None:
 
 
 def test_the_detour_is_that_of_the_shortest_way() -> None:
-    suite = load_suite({**FIELDS, "count": 15, "detour": {"min": 8, "max": 14}})
+    suite = load_suite({**FIELDS, "count": 5, "detour": {"min": 8, "max": 14}})
     for level in suite:
         plain = level.replace(doors=None, items=None, movers=None)
         ahead, straight = fewest_steps(level), fewest_steps(plain)
@@ -106,7 +106,7 @@ def test_the_detour_is_that_of_the_shortest_way() -> None:
 
 
 def test_more_doors_than_keys_share_keys() -> None:
-    suite = load_suite({**FIELDS, "count": 10, "keys": 2, "doors": 4})
+    suite = load_suite({**FIELDS, "count": 4, "keys": 2, "doors": 4})
     for level in suite:
         assert len(level.doors) == 4
         assert {name for door in level.doors for name in door.keys} == {"gold-key", "red-key"}
@@ -134,6 +134,7 @@ def test_a_drawn_level_keeps_its_things() -> None:
         assert len(again.doors) == len(again.items[:1]) == len(again.movers) == 1
 
 
+@pytest.mark.slow
 def test_the_shipped_suite_has_disjoint_splits() -> None:
     suite = load_suite("locked-mazes")
     train, test = suite.split("train"), suite.split("test")
@@ -159,6 +160,7 @@ def test_what_cannot_be_is_an_error(fields: dict[str, Any], message: str) -> Non
         load_suite({"version": 1, "kind": "suite", "count": 3, **fields})
 
 
+@pytest.mark.slow
 def test_too_little_room_is_said() -> None:
     small = {"size": [4, 4], "exit": "farthest", "guards": 4}
     suite = load_suite({"version": 1, "kind": "suite", "count": 1, **small})

@@ -52,6 +52,7 @@ def test_movers_hit_those_whose_cell_they_enter_or_that_they_pass() -> None:
     assert hits == [False, False, False, True, True, True, False]
 
 
+@pytest.mark.slow
 @for_each("seed", range(100))
 def test_hits_are_those_of_the_reference(seed: int) -> None:
     fields = random_level(Random(seed))

@@ -29,6 +29,8 @@ Pair = tuple[tuple[int, ...], tuple[int, int]]
 
 RULES = [rule for rule in all_rules() if rule.code < "BR6"]
 SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much]
+pytestmark = pytest.mark.slow
+
 untimed = settings(deadline=None, suppress_health_check=SLOW)
 worlds = st.integers(0, 10**9).map(lambda seed: random_level(Random(seed)))
 

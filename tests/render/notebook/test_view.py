@@ -188,6 +188,7 @@ def test_what_was_painted_bit_by_bit_is_the_picture(sent: Sent) -> None:
     assert sent.seen_on(view.widget) == sent.seen_on(clean) != sent.seen_on(whole)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("actions", ["all", "turns"])
 def test_an_episode_with_things_is_painted_as_the_picture(
     actions: str, watched: Clock, sent: Sent
