@@ -17,18 +17,21 @@ try:
 except ArithmeticError:  # without a discount, the return of this level has no value
     solution = brl.solve(level, discount=0.99)
 
-env = level.make(render_mode="ansi", max_episode_steps=level.max_steps or 1000)
-(x, y), _ = env.reset(seed=0)
+policy, mdp = solution.policy.ravel(), level.compile()
+limit = level.max_steps or 1000
+env = level.make(observation="index", render_mode="ansi", max_episode_steps=limit)
+state, _ = env.reset(seed=0)
 env.unwrapped.show_info({"policy": solution})
 print(env.render())
 
 names, total, terminated, truncated = [], 0.0, False, False
 while not (terminated or truncated):
-    action = brl.Action(solution.policy[y, x])
-    (x, y), reward, terminated, truncated, _ = env.step(action)
+    action = brl.Action(policy[state])
+    state, reward, terminated, truncated, _ = env.step(action)
     names.append(action.name.lower())
     total += float(reward)
 
+x, y = mdp.cell(int(state))
 more = f" … {len(names) - 40} more" if len(names) > 40 else ""
 print("actions:", " ".join(names[:40]) + more)
 end = "truncated at" if truncated else "at the exit" if (x, y) in level.exits else "terminated at"
