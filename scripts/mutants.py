@@ -38,7 +38,7 @@ from queue import SimpleQueue
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "babyrobot_levels"
-FAST = ["-m", "not slow and not sb3"]
+FAST = ["-m", "not slow and not sb3 and not libraries"]
 LIMITED = ["sh", "-c", 'ulimit -d "$0"; exec "$@"', f"{8 << 20}"]
 """Before a command: it gets at most 8 GiB of memory. A mutant may ask for more and more."""
 
