@@ -8,10 +8,10 @@ from math import prod
 from typing import Any
 
 import gymnasium
-from gymnasium.wrappers import TimeLimit
 
 from babyrobot_levels.envs.arguments import (
     check_names,
+    checked_given,
     checked_index,
     checked_options,
     start_states,
@@ -95,22 +95,21 @@ class SuiteEnv(LevelEnv):
         make_suite_serializable(given, self._given_suite)
 
 
-def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a suite's environment, in a `TimeLimit` if the suite has `max_steps`.
+def make_suite(suite: SuiteLike | None = None, **kwargs: Any) -> SuiteEnv:
+    """Return a suite's environment: the entry point of `babyrobot/Suite-v0`.
 
-    The entry point of `babyrobot/Suite-v0`.
+    Gymnasium adds the `TimeLimit`, which the spec knows.
 
     Args:
         suite: a name, a path, a mapping or a `Suite`.
         kwargs: the other arguments of `SuiteEnv`.
 
     Raises:
+        MissingArgument: there is no suite.
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps")
-    loaded = load_suite(suite)
-    env, limit = SuiteEnv(loaded, **kwargs), loaded.fields.max_steps
-    return env if limit is None else TimeLimit(env, limit)
+    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps", "suite")
+    return SuiteEnv(checked_given("suite", suite), **kwargs)
 
 
 make_suite.metadata = SuiteEnv.metadata  # type: ignore[attr-defined]

@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
+    check_names,
     checked_actions,
     checked_autoreset_mode,
+    checked_given,
     checked_observation,
     checked_options,
     checked_reset_mask,
@@ -394,3 +396,20 @@ class LevelVectorEnv(ChangingVectorEnv):
             f"{actions[number]}, the action of environment {number}, is not an action; "
             f"the actions are 0 to {most}"
         )
+
+
+def make_vector(level: LevelLike | None = None, **kwargs: Any) -> LevelVectorEnv:
+    """Return a vector environment: the vector entry point of `babyrobot/Level-v0` and all levels.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        kwargs: the other arguments of `LevelVectorEnv`.
+
+    Raises:
+        MissingArgument: there is neither `level` nor `levels`.
+        TypeError: there is no such argument.
+    """
+    check_names(kwargs, LevelVectorEnv.__init__, "level")
+    if kwargs.get("levels") is None:
+        level = checked_given("level", level)
+    return LevelVectorEnv(level, **kwargs)

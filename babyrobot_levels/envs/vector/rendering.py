@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.envs.vector.observations import LevelCache
 from babyrobot_levels.library.level import Level
 
@@ -120,6 +121,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
             self._make_serializable(spec.kwargs)
+            spec = as_spec(LevelSpec, spec)
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
