@@ -31,8 +31,8 @@ class SuiteEnv(LevelEnv):
 
     Actions, rewards and ends of episodes are those of `LevelEnv`. The observation space is that of
     the largest level and never changes: a cell has the same observation in levels of all sizes,
-    `"index"` is `y * largest width + x`, and images show smaller levels in their upper left
-    corner, with black around them.
+    `"index"` is `y * largest width + x`, and images and frames show smaller levels in their upper
+    left corner, with black around them.
 
     Attributes:
         suite: the suite, or the split of it.
@@ -58,6 +58,11 @@ class SuiteEnv(LevelEnv):
 
     def _extent(self) -> Extent:
         return suite_extent(self.suite, turns=self._actions.turns)
+
+    def _frame_size(self) -> tuple[int, int] | None:
+        from babyrobot_levels.render.frames import largest_frame
+
+        return largest_frame(self.level, self.suite.largest, self.suite.most_items)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
