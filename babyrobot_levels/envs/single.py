@@ -7,10 +7,8 @@ from collections.abc import Callable, Mapping, Sequence
 from itertools import compress
 from typing import TYPE_CHECKING, Any
 
-import gymnasium
 import numpy as np
 from gymnasium import error
-from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
@@ -18,6 +16,7 @@ from babyrobot_levels.envs.arguments import (
     check_choice,
     check_names,
     checked_action,
+    checked_given,
     checked_legacy_infos,
     checked_maze_seed,
     checked_observation,
@@ -35,6 +34,7 @@ from babyrobot_levels.envs.rendering import (
     show_wrapped_environments,
 )
 from babyrobot_levels.envs.spaces import ValidActions, make_action_space
+from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.events import Event, events_of, hits_of
@@ -397,6 +397,7 @@ class LevelEnv(RenderedEnv):
             spec.kwargs |= {
                 name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
             }
+            spec = as_spec(MadeSpec, spec)
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
@@ -414,22 +415,21 @@ class LevelEnv(RenderedEnv):
             self._now = self._look_up(self._state)
 
 
-def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a level's environment, in a `TimeLimit` if the level has `max_steps`.
+def make_level(level: LevelLike | None = None, **kwargs: Any) -> LevelEnv:
+    """Return a level's environment: the entry point of `babyrobot/Level-v0` and of all levels.
 
-    The entry point of `babyrobot/Level-v0`, whose spec cannot have the limit of the level.
+    Gymnasium adds the `TimeLimit`, which the spec knows.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
         kwargs: the other arguments of `LevelEnv`.
 
     Raises:
+        MissingArgument: there is no level.
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "max_episode_steps")
-    loaded = load(level)
-    env = LevelEnv(loaded, **kwargs)
-    return env if loaded.max_steps is None else TimeLimit(env, loaded.max_steps)
+    check_names(kwargs, LevelEnv.__init__, "max_episode_steps", "level")
+    return LevelEnv(checked_given("level", level), **kwargs)
 
 
 make_level.metadata = LevelEnv.metadata  # type: ignore[attr-defined]

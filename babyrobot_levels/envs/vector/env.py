@@ -14,8 +14,10 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
+    check_names,
     checked_actions,
     checked_autoreset_mode,
+    checked_given,
     checked_legacy_infos,
     checked_observation,
     checked_options,
@@ -25,9 +27,9 @@ from babyrobot_levels.envs.arguments import (
 from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
+from babyrobot_levels.envs.engine.tables import masks_at
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.observations.vectors import vector_names
-from babyrobot_levels.envs.engine.tables import masks_at
 from babyrobot_levels.envs.rendering import RENDER_FPS
 from babyrobot_levels.envs.spaces import BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
@@ -419,3 +421,20 @@ class LevelVectorEnv(ChangingVectorEnv):
             f"{actions[number]}, the action of environment {number}, is not an action; "
             f"the actions are 0 to {most}"
         )
+
+
+def make_vector(level: LevelLike | None = None, **kwargs: Any) -> LevelVectorEnv:
+    """Return a vector environment: the vector entry point of `babyrobot/Level-v0` and all levels.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        kwargs: the other arguments of `LevelVectorEnv`.
+
+    Raises:
+        MissingArgument: there is neither `level` nor `levels`.
+        TypeError: there is no such argument.
+    """
+    check_names(kwargs, LevelVectorEnv.__init__, "level")
+    if kwargs.get("levels") is None:
+        level = checked_given("level", level)
+    return LevelVectorEnv(level, **kwargs)

@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.envs.vector.observations import LevelCache
 from babyrobot_levels.library.level import Level
 
@@ -166,6 +167,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
             spec.kwargs |= {
                 name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
             }
+            spec = as_spec(LevelSpec, spec)
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
