@@ -48,7 +48,7 @@ class Planner(nn.Module):
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--steps", type=at_least(1), default=700, help="steps of the optimizer")
+    parser.add_argument("--steps", type=at_least(1), default=1000, help="steps of the optimizer")
     parser.add_argument("--seed", type=at_least(0), default=0)
     args = parser.parse_args()
     torch.set_num_threads(1)

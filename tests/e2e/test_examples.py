@@ -184,3 +184,52 @@ def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch
     first = [-1 + 0.9 * 2 - 1 + 0.9 * 0.95 * ahead for ahead in second]
     assert advantages.tolist() == pytest.approx(np.array([first, second, [last] * 3]))
     assert torch.equal(returns, advantages + values[:-1])
+
+
+# -- with other libraries --------------------------------------------------------------------
+
+
+@pytest.mark.libraries
+@pytest.mark.parametrize(
+    ("example", "actions"), [("dqn_tianshou", "all"), ("dataset_minari", "moves")]
+)
+def test_other_libraries_come_close_to_the_best_policy(
+    example: str, actions: str, tmp_path: Path
+) -> None:
+    text = printed_by(example, cwd=tmp_path)
+    table = table_of(text)
+    check_figures(table, "final-maze", actions)
+    assert table["learned, greedy"][1] > 98
+    if example == "dataset_minari":
+        score = re.search(r"^normalized score: (\S+)$", text, re.MULTILINE)
+        assert score
+        assert 100 * float(score[1]) == pytest.approx(table["learned, greedy"][1], abs=0.01)
+
+
+@pytest.mark.libraries
+def test_imitation_solves_mazes_that_it_has_not_seen(tmp_path: Path) -> None:
+    text = printed_by("imitation_tianshou", "--steps", 500, cwd=tmp_path)
+    table = table_of(text)
+    assert table["random moves"][1] == 0
+    assert table["learned, greedy"][1] > 70
+    assert table["optimum"][1] == 100
+    found = re.search(r"^learned, greedy: optimal in (\S+)% of the levels$", text, re.MULTILINE)
+    assert found
+    assert float(found[1]) > 70
+
+
+def test_returns_in_several_levels_are_those_of_their_first_episodes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import comparison
+
+    # It takes 1 and 3 steps to the exit; in the time of the second, the first begins again.
+    levels = [
+        brl.load({"version": 1, "size": [width, 1], "exit": [width - 1, 0]}) for width in (2, 4)
+    ]
+    best = [brl.solve(each, actions="moves") for each in levels]
+    returns = comparison.returns_in(levels, [each.policy for each in best], 10, "moves")
+    assert returns.tolist() == [each.expected_return for each in best]
+    # An episode that is cut off has the rewards until then.
+    assert comparison.returns_in(levels, [each.policy for each in best], 2, "moves")[1] == -2
