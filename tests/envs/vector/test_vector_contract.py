@@ -700,12 +700,12 @@ def test_there_is_a_frame_of_each_environment() -> None:
 def test_gymnasiums_wrappers_film_each_environment(observation: str, tmp_path: Path) -> None:
     pytest.importorskip("moviepy")
     envs = make("default", render_mode="rgb_array", observation=observation)
-    film = wrappers.RecordVideo(envs, str(tmp_path), step_trigger=lambda step: step == 0)
+    film = wrappers.RecordVideo(envs, str(tmp_path / "films"), step_trigger=lambda step: step == 0)
     film.reset(seed=1)
     for _ in range(3):
         film.step(film.action_space.sample())
     film.close()
-    assert [*tmp_path.iterdir()]
+    assert [*(tmp_path / "films").iterdir()]
 
 
 def test_without_a_mode_there_is_no_picture() -> None:
