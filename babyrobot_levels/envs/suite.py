@@ -16,7 +16,7 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.language.ranges import bounds
@@ -59,6 +59,9 @@ class SuiteEnv(LevelEnv):
     def _extent(self) -> Extent:
         return suite_extent(self.suite, turns=self._actions.turns)
 
+    def _things(self) -> tuple[int, bool]:
+        return self.suite.most_items, self.suite.has_guards
+
     def _frame_size(self) -> tuple[int, int] | None:
         from babyrobot_levels.render.frames import largest_frame
 
@@ -75,8 +78,9 @@ class SuiteEnv(LevelEnv):
                 starts in that cell.
 
         Returns:
-            The observation, and an info with `action_mask`, `level_index` (its number in the suite
-            or split) and `level_digest`.
+            The observation, and an info that also has `level_index`, the level's number in the
+            suite or split. If levels of the suite can have items, `held` has room for the most that
+            a level can have, and if they can have movers, there is always `hit`.
 
         Raises:
             ValueError: there is no such level or option, or the robot cannot start in that cell.
@@ -92,9 +96,8 @@ class SuiteEnv(LevelEnv):
         if options.get("start") is not None:
             start_states(options["start"], level, self._actions.tables(level))
         self._enter(level)
-        observation, info = super().reset(options=options)
-        info["level_index"], info["level_digest"] = index, level.digest
-        return observation, info
+        self._level_number = {"level_index": index}
+        return super().reset(options=options)
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
         make_suite_serializable(given, self._given_suite)
