@@ -20,6 +20,7 @@ from babyrobot_levels.envs.views import DEFAULT_RADIUS, VIEW_PLANES, ViewPainter
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.mdp.compiler.layers import MAX_STATES
+from babyrobot_levels.mdp.configurations import largest_radices
 
 Ints = NDArray[np.int64]
 Size = tuple[int, int]
@@ -88,7 +89,7 @@ class Extent:
             size = max(size[0], level.size[0]), max(size[1], level.size[1])
             has_items = has_items or bool(level.items)
             if level.has_things:
-                radices = _larger(radices, level.things().radices)
+                radices = largest_radices(radices, level.things().radices)
                 configurations = max(configurations, _configurations(level))
         return cls(size, radices, configurations, HEADINGS if turns else 1, has_items)
 
@@ -101,12 +102,6 @@ class Extent:
     def cells(self) -> int:
         """The number of cells of a level of the largest width and height."""
         return self.size[0] * self.size[1]
-
-
-def _larger(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the larger value of each column; columns that only one has are kept."""
-    count = min(len(one), len(other))
-    return (*map(max, one[:count], other[:count]), *one[count:], *other[count:])
 
 
 def _configurations(level: Level) -> int:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from math import prod
 from typing import Any
 
 import gymnasium
@@ -19,9 +18,7 @@ from babyrobot_levels.envs.arguments import (
 from babyrobot_levels.envs.observations import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
-from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.mdp.actions import HEADINGS
-from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
@@ -109,7 +106,7 @@ def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
     """
     check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps")
     loaded = load_suite(suite)
-    env, limit = SuiteEnv(loaded, **kwargs), loaded.fields.max_steps
+    env, limit = SuiteEnv(loaded, **kwargs), loaded.max_steps
     return env if limit is None else TimeLimit(env, limit)
 
 
@@ -138,10 +135,10 @@ def suite_extent(suite: Suite, *, turns: bool) -> Extent:
         suite: the suite.
         turns: whether the robot turns.
     """
-    smallest = prod(bounds(suite.fields.size)[0])
-    configurations = min(prod(suite.radices), MAX_STATES // smallest)
-    headings, has_items = HEADINGS if turns else 1, suite.most_items > 0
-    return Extent(suite.largest, suite.radices, configurations, headings, has_items)
+    bounds, headings = suite.bounds, HEADINGS if turns else 1
+    return Extent(
+        bounds.size, bounds.radices, bounds.configurations, headings, bounds.num_items > 0
+    )
 
 
 def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 from babyrobot_levels.language.documents import check_document as check_any
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import NAME, decode
-from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.diagnostics import Diagnostic
@@ -20,12 +20,19 @@ from babyrobot_levels.text.source import SourceFile
 
 def check_document(
     document: Document, path: Path | None = None
-) -> Checked[Level] | Checked[SuiteFields]:
-    """Check a level or a suite, whichever the document says it is.
+) -> Checked[Level] | Checked[AnySuite]:
+    """Check a level or a suite, whichever the document says it is, with what the suite lists.
 
-    `path` is the file that it is from: it gives the name, and themes beside it.
+    `path` is the file that it is from: it gives the name, and what stands beside it.
     """
     checked = check_any(document, Level, path)
+    if isinstance(checked.value, SuiteListFields):
+        # Only for these, because finding levels takes more modules.
+        from babyrobot_levels.library.suite_members import member_issues
+
+        issues = member_issues(checked.value, path)
+        if issues:
+            return Checked(None, [document.diagnostic(issue) for issue in issues])
     return _playable(checked, document) if isinstance(checked.value, Level) else checked
 
 
