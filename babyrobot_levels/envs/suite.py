@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import gymnasium
+import numpy as np
 from gymnasium.wrappers import TimeLimit
 
 from babyrobot_levels.envs.arguments import (
@@ -16,6 +17,7 @@ from babyrobot_levels.envs.arguments import (
     start_states,
 )
 from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.samplers import Sampler, checked_sampler, sampled
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.mdp.actions import HEADINGS
@@ -24,7 +26,7 @@ SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
 
 class SuiteEnv(LevelEnv):
-    """A robot moves through the levels of a suite: each reset draws one, uniformly.
+    """A robot moves through the levels of a suite: each reset draws one.
 
     Actions, rewards and ends of episodes are those of `LevelEnv`. The observation space is that of
     the largest level and never changes: a cell has the same observation in levels of all sizes,
@@ -36,12 +38,21 @@ class SuiteEnv(LevelEnv):
         level: the level of the current episode.
     """
 
-    def __init__(self, suite: SuiteLike, *, split: str | None = None, **kwargs: Any) -> None:
+    def __init__(
+        self,
+        suite: SuiteLike,
+        *,
+        split: str | None = None,
+        sampler: Sampler | None = None,
+        **kwargs: Any,
+    ) -> None:
         """Make the environment of a suite.
 
         Args:
             suite: a name, a path, a mapping or a `Suite`.
             split: the split that is used; by default, the whole suite.
+            sampler: selects the level of each episode. By default, all levels are drawn equally
+                often, or by the weights of the suite.
             kwargs: the arguments of `LevelEnv` other than `level`.
 
         Raises:
@@ -50,6 +61,7 @@ class SuiteEnv(LevelEnv):
             ValueError: there is no such split, it has no levels, or another argument is invalid.
         """
         self._given_suite, self.suite = suite_and_split(suite, split)
+        self._sampler = checked_sampler(sampler, self.suite)
         super().__init__(self.suite[0], **kwargs)
         self._options = ("start", "index")
 
@@ -78,7 +90,8 @@ class SuiteEnv(LevelEnv):
         index = checked_index(options.get("index"), len(self.suite))
         gymnasium.Env.reset(self, seed=seed)
         if index is None:
-            index = int(self.np_random.random() * len(self.suite))
+            draw = np.array([self.np_random.random()])
+            index = int(sampled(self._sampler, draw, len(self.suite))[0])
         level = self.suite[index]
         # A refused reset leaves the current episode as it is.
         if options.get("start") is not None:
@@ -104,7 +117,7 @@ def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
     Raises:
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps")
+    check_names(kwargs, LevelEnv.__init__, "split", "sampler", "max_episode_steps")
     loaded = load_suite(suite)
     env, limit = SuiteEnv(loaded, **kwargs), loaded.max_steps
     return env if limit is None else TimeLimit(env, limit)

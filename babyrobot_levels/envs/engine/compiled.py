@@ -139,6 +139,8 @@ _SPANS = {
     5: ("stochastic",),
     6: ("states",),
     7: ("starts",),
+    8: ("starts",),
+    9: ("level",),
     10: ("states",),
     12: ("states",),
 }
