@@ -277,7 +277,8 @@ class ListedLevels:
             for level in member.levels:
                 share = {} if weight is None else {"weight": weight / len(member.levels)}
                 entries.append({"level": level.to_dict(whole=True), **share})
-        return {"levels": entries}
+        named = {} if self._fields.name is None else {"name": self._fields.name}
+        return {"levels": entries, **named}
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ListedLevels):
@@ -290,13 +291,13 @@ class ListedLevels:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def _flat(self) -> list[Level | Suite]:
-        """Return the levels that are listed, and the other suites."""
-        return [
-            each
-            for member, suite in self._entries
-            for each in (member.levels if suite is None else [suite])
-        ]
+    def _flat(self) -> list[dict[str, Any] | Suite]:
+        """Return the fields of the levels that are listed, and the other suites."""
+        found: list[dict[str, Any] | Suite] = []
+        for member, suite in self._entries:
+            found += [level.to_dict(whole=True) for level in member.levels]
+            found += [] if suite is None else [suite]
+        return found
 
 
 def digest_share(digest: str) -> float:

@@ -36,6 +36,7 @@ _MOST = 5
 _LONGEST_KEY = 100
 """No field's name is longer; what YAML takes for a name ends at some length as well."""
 
+_LIST_HELP = "`brl.load_suite` loads its levels"
 _SUITE_HELP = "`brl.load_suite` makes its levels, `babyrobot generate` writes them"
 
 
@@ -62,7 +63,8 @@ def check_level(
         path: the file that it is from: it gives the level's name, and themes beside it.
     """
     if is_suite(document):
-        issue = Issue("BR201", ("kind",), "this is a suite of levels, not a level", _SUITE_HELP)
+        help_text = _LIST_HELP if suite_model(document.data) is SuiteListFields else _SUITE_HELP
+        issue = Issue("BR201", ("kind",), "this is a suite of levels, not a level", help_text)
         return Checked(None, [document.diagnostic(issue)])
     theme = _ThemeCheck(path)
     level, diagnostics = check(document, model, [theme])

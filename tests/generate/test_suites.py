@@ -14,7 +14,7 @@ from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.catalogue import catalogue, suite_files
 from babyrobot_levels.text.emitter import emit
 
-SHIPPED = ("locked-mazes", "long-ways", "small-mazes", "wet-mazes")
+SHIPPED = ("classics", "locked-mazes", "long-ways", "small-mazes", "wet-mazes")
 
 FIELDS: dict[str, Any] = {
     "version": 1,

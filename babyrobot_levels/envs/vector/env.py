@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -138,11 +139,13 @@ class LevelVectorEnv(ChangingVectorEnv):
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)
         self._engine_name = engine
-        self._observer = make_batch_observer(
+        self._new_observer = partial(
+            make_batch_observer,
             chosen,
             played.extent,
             self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
+        self._observer = self._new_observer()
         self._set_levels(played, action_set, max_episode_steps, bool(draw_levels))
         self._has_level_numbers = self._slots is not None or len(self.levels) > 1
         self.single_observation_space = self._observer.space

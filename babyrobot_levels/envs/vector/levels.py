@@ -6,7 +6,7 @@ put into a slot of the tables.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
 from typing import TYPE_CHECKING, Any
@@ -373,6 +373,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
 
     action_space: BatchActions
     _observer: BatchObserver
+    _new_observer: Callable[[], BatchObserver]
     _engine: Engine
     _engine_name: str | None
     _slots: Slots | None = None
@@ -446,6 +447,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         played = Played(self.levels, self._extent, self.num_items, self._has_movers, family)
         before, envs = self._tables, self._envs
         offset = before.offset.take(envs.level)
+        self._observer = self._new_observer()
         slots = Slots(played, self.num_envs, self._actions, self._max_episode_steps, self._observer)
         self._slots, self._playing = slots, slots.levels
         numbers = family.next_level.copy()
