@@ -25,8 +25,6 @@ class Sampler(Protocol):
     levels, as long as the sampler is in the same state.
     """
 
-    __module__ = "babyrobot_levels"
-
     def sample(self, draws: Draws) -> Numbers:
         """Return the number of a level for each draw.
 
@@ -36,6 +34,9 @@ class Sampler(Protocol):
         Returns:
             int64 `[n]`, from 0 up to but not including the number of levels.
         """
+
+
+Sampler.__module__ = "babyrobot_levels"
 
 
 class UniformSampler:
@@ -205,7 +206,8 @@ class PrioritizedSampler:
 
 
 def _normalised(weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    return weights / weights.sum()
+    shares: NDArray[np.float64] = weights / weights.sum()
+    return shares
 
 
 def suite_sampler(suite: Suite) -> Sampler:

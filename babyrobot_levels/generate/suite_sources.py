@@ -114,11 +114,7 @@ class Source(Protocol):
         """Return a level."""
 
     def part(self, split: str) -> Numbers:
-        """Return the numbers of the levels of a split, which the suite has.
-
-        Raises:
-            ValueError: there are none.
-        """
+        """Return the numbers of the levels of a split, which the suite has."""
 
     def whole_fields(self) -> dict[str, Any]:
         """Return the fields that are different where the data must not depend on files."""
@@ -247,13 +243,7 @@ class ListedLevels:
 
     def part(self, split: str) -> tuple[int, ...]:
         """Return the numbers of a split: those whose digests are in its share of all digests."""
-        numbers = self._splits[split]
-        if not numbers:
-            raise ValueError(
-                f"the split {split!r} is empty: none of the {self.count} levels is in it; "
-                "add levels, or change the shares"
-            )
-        return numbers
+        return self._splits[split]
 
     @cached_property
     def _splits(self) -> dict[str, tuple[int, ...]]:
@@ -302,7 +292,8 @@ class ListedLevels:
 
 def digest_share(digest: str) -> float:
     """Return the place of a digest among all digests, from 0 up to but not including 1."""
-    return int(digest.rpartition(":")[2][:_HEX_DIGITS], 16) / 16**_HEX_DIGITS
+    share: float = int(digest.rpartition(":")[2][:_HEX_DIGITS], 16) / 16**_HEX_DIGITS
+    return share
 
 
 def groups_of(groups: Groups, numbers: Numbers) -> Groups:

@@ -156,7 +156,17 @@ class Suite(Sequence[Level]):
             )
         if not self._is_whole:
             raise ValueError("a slice of a suite has no splits")
-        return self._part(self._source.part(name), name)
+        numbers = self._source.part(name)
+        if not numbers:
+            raise ValueError(
+                f"the split {name!r} is empty: none of the {len(self):,} levels is in it; "
+                "add levels, or change the shares"
+            )
+        return self._part(numbers, name)
+
+    def split_sizes(self) -> dict[str, int]:
+        """Return how many levels each split of the whole suite has, also of empty ones."""
+        return {name: len(self._source.part(name)) for name in self.splits}
 
     def whole(self) -> Suite:
         """Return the suite of which this one is a part."""

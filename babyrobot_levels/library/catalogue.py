@@ -203,6 +203,17 @@ def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Pa
     raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
 
 
+def suite_path(text: str) -> Path | None:
+    """Return the file of the suite that a text names where a level is expected, else None."""
+    if is_code(text) or "\n" in text:
+        return None
+    try:
+        path = Path(text) if _looks_like_path(text) else find(text)
+    except LevelNotFoundError:
+        return None
+    return path if is_file(path) and is_suite_file(path) else None
+
+
 def is_suite_file(path: Path) -> bool:
     """Return whether a file is a suite, judging by its text."""
     return _stated(path, "kind") == "suite"

@@ -380,7 +380,7 @@ def _own_pack(folder: Path | None) -> list[Place]:
 
 def _pack(name: str, own: Sequence[Place]) -> Place:
     """Return the place of a pack, or of the gallery."""
-    known = {}
+    known: dict[str, Place] = {}
     for place in (*own, gallery_place(), *pack_places()):
         known.setdefault(place.pack or GALLERY, place)
     if name not in known:

@@ -24,7 +24,8 @@ WEIGHTED: dict[str, Any] = {
 def shares(sampler: brl.Sampler, count: int, size: int = 100_000) -> list[float]:
     drawn = sampler.sample(np.random.default_rng(0).random(size))
     assert drawn.dtype == np.int64
-    return (np.bincount(drawn, minlength=count) / size).tolist()
+    found: list[float] = (np.bincount(drawn, minlength=count) / size).tolist()
+    return found
 
 
 def test_uniform_and_weighted_shares() -> None:
@@ -203,7 +204,7 @@ def test_the_same_seed_gives_the_same_levels() -> None:
         envs = brl.LevelVectorEnv(
             levels=NAMES, num_envs=8, draw_levels=True, sampler=sampler, max_episode_steps=3
         )
-        told = [envs.reset(seed=seed)]
+        told: list[Any] = [envs.reset(seed=seed)]
         for _ in range(20):
             told.append(envs.step(np.zeros(8, int)))
             numbers = told[-1][-1]["level_index"]

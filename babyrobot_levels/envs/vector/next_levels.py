@@ -21,22 +21,27 @@ Numbers = NDArray[np.int64]
 
 
 class Family(Protocol):
-    """Levels that are made from their numbers.
+    """Levels that are made from their numbers."""
 
-    Attributes:
-        key: the name of a level's number in infos.
-        option: the name of the option of `reset` that selects a number, None for no option.
-        count: numbers are below this.
-        kept: how many levels to keep at most for later episodes.
-        most_starts: the most starts of a level, as far as it is known.
-        levels: the levels, as they were given.
-    """
+    @property
+    def key(self) -> str:
+        """The name of a level's number in infos."""
 
-    key: str
-    option: str | None
-    count: int
-    kept: int
-    most_starts: int
+    @property
+    def option(self) -> str | None:
+        """The name of the option of `reset` that selects a number, None for no option."""
+
+    @property
+    def count(self) -> int:
+        """Numbers are below this."""
+
+    @property
+    def kept(self) -> int:
+        """How many levels to keep at most for later episodes."""
+
+    @property
+    def most_starts(self) -> int:
+        """The most starts of a level, as far as it is known."""
 
     @property
     def levels(self) -> Sequence[Level]:
@@ -108,7 +113,10 @@ class ExchangedLevels:
         """How many numbers there are."""
         return len(self.levels)
 
-    kept = count
+    @property
+    def kept(self) -> int:
+        """All levels."""
+        return len(self.levels)
 
     def level(self, number: int) -> Level:
         """Return a level."""
