@@ -10,7 +10,7 @@ from itertools import accumulate, groupby
 from math import prod
 from operator import itemgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import Any, Protocol, Self
 
 import numpy as np
 
@@ -25,9 +25,6 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.suite_members import Member
 from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 from babyrobot_levels.mdp.configurations import largest_radices
-
-if TYPE_CHECKING:
-    from babyrobot_levels.generate.suites import Suite
 
 Numbers = range | tuple[int, ...]
 """Numbers of levels, all rising or all falling."""
@@ -89,6 +86,32 @@ class Bounds:
                 joined.has_movers or part.has_movers,
             )
         return joined
+
+
+class Others(Protocol):
+    """What a listed suite asks of another `Suite` in it, or of a part of one."""
+
+    @property
+    def max_steps(self) -> int | None:
+        """The time limit of all levels."""
+
+    @property
+    def bounds(self) -> Bounds:
+        """How much a level has at most."""
+
+    @property
+    def groups(self) -> Groups:
+        """The weights of the levels."""
+
+    def __len__(self) -> int: ...
+
+    def __getitem__(self, index: int) -> Level: ...
+
+    def whole(self) -> Self:
+        """Return the suite of which this is a part."""
+
+    def to_dict(self, *, whole: bool = False) -> dict[str, Any]:
+        """Return the fields."""
 
 
 class Source(Protocol):
@@ -191,10 +214,10 @@ class ListedLevels:
     """
 
     def __init__(
-        self, fields: SuiteListFields, entries: Sequence[tuple[Member, Suite | None]]
+        self, fields: SuiteListFields, entries: Sequence[tuple[Member, Others | None]]
     ) -> None:
         self._fields, self._entries = fields, entries
-        self._parts: list[Sequence[Level]] = [
+        self._parts: list[tuple[Level, ...] | Others] = [
             member.levels if suite is None else suite for member, suite in entries
         ]
         self._ends = [*accumulate(len(part) for part in self._parts)]
@@ -281,9 +304,9 @@ class ListedLevels:
 
     __hash__ = None  # type: ignore[assignment]
 
-    def _flat(self) -> list[dict[str, Any] | Suite]:
+    def _flat(self) -> list[dict[str, Any] | Others]:
         """Return the fields of the levels that are listed, and the other suites."""
-        found: list[dict[str, Any] | Suite] = []
+        found: list[dict[str, Any] | Others] = []
         for member, suite in self._entries:
             found += [level.to_dict(whole=True) for level in member.levels]
             found += [] if suite is None else [suite]

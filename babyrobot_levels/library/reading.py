@@ -7,12 +7,11 @@ from pathlib import Path
 from babyrobot_levels.language.documents import check_document as check_any
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import NAME, decode
-from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
+from babyrobot_levels.language.suite_list import AnySuite
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.errors import LevelError, UnplayableError
+from babyrobot_levels.text.errors import UnplayableError
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -21,27 +20,12 @@ from babyrobot_levels.text.source import SourceFile
 def check_document(
     document: Document, path: Path | None = None
 ) -> Checked[Level] | Checked[AnySuite]:
-    """Check a level or a suite, whichever the document says it is, with what the suite lists.
+    """Check a level or a suite, whichever the document says it is, without what a suite lists.
 
-    `path` is the file that it is from: it gives the name, and what stands beside it.
+    `path` is the file that it is from: it gives the name, and themes beside it.
     """
     checked = check_any(document, Level, path)
-    if isinstance(checked.value, SuiteListFields):
-        # Only for these, because finding levels takes more modules.
-        from babyrobot_levels.library.suite_members import member_issues
-
-        issues = member_issues(checked.value, path)
-        if issues:
-            return Checked(None, [document.diagnostic(issue) for issue in issues])
     return _playable(checked, document) if isinstance(checked.value, Level) else checked
-
-
-def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
-    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
-    try:
-        return check_document(read(source), path).diagnostics
-    except LevelError as error:
-        return [*error.diagnostics]
 
 
 def load_document(document: Document, path: Path | None = None) -> Level:
