@@ -7,9 +7,10 @@ lists is counted, at whatever depth.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from typing import Any
 
@@ -155,6 +156,8 @@ class _Opener:
     def __init__(self, path: Path | None = None) -> None:
         self.left = MAX_ENTRIES
         self._levels: dict[Path, Level] = {}
+        # Names are looked for in many files, and may be listed many times.
+        self._found = cache(_found)
         self._around: list[Path] = [] if path is None else [path]
 
     def suite(self, fields: AnySuite, folder: Path | None) -> tuple[OpenedSuite, list[Issue]]:
@@ -182,7 +185,7 @@ class _Opener:
             issues.append(Issue("BR205", ("splits",), message, advice))
         return opened, issues
 
-    def _member(self, entry: SuiteEntry, folder: Path, own: Sequence[Place]) -> Member:
+    def _member(self, entry: SuiteEntry, folder: Path, own: tuple[Place, ...]) -> Member:
         levels: Iterable[Level] = ()
         if entry.level is not None:
             levels = [self._level(entry.level, folder, own)]
@@ -207,7 +210,7 @@ class _Opener:
 
     # -- levels ----------------------------------------------------------------------------
 
-    def _level(self, level: str | dict[str, Any], folder: Path, own: Sequence[Place]) -> Level:
+    def _level(self, level: str | dict[str, Any], folder: Path, own: tuple[Place, ...]) -> Level:
         if isinstance(level, dict) or is_code(level):
             with _explained("the level"):
                 return self._usable(load(level), "the level")
@@ -218,7 +221,7 @@ class _Opener:
                 message = f"there is no file `{shortened(level)}`{guess}"
                 raise _UnusableError("BR208", message, "files are in the folder of the suite")
         else:
-            path = _found(find, level, own)
+            path = self._found(find, level, own)
         if is_suite_file(path):
             advice = f"write `suite: {shortened(level)}`"
             raise _UnusableError("BR209", f"`{shortened(level)}` is a suite, not a level", advice)
@@ -257,7 +260,7 @@ class _Opener:
     # -- suites ----------------------------------------------------------------------------
 
     def _suite(
-        self, suite: str | dict[str, Any] | None, folder: Path, own: Sequence[Place]
+        self, suite: str | dict[str, Any] | None, folder: Path, own: tuple[Place, ...]
     ) -> OpenedSuite:
         if len(self._around) > MAX_NESTING:
             raise _UnusableError("BR209", f"suites are nested more than {MAX_NESTING} deep")
@@ -271,7 +274,7 @@ class _Opener:
             if not is_file(path):
                 raise _UnusableError("BR208", f"there is no file `{shortened(name)}`")
         else:
-            path = _found(find_suite, name, own)
+            path = self._found(find_suite, name, own)
         for number, other in enumerate(self._around):
             if _is_same(path, other):
                 circle = [*self._around[number:], path]
@@ -353,7 +356,7 @@ def _is_same(path: Path, other: Path) -> bool:
         return False
 
 
-def _found(finder: Any, name: str, own: Sequence[Place]) -> Path:
+def _found(finder: Any, name: str, own: tuple[Place, ...]) -> Path:
     """Return the file of a name, looked for in the suite's own pack first."""
     try:
         path: Path = finder(name, own)
@@ -364,21 +367,21 @@ def _found(finder: Any, name: str, own: Sequence[Place]) -> Path:
     return path
 
 
-def _own_pack(folder: Path | None) -> list[Place]:
+def _own_pack(folder: Path | None) -> tuple[Place, ...]:
     """Return the pack around a folder, which need not be installed; none if there is none."""
     if folder is None:
-        return []
+        return ()
     from babyrobot_levels.library.packs.known import fields
 
     here = Path(os.path.abspath(folder))  # noqa: PTH100  (names, not links, as for themes)
     for each in (here, *here.parents[:MAX_DEPTH]):
         if os.path.lexists(each / PACK_FILE):
             found = fields(each)
-            return [] if found is None else [Place(each, found.name, f"pack {found.name}")]
-    return []
+            return () if found is None else (Place(each, found.name, f"pack {found.name}"),)
+    return ()
 
 
-def _pack(name: str, own: Sequence[Place]) -> Place:
+def _pack(name: str, own: tuple[Place, ...]) -> Place:
     """Return the place of a pack, or of the gallery."""
     known: dict[str, Place] = {}
     for place in (*own, gallery_place(), *pack_places()):
