@@ -48,6 +48,7 @@ class Bounds:
         num_items: the most items.
         num_starts: the most starts.
         has_movers: whether a level can have movers.
+        has_wind: whether a level can have wind.
     """
 
     size: tuple[int, int] = (0, 0)
@@ -56,12 +57,14 @@ class Bounds:
     num_items: int = 0
     num_starts: int = 1
     has_movers: bool = False
+    has_wind: bool = False
 
     @classmethod
     def of(cls, level: Level) -> Self:
         """Return the bounds of one level."""
+        has_wind = level.wind is not None
         if not level.has_things:
-            return cls(level.size, num_starts=len(level.starts))
+            return cls(level.size, num_starts=len(level.starts), has_wind=has_wind)
         mdp = level.compile()
         return cls(
             level.size,
@@ -70,6 +73,7 @@ class Bounds:
             len(level.items),
             int(np.count_nonzero(mdp.start)),
             bool(level.movers),
+            has_wind,
         )
 
     @classmethod
@@ -84,6 +88,7 @@ class Bounds:
                 max(joined.num_items, part.num_items),
                 max(joined.num_starts, part.num_starts),
                 joined.has_movers or part.has_movers,
+                joined.has_wind or part.has_wind,
             )
         return joined
 

@@ -23,11 +23,10 @@ from babyrobot_levels.envs.engine.tables import (
     build_tables,
     empty_tables,
     needed,
-    num_words,
     part_of,
     write_part,
 )
-from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.samplers import checked_sampler
 from babyrobot_levels.envs.suite import suite_extent
 from babyrobot_levels.envs.vector.next_levels import (
@@ -47,7 +46,7 @@ from babyrobot_levels.mdp.configurations import largest_radices
 if TYPE_CHECKING:
     from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import Engine
-    from babyrobot_levels.envs.engine.tables import Ints, Tables
+    from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
     from babyrobot_levels.envs.spaces import BatchActions
     from babyrobot_levels.envs.vector.observations import BatchObserver
 
@@ -188,6 +187,8 @@ def check_fits(level: Level, extent: Extent, num_items: int, *, has_movers: bool
         problem = f"it has {sizes[0]} cells, and the spaces {sizes[1]}"
     elif len(level.items) > num_items:
         problem = f"it has {len(level.items)} items, and the spaces have {num_items}"
+    elif own.has_wind and not extent.has_wind:
+        problem = "it has wind, and the spaces have none"
     elif level.movers and not has_movers:
         problem = "it has movers, and the spaces have none"
     elif largest_radices(own.radices, extent.radices) != extent.radices:
@@ -250,7 +251,7 @@ class Slots:
         # A level of the largest size, if it has as many configurations as the first one.
         states = part.state_info.size // prod(first.size) * played.extent.cells
         starts = max(part.starts.size, self.family.most_starts)
-        self._room = Room(0, states, starts, num_words(played.num_items))
+        self._room = Room(0, states, starts, played.num_items)
         self.place(np.zeros(1, np.intp), np.zeros(1, np.intp), np.zeros(1, np.int64), {0: first})
 
     def levels_of(self, numbers: Iterable[int]) -> dict[int, Level]:
@@ -477,15 +478,13 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
             return {self._slots.family.key: numbers}
         return {"level_index": self._envs.level.copy()} if len(self.levels) > 1 else {}
 
-    def _digests(self, which: Ints) -> dict[str, NDArray[np.object_]]:
-        """Return the digests of the levels of these environments, under their key in infos."""
+    def _digests(self, where: Flags) -> dict[str, NDArray[Any]]:
+        """Return the digests of the levels of some environments, for infos as they once were."""
         if self._slots is not None and self._slots.family.key == "maze_seed":
             return {}
-        level, where = np.unique(self._envs.level[which], return_inverse=True)
-        digests = np.full(self.num_envs, None, object)
-        found = [self._playing[number].digest for number in level.tolist()]
-        digests[which] = np.array(found, object)[where]
-        return {"level_digest": digests}
+        digests = np.array(self.call("level_digest"), object)
+        digests[~where] = None
+        return {"level_digest": digests, "_level_digest": where}
 
     def _change_levels(self, which: Ints, numbers: Any = None, start: Any = None) -> None:
         """Assign other levels to environments: those with `numbers`, `[num_envs]`, or drawn ones.
