@@ -158,7 +158,7 @@ def _own_limit(given: Mapping[str, Any]) -> int | None:
         from babyrobot_levels.generate.suites import Suite, load_suite
 
         if suite is not None or isinstance(levels, Suite):
-            return load_suite(levels if suite is None else suite).fields.max_steps
+            return load_suite(levels if suite is None else suite).max_steps
         limits = {_max_steps(each) for each in levels}
     except (BabyRobotError, TypeError, ValueError):
         return None
