@@ -6,7 +6,7 @@ import inspect
 import operator
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from gymnasium import error
@@ -14,7 +14,8 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
-from babyrobot_levels.envs.views import DEFAULT_RADIUS, MAX_RADIUS
+from babyrobot_levels.envs.observations.planes import DTYPES, PlaneForm
+from babyrobot_levels.envs.observations.views import DEFAULT_RADIUS, MAX_RADIUS
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 MAX_IMAGE_SIDE = 4096
 
 _INT = np.dtype(np.intp)
+
+_Given = TypeVar("_Given")
 
 
 # -- making ----------------------------------------------------------------------------------
@@ -53,12 +56,48 @@ def check_names(given: Iterable[str], function: Callable[..., Any], *others: str
     accepted += others
     for name in given:
         if name not in accepted:
-            guess = did_you_mean(name, accepted)
-            if name == "max_steps":
-                guess = "; use `max_episode_steps`"
+            told = _ELSEWHERE.get(name)
+            guess = f"; {told}" if told else did_you_mean(name, accepted)
             raise TypeError(
                 f"unexpected argument {name!r}{guess}; accepted arguments: {', '.join(accepted)}"
             )
+
+
+_ELSEWHERE = {
+    "max_steps": "use `max_episode_steps`",
+    "desc": "write the map as a level, or let `babyrobot import lake.txt -o lake.yaml` write it, "
+    'and give that: gymnasium.make("babyrobot/Level-v0", level="lake.yaml")',
+    "map_name": "each map has an id: '4x4' is babyrobot/frozen-lake-v0, '8x8' is "
+    "babyrobot/frozen-lake-8x8-v0",
+    "is_slippery": "how slippery it is, the field `skid` of the level says; lakes without it are "
+    "babyrobot/frozen-lake-dry-v0 and babyrobot/frozen-lake-8x8-dry-v0",
+}
+"""What to do instead of giving an argument, such as those of Gymnasium's FrozenLake."""
+
+
+def checked_given(name: str, value: _Given | None) -> _Given:
+    """Return an argument without which an id makes nothing.
+
+    Args:
+        name: the argument: `"level"` or `"suite"`.
+        value: its value, None if it is missing.
+
+    Raises:
+        MissingArgument: it is missing.
+    """
+    if value is None:
+        raise error.MissingArgument(_MISSING[name])
+    return value
+
+
+_MISSING = {
+    "level": "which level? Give its name, for example "
+    'gymnasium.make("babyrobot/Level-v0", level="final-maze"), '
+    "or a path, a mapping or a `Level`; `babyrobot list` shows the names",
+    "suite": "which suite? Give its name, for example "
+    'gymnasium.make("babyrobot/Suite-v0", suite="small-mazes"), '
+    "or a path, a mapping or a `Suite`",
+}
 
 
 def checked_observation(
@@ -67,24 +106,49 @@ def checked_observation(
     grayscale: Any = False,
     view_radius: Any = None,
     see_through: Any = False,
+    channels_last: Any = False,
+    planes_dtype: Any = "float32",
 ) -> Observation:
     """Return the observation that the arguments of an environment choose.
 
     Raises:
         ValueError: there is no such observation, or it does not have such an option.
     """
-    check_choice("observation", name, OBSERVATIONS)
-    if name != "image" and (image_size is not None or grayscale):
-        raise ValueError("image_size and grayscale need observation='image'")
-    if name != "view" and (view_radius is not None or see_through):
-        raise ValueError("view_radius and see_through need observation='view'")
+    names = checked_names(name)
+    check_choice("planes_dtype", planes_dtype, DTYPES)
+    for kind, first, second, is_given in (
+        ("image", "image_size", "grayscale", image_size is not None or grayscale),
+        ("view", "view_radius", "see_through", view_radius is not None or see_through),
+        ("planes", "channels_last", "planes_dtype", channels_last or planes_dtype != DTYPES[0]),
+    ):
+        if is_given and kind not in names:
+            raise ValueError(f"{first} and {second} need observation={kind!r}")
     return Observation(
-        name,
+        name if isinstance(name, str) else names,
         checked_image_size(image_size),
         bool(grayscale),
         checked_view_radius(view_radius),
         bool(see_through),
+        PlaneForm(bool(channels_last), planes_dtype),
     )
+
+
+def checked_names(observation: Any) -> tuple[str, ...]:
+    """Return the names of the observations that are chosen: by a name, or by several.
+
+    Raises:
+        ValueError: there are none, one of them does not exist, or one is named twice.
+    """
+    if not isinstance(observation, list | tuple):
+        check_choice("observation", observation, OBSERVATIONS)
+        return (observation,)
+    for name in observation:
+        check_choice("observation", name, OBSERVATIONS)
+    if not observation or len(set(observation)) < len(observation):
+        raise ValueError(
+            f"observation must name at least one, and each only once, not {observation!r}"
+        )
+    return tuple(observation)
 
 
 def checked_view_radius(radius: Any) -> int:

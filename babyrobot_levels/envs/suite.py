@@ -8,15 +8,15 @@ from math import prod
 from typing import Any
 
 import gymnasium
-from gymnasium.wrappers import TimeLimit
 
 from babyrobot_levels.envs.arguments import (
     check_names,
+    checked_given,
     checked_index,
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.language.ranges import bounds
@@ -31,8 +31,8 @@ class SuiteEnv(LevelEnv):
 
     Actions, rewards and ends of episodes are those of `LevelEnv`. The observation space is that of
     the largest level and never changes: a cell has the same observation in levels of all sizes,
-    `"index"` is `y * largest width + x`, and images show smaller levels in their upper left
-    corner, with black around them.
+    `"index"` is `y * largest width + x`, and images and frames show smaller levels in their upper
+    left corner, with black around them.
 
     Attributes:
         suite: the suite, or the split of it.
@@ -61,6 +61,11 @@ class SuiteEnv(LevelEnv):
 
     def _things(self) -> tuple[int, bool]:
         return self.suite.most_items, self.suite.has_guards
+
+    def _frame_size(self) -> tuple[int, int] | None:
+        from babyrobot_levels.render.frames import largest_frame
+
+        return largest_frame(self.level, self.suite.largest, self.suite.most_items)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -98,22 +103,21 @@ class SuiteEnv(LevelEnv):
         make_suite_serializable(given, self._given_suite)
 
 
-def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a suite's environment, in a `TimeLimit` if the suite has `max_steps`.
+def make_suite(suite: SuiteLike | None = None, **kwargs: Any) -> SuiteEnv:
+    """Return a suite's environment: the entry point of `babyrobot/Suite-v0`.
 
-    The entry point of `babyrobot/Suite-v0`.
+    Gymnasium adds the `TimeLimit`, which the spec knows.
 
     Args:
         suite: a name, a path, a mapping or a `Suite`.
         kwargs: the other arguments of `SuiteEnv`.
 
     Raises:
+        MissingArgument: there is no suite.
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps")
-    loaded = load_suite(suite)
-    env, limit = SuiteEnv(loaded, **kwargs), loaded.fields.max_steps
-    return env if limit is None else TimeLimit(env, limit)
+    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps", "suite")
+    return SuiteEnv(checked_given("suite", suite), **kwargs)
 
 
 make_suite.metadata = SuiteEnv.metadata  # type: ignore[attr-defined]

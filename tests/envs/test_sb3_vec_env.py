@@ -13,6 +13,7 @@ from support.playing import noted, plain
 from support.subprocesses import run
 
 import babyrobot_levels as brl
+from babyrobot_levels.envs.observations import OBSERVATIONS
 
 if TYPE_CHECKING:
     from stable_baselines3.common.vec_env import DummyVecEnv
@@ -100,11 +101,11 @@ except ImportError as error:
 
 @needs_sb3
 @pytest.mark.parametrize("actions", ["valid", "all", "moves", "turns"])
-@pytest.mark.parametrize("observation", ["position", "index", "walls", "image", "view"])
+@pytest.mark.parametrize("observation", [*OBSERVATIONS, ("vector", "planes", "index")])
 @pytest.mark.parametrize(
     "level", [TRAPS, "teleport-pads", GUARDED], ids=["traps", "teleport-pads", "guarded"]
 )
-def test_it_walks_as_single_environments_do(level: Any, observation: str, actions: str) -> None:
+def test_it_walks_as_single_environments_do(level: Any, observation: Any, actions: str) -> None:
     kwargs: dict[str, Any] = {"observation": observation, "actions": actions}
     kwargs["max_episode_steps"] = 6
     ours, theirs = many(level, **kwargs), one_by_one(level, **kwargs)

@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.envs.vector.observations import LevelCache
 from babyrobot_levels.library.level import Level
 
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.engine.state import EnvStates
     from babyrobot_levels.envs.engine.tables import Tables
-    from babyrobot_levels.envs.observations import Extent
+    from babyrobot_levels.envs.observations.extent import Extent
     from babyrobot_levels.render.frames import FramePainter
 
 SETTABLE = ("np_random", "render_mode")
@@ -162,6 +163,11 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
             self._make_serializable(spec.kwargs)
+            # JSON has no tuples.
+            spec.kwargs |= {
+                name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
+            }
+            spec = as_spec(LevelSpec, spec)
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:

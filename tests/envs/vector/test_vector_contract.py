@@ -73,7 +73,6 @@ def test_the_levels_limit_counts_and_another_takes_its_place() -> None:
         return 0
 
     level = level_named("final-maze").replace(max_steps=7)
-    assert level_named("final-maze").max_steps is None
     assert steps_of(id=LEVEL_ID, level=level) == 7
     assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=9) == 9
     assert steps_of(id=LEVEL_ID, level=level, max_episode_steps=-1) == 0
