@@ -107,7 +107,7 @@ def test_a_pickled_stack_of_wrappers_goes_on(env_id: str) -> None:
 @each_id
 def test_the_time_limit_is_the_one_that_the_spec_tells(env_id: str) -> None:
     for asked in (None, 7, -1):
-        limit = {} if asked is None else {"max_episode_steps": asked}
+        limit: dict[str, Any] = {} if asked is None else {"max_episode_steps": asked}
         env = gymnasium.make(env_id, **IDS[env_id], **limit)
         assert env.spec is not None
         told = env.spec.max_episode_steps

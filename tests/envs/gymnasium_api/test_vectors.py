@@ -16,7 +16,7 @@ from support.ids import FEW, IDS, KINDS
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 
 SIZE = 3
-MODES = {"vector_entry_point": LevelVectorEnv, "sync": SyncVectorEnv}
+MODES: dict[str, Any] = {"vector_entry_point": LevelVectorEnv, "sync": SyncVectorEnv}
 
 each_id = for_each("env_id", IDS)
 few_ids = for_each("env_id", FEW)
@@ -24,7 +24,8 @@ few_ids = for_each("env_id", FEW)
 
 def many(env_id: str, mode: str = "vector_entry_point", **kwargs: Any) -> Any:
     given = {**IDS, **FEW}[env_id]
-    return gymnasium.make_vec(env_id, num_envs=SIZE, vectorization_mode=mode, **{**given, **kwargs})
+    arguments = {"num_envs": SIZE, **given, **kwargs}
+    return gymnasium.make_vec(env_id, vectorization_mode=mode, **arguments)
 
 
 # -- make_vec --------------------------------------------------------------------------------
