@@ -18,7 +18,13 @@ from babyrobot_levels.cli.console import (
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, json_mapping, load_level, load_two
+from babyrobot_levels.cli.inputs import (
+    LevelArgument,
+    ResetSeedOption,
+    json_mapping,
+    load_level,
+    load_two,
+)
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.reporting import shown_name
 from babyrobot_levels.language.base import SIDES
@@ -54,15 +60,7 @@ def compare(
             metavar="JSON", help="Keyword arguments of the environment.", show_default=False
         ),
     ] = None,
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            min=0,
-            metavar="N",
-            help="Seed of the reset of an environment of MiniGrid.  [default: 0]",
-            show_default=False,
-        ),
-    ] = None,
+    seed: ResetSeedOption = None,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
     """Test whether two levels are the same MDP, or show the first difference.

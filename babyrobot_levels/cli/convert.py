@@ -24,6 +24,7 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.inputs import (
     LevelArgument,
     MazeSeedOption,
+    ResetSeedOption,
     json_mapping,
     load_level,
     with_seed,
@@ -96,15 +97,7 @@ def import_level(
             show_default=False,
         ),
     ] = None,
-    seed: Annotated[
-        int | None,
-        typer.Option(
-            min=0,
-            metavar="N",
-            help="Seed of the reset of an environment of MiniGrid.  [default: 0]",
-            show_default=False,
-        ),
-    ] = None,
+    seed: ResetSeedOption = None,
     kwargs: Annotated[
         str | None,
         typer.Option(

@@ -33,6 +33,15 @@ MazeSeedOption = Annotated[
         show_default=False,
     ),
 ]
+ResetSeedOption = Annotated[
+    int | None,
+    typer.Option(
+        min=0,
+        metavar="N",
+        help="Seed of the reset of an environment of MiniGrid.  [default: 0]",
+        show_default=False,
+    ),
+]
 
 
 def load_level(text: str) -> Level:

@@ -179,11 +179,9 @@ class Level(GridWorld):
         Args:
             kwargs: what `gymnasium.make("babyrobot/Level-v0", …)` takes beside `level`:
                 `observation`, `actions`, `render_mode`, `image_size`, `grayscale`, `view_radius`,
-                `see_through`. A `max_episode_steps` takes the place of the level's `max_steps`, -1
-                of any limit.
+                `see_through`, `channels_last`, `planes_dtype`. A `max_episode_steps` takes the
+                place of the level's `max_steps`, -1 of any limit.
         """
         import gymnasium
 
-        has_limit = kwargs.get("max_episode_steps") is not None
-        level = self.replace(max_steps=None) if has_limit else self
-        return gymnasium.make("babyrobot/Level-v0", level=level, **kwargs)
+        return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
