@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import lru_cache
 from math import prod
 from typing import Any
 
@@ -18,6 +19,7 @@ from gymnasium.envs.registration import EnvSpec, WrapperSpec, parse_env_id
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.text.errors import BabyRobotError
 
@@ -145,16 +147,18 @@ def _own_limit(given: Mapping[str, Any]) -> int | None:
     None if there is none, if several levels differ, and if nothing can be loaded: then, making
     the environment tells why.
     """
-    level, levels, suite = (given.get(name) for name in ("level", "levels", "suite"))
-    if level is levels is suite is None:
-        return None
+    level: Any = given.get("level")
+    levels: Any = given.get("levels")
+    suite: Any = given.get("suite")
     try:
         if level is not None:
             return _max_steps(level)
+        if levels is suite is None:
+            return None
         from babyrobot_levels.generate.suites import Suite, load_suite
 
         if suite is not None or isinstance(levels, Suite):
-            return load_suite(levels if suite is None else suite).fields.max_steps
+            return load_suite(levels if suite is None else suite).max_steps
         limits = {_max_steps(each) for each in levels}
     except (BabyRobotError, TypeError, ValueError):
         return None
@@ -177,8 +181,6 @@ def _best_return(given: Mapping[str, Any], steps: int | None) -> float | None:
     """
     if steps is None or given.get("level") is None:
         return None
-    from babyrobot_levels.analysis.solver.horizon import best_return_within
-
     try:
         level = load(given["level"])
         actions = ACTION_SETS[given.get("actions", "valid")]
@@ -188,7 +190,14 @@ def _best_return(given: Mapping[str, Any], steps: int | None) -> float | None:
     if level.has_random_maze or states > MAX_STATES or states * steps > MAX_STATE_STEPS:
         return None
     name = "turns" if actions.turns else "moves" if actions.first else "all"
-    return best_return_within(level, steps, actions=name)
+    return _solved(level, steps, name)
+
+
+@lru_cache(maxsize=16)
+def _solved(level: Level, steps: int, actions: str) -> float:
+    from babyrobot_levels.analysis.solver.horizon import best_return_within
+
+    return best_return_within(level, steps, actions=actions)
 
 
 def _plain(value: Any) -> Any:
