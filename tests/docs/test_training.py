@@ -11,7 +11,6 @@ from support.places import DOCS, EXAMPLES
 
 PAGE = (DOCS / "training.md").read_text(encoding="utf-8")
 PIECES = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-LIBRARIES = ("minari", "tianshou")
 
 
 def run(code: str) -> dict[str, Any]:
@@ -20,18 +19,21 @@ def run(code: str) -> dict[str, Any]:
     return names
 
 
-def pieces(*names: str) -> list[str]:
-    """The pieces of code that need one of these libraries."""
-    return [code for code in PIECES if any(name in code for name in names)]
+LIBRARIES = {
+    name: [code for code in PIECES if re.search(f"^(import|from) ({name})", code, re.MULTILINE)]
+    for name in ("stable_baselines3|sb3_contrib", "ray", "torchrl", "tianshou", "minari")
+}
 
 
-@pytest.mark.parametrize("code", sorted({*PIECES} - {*pieces("sb3", *LIBRARIES)}))
+@pytest.mark.parametrize(
+    "code", [code for code in PIECES if not any(code in each for each in LIBRARIES.values())]
+)
 def test_what_needs_numpy_only(code: str) -> None:
     run(code)
 
 
-@pytest.mark.sb3
-@pytest.mark.parametrize("code", pieces("sb3"))
+@pytest.mark.libraries
+@pytest.mark.parametrize("code", LIBRARIES["stable_baselines3|sb3_contrib"])
 def test_what_needs_stable_baselines(code: str) -> None:
     import torch
 
@@ -42,20 +44,45 @@ def test_what_needs_stable_baselines(code: str) -> None:
 
 
 @pytest.mark.libraries
-@pytest.mark.filterwarnings("ignore:.* is set to None:UserWarning")
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-@pytest.mark.filterwarnings("ignore:Implicitly cleaning up:ResourceWarning")
-@pytest.mark.parametrize("code", pieces(*LIBRARIES))
-def test_what_needs_other_libraries(
-    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("code", LIBRARIES["ray"])
+def test_what_needs_rllib(code: str) -> None:
+    import ray
+    import torch
+
+    torch.set_num_threads(1)
+    try:
+        names = run(code)
+    finally:
+        ray.shutdown()
+    if "learned" in names:
+        assert names["learned"] == pytest.approx(names["optimum"])
+    else:
+        assert names["result"]["num_env_steps_sampled_lifetime"] >= 2048
+
+
+@pytest.mark.libraries
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("code", LIBRARIES["torchrl"])
+def test_what_needs_torchrl(code: str) -> None:
+    names = run(code)
+    assert names["steps"]["action_mask"].shape[-2:] == (100, 5)
+
+
+@pytest.mark.libraries
+@pytest.mark.parametrize("code", LIBRARIES["tianshou"])
+def test_what_needs_tianshou(code: str) -> None:
+    assert len(run(code)["collector"].buffer) == 800
+
+
+@pytest.mark.libraries
+@pytest.mark.filterwarnings("ignore")
+@pytest.mark.parametrize("code", LIBRARIES["minari"])
+def test_what_needs_minari(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
     names = run(code)
-    if "collector" in names:
-        assert len(names["collector"].buffer) == 800
-    else:
-        assert len(names["dataset"]) == 10
-        assert names["env"].unwrapped.level.digest == names["level"].digest
+    assert len(names["dataset"]) == 10
+    assert names["env"].unwrapped.level.digest == names["level"].digest
 
 
 @pytest.mark.parametrize("code", PIECES)

@@ -152,7 +152,7 @@ def test_every_other_episode_is_filmed(tmp_path: Path) -> None:
 # -- in PyTorch ------------------------------------------------------------------------------
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
 @pytest.mark.parametrize("example", ["ppo_sb3", "maskable_ppo", "ppo_cleanrl"])
 def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) -> None:
     text = printed_by(example, "--steps", 100_000, cwd=tmp_path)
@@ -164,7 +164,29 @@ def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) ->
         check_mean(text, table)
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
+@pytest.mark.parametrize(("example", "steps"), [("ppo_rllib", 130_000), ("ppo_torchrl", 102_400)])
+def test_libraries_with_loops_of_their_own_come_close(
+    example: str, steps: int, tmp_path: Path
+) -> None:
+    script = EXAMPLES / f"{example}.py"
+    done = python(
+        script, "--steps", str(steps), cwd=tmp_path, timeout=600, warnings="ignore"
+    )  # they warn of what is deprecated in themselves
+    assert done.returncode == 0, done.stderr
+    table = table_of(done.stdout)
+    check_figures(table, "final-maze", actions="all")
+    assert table["learned, as it explores"][1] > 98
+    assert table["learned, greedy"][1] > 98
+
+
+@pytest.mark.parametrize("example", ["ppo_rllib", "ppo_torchrl"])
+def test_these_examples_are_short(example: str) -> None:
+    lines = (EXAMPLES / f"{example}.py").read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 60
+
+
+@pytest.mark.libraries
 def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch) -> None:
     import torch
 
