@@ -70,8 +70,9 @@ def returns_in(
     levels: Sequence[brl.Level], policies: Any, steps: int, actions: str
 ) -> NDArray[np.float64]:
     """Return the return of an episode in each level, float64 `[levels]`."""
-    limits = {"num_envs": len(levels), "num_steps": steps, "max_episode_steps": steps}
-    data = brl.rollout(levels, policies, seed=0, actions=actions, **limits)
+    data = brl.rollout(
+        levels, policies, len(levels), steps, seed=0, actions=actions, max_episode_steps=steps
+    )
     over = data.terminations | data.truncations
     # Until the end of the first episode, and with the step that ends it.
     is_first = np.cumsum(over, axis=0) == over

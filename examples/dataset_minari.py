@@ -72,7 +72,7 @@ def learn(dataset: minari.MinariDataset, num_states: int, discount: float) -> ND
         targets = rewards + discount * np.where(terminated, 0, values.max(axis=1)[following])
         totals = np.bincount(pairs, targets, counts.size)
         values = np.where(counts > 0, totals / counts.clip(1), -np.inf).reshape(-1, 4)
-    return values.argmax(axis=1)
+    return np.asarray(values.argmax(axis=1))
 
 
 if __name__ == "__main__":

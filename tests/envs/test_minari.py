@@ -77,7 +77,7 @@ def check_equal(stored: Any, seen: list[Any]) -> None:
 @pytest.mark.parametrize("level", ["frozen-lake", "first-key"])
 @pytest.mark.parametrize("observation", KINDS, ids=str)
 def test_what_is_recorded_comes_back(observation: Any, level: str, data_format: str) -> None:
-    env = gymnasium.make(
+    env: Any = gymnasium.make(
         "babyrobot/Level-v0", level=level, observation=observation, max_episode_steps=30
     )
     dataset, observations = record(env, data_format=data_format)
