@@ -25,9 +25,10 @@ args = parsed(parser_of(__doc__, steps=122_880))
 level, mdp = args.level, args.level.compile()
 torch.set_num_threads(1)  # small networks learn fastest on one
 torch.manual_seed(args.seed)
-# TorchRL itself resets the environments whose episodes are over.
-options = {"max_episode_steps": level.max_steps or 500, "autoreset_mode": AutoresetMode.DISABLED}
-envs = brl.LevelVectorEnv(level, num_envs=64, observation="index", **options)
+mode, limit = AutoresetMode.DISABLED, level.max_steps or 500  # TorchRL itself resets what is over
+envs = brl.LevelVectorEnv(
+    level, num_envs=64, observation="index", max_episode_steps=limit, autoreset_mode=mode
+)
 read = GymWrapper(envs, categorical_action_encoding=True).auto_register_info_dict()
 as_bool = DTypeCastTransform(torch.int8, torch.bool, ["action_mask"])
 env = TransformedEnv(read, Compose(as_bool, InitTracker()))

@@ -29,11 +29,11 @@ def settings(name: str) -> dict[str, Any]:
 def single(name: str, **kwargs: Any) -> EnvBase:
     import torch
     from torchrl.data import Binary
-    from torchrl.envs import GymWrapper, default_info_dict_reader
+    from torchrl.envs import GymEnv, default_info_dict_reader
 
-    gym_env: gymnasium.Env[Any, Any] = gymnasium.make(**settings(name), **kwargs)
-    env = GymWrapper(gym_env, categorical_action_encoding=True)
-    masks = Binary(gym_env.action_space.n, dtype=torch.int8)  # type: ignore[attr-defined]
+    chosen = settings(name)
+    env = GymEnv(chosen.pop("id"), categorical_action_encoding=True, **chosen, **kwargs)
+    masks = Binary(env.action_spec.n, dtype=torch.int8)
     return env.set_info_dict_reader(default_info_dict_reader(["action_mask"], spec=[masks]))
 
 
