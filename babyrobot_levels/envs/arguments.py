@@ -13,7 +13,8 @@ from gymnasium.vector import AutoresetMode
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
-from babyrobot_levels.envs.views import DEFAULT_RADIUS, MAX_RADIUS
+from babyrobot_levels.envs.observations.planes import DTYPES, PlaneForm
+from babyrobot_levels.envs.observations.views import DEFAULT_RADIUS, MAX_RADIUS
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
@@ -66,24 +67,49 @@ def checked_observation(
     grayscale: Any = False,
     view_radius: Any = None,
     see_through: Any = False,
+    channels_last: Any = False,
+    planes_dtype: Any = "float32",
 ) -> Observation:
     """Return the observation that the arguments of an environment choose.
 
     Raises:
         ValueError: there is no such observation, or it does not have such an option.
     """
-    check_choice("observation", name, OBSERVATIONS)
-    if name != "image" and (image_size is not None or grayscale):
-        raise ValueError("image_size and grayscale need observation='image'")
-    if name != "view" and (view_radius is not None or see_through):
-        raise ValueError("view_radius and see_through need observation='view'")
+    names = checked_names(name)
+    check_choice("planes_dtype", planes_dtype, DTYPES)
+    for kind, first, second, is_given in (
+        ("image", "image_size", "grayscale", image_size is not None or grayscale),
+        ("view", "view_radius", "see_through", view_radius is not None or see_through),
+        ("planes", "channels_last", "planes_dtype", channels_last or planes_dtype != DTYPES[0]),
+    ):
+        if is_given and kind not in names:
+            raise ValueError(f"{first} and {second} need observation={kind!r}")
     return Observation(
-        name,
+        name if isinstance(name, str) else names,
         checked_image_size(image_size),
         bool(grayscale),
         checked_view_radius(view_radius),
         bool(see_through),
+        PlaneForm(bool(channels_last), planes_dtype),
     )
+
+
+def checked_names(observation: Any) -> tuple[str, ...]:
+    """Return the names of the observations that are chosen: by a name, or by several.
+
+    Raises:
+        ValueError: there are none, one of them does not exist, or one is named twice.
+    """
+    if not isinstance(observation, list | tuple):
+        check_choice("observation", observation, OBSERVATIONS)
+        return (observation,)
+    for name in observation:
+        check_choice("observation", name, OBSERVATIONS)
+    if not observation or len(set(observation)) < len(observation):
+        raise ValueError(
+            f"observation must name at least one, and each only once, not {observation!r}"
+        )
+    return tuple(observation)
 
 
 def checked_view_radius(radius: Any) -> int:

@@ -22,14 +22,17 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import Extent, make_observer
+from babyrobot_levels.envs.observations import make_observer
+from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.planes import plane_names
+from babyrobot_levels.envs.observations.vectors import vector_names
+from babyrobot_levels.envs.observations.views import VIEW_PLANES
 from babyrobot_levels.envs.rendering import (
     RENDER_MODES,
     RenderedEnv,
     show_wrapped_environments,
 )
 from babyrobot_levels.envs.spaces import ValidActions, make_action_space
-from babyrobot_levels.envs.views import VIEW_PLANES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.events import Event, events_of, hits_of
@@ -74,8 +77,11 @@ class LevelEnv(RenderedEnv):
     - `"position"`: `[x, y]`, int64, in a `MultiDiscrete([width, height])`;
     - `"index"`: the state `y * width + x`, in a `Discrete`;
     - `"walls"`: `[x, y, north, east, south, west]`, int64, with 1 for each side that is open;
+    - `"vector"`: what surrounds the robot, float32 `[entries]`, from 0 to 1;
+    - `"planes"`: the whole level, float32 `[planes, height, width]`, from 0 to 1;
     - `"image"`: uint8 `[height, width, 3]`, or `[…, 1]` with `grayscale`;
-    - `"view"`: what the robot sees around it, uint8 `[side, side, planes]`, zeros and ones.
+    - `"view"`: what the robot sees around it, uint8 `[side, side, planes]`, zeros and ones;
+    - a tuple of these names: a dict with each of them.
 
     If the level has things, `"position"` and `"walls"` go on with the value of each, and `"index"`
     is the state with its configuration.
@@ -101,19 +107,22 @@ class LevelEnv(RenderedEnv):
         self,
         level: LevelLike,
         *,
-        observation: str = "position",
+        observation: str | Sequence[str] = "position",
         actions: str = "valid",
         render_mode: str | None = None,
         image_size: tuple[int, int] | None = None,
         grayscale: bool = False,
         view_radius: int | None = None,
         see_through: bool = False,
+        channels_last: bool = False,
+        planes_dtype: str = "float32",
     ):
         """Make the environment of a level.
 
         Args:
             level: a name, a path, a mapping or a `Level`.
-            observation: `"position"`, `"index"`, `"walls"`, `"image"` or `"view"`.
+            observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
+                `"view"`; or a tuple of several of them, for a dict of observations.
             actions: `"all"`: five actions; `"moves"`: four, without stay; `"valid"` and
                 `"valid_moves"`: the same, but `action_space.sample()` gives only those that the
                 action mask allows; `"turns"`: left, right, and forward.
@@ -123,6 +132,9 @@ class LevelEnv(RenderedEnv):
             grayscale: whether image observations are grey.
             view_radius: how many cells views show in each direction, 1 to 15; by default 3.
             see_through: whether views show what walls, doors and blocked cells hide.
+            channels_last: whether planes have the shape `[height, width, planes]` and not
+                `[planes, height, width]`.
+            planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -130,7 +142,13 @@ class LevelEnv(RenderedEnv):
             ValueError: another argument is invalid.
         """
         self._observation = checked_observation(
-            observation, image_size, grayscale, view_radius, see_through
+            observation,
+            image_size,
+            grayscale,
+            view_radius,
+            see_through,
+            channels_last,
+            planes_dtype,
         )
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
@@ -316,6 +334,16 @@ class LevelEnv(RenderedEnv):
         return tuple(outcomes)
 
     # -- description -----------------------------------------------------------------------
+
+    @property
+    def plane_names(self) -> tuple[str, ...]:
+        """The names of the planes of the observation `"planes"`."""
+        return plane_names(self._extent())
+
+    @property
+    def vector_names(self) -> tuple[str, ...]:
+        """The names of the entries of the observation `"vector"`."""
+        return vector_names(self._extent())
 
     @property
     def P(self) -> dict[int, dict[int, list[Outcome]]]:  # noqa: N802  (Gymnasium's name for it)

@@ -16,7 +16,7 @@ from babyrobot_levels.envs.arguments import (
     checked_options,
     start_states,
 )
-from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.language.ranges import bounds

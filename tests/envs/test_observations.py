@@ -13,14 +13,9 @@ from support.playing import level_named
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.action_sets import ACTION_SETS
-from babyrobot_levels.envs.observations import (
-    NUMERIC,
-    OBSERVATIONS,
-    Extent,
-    NumericObserver,
-    Observation,
-    make_observer,
-)
+from babyrobot_levels.envs.observations import OBSERVATIONS, Observation, make_observer
+from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.numbers import NUMERIC, NumericObserver
 from babyrobot_levels.library.level import Level
 
 PAGE = (DOCS / "environments.md").read_text(encoding="utf-8")
@@ -119,7 +114,7 @@ def test_pictures_of_a_level_without_items_have_no_row_for_them() -> None:
 
 
 def test_there_are_no_observations_without_a_name() -> None:
-    assert set(OBSERVATIONS) == {*NUMERIC, "image", "view"}
+    assert set(OBSERVATIONS) == {*NUMERIC, "vector", "planes", "image", "view"}
 
 
 @pytest.mark.parametrize(

@@ -15,8 +15,14 @@ from support.each import for_each
 from support.playing import FEATURES, level_named
 
 import babyrobot_levels as brl
-from babyrobot_levels.envs.observations import Extent, Observation, ViewObserver, make_observer
-from babyrobot_levels.envs.views import VIEW_PLANES, ViewPainter, ViewTable
+from babyrobot_levels.envs.observations import Observation, make_observer
+from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.views import (
+    VIEW_PLANES,
+    ViewObserver,
+    ViewPainter,
+    ViewTable,
+)
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.grid import BIT
 

@@ -25,6 +25,8 @@ from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
 from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
+from babyrobot_levels.envs.observations.planes import plane_names
+from babyrobot_levels.envs.observations.vectors import vector_names
 from babyrobot_levels.envs.rendering import RENDER_FPS
 from babyrobot_levels.envs.spaces import BatchActions, make_action_space
 from babyrobot_levels.envs.vector.levels import (
@@ -66,13 +68,15 @@ class LevelVectorEnv(ChangingVectorEnv):
         *,
         levels: Sequence[LevelLike] | None = None,
         num_envs: int | None = None,
-        observation: str = "position",
+        observation: str | Sequence[str] = "position",
         actions: str = "valid",
         render_mode: str | None = None,
         image_size: tuple[int, int] | None = None,
         grayscale: bool = False,
         view_radius: int | None = None,
         see_through: bool = False,
+        channels_last: bool = False,
+        planes_dtype: str = "float32",
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         draw_levels: bool = False,
@@ -88,13 +92,17 @@ class LevelVectorEnv(ChangingVectorEnv):
                 level `i % len(levels)`.
             num_envs: how many environments there are; by default, as many as levels, or 1 if
                 levels are made at resets.
-            observation: `"position"`, `"index"`, `"walls"`, `"image"` or `"view"`.
+            observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
+                `"view"`; or a tuple of several of them, for a dict of observations.
             actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`.
             render_mode: None or `"rgb_array"`.
             image_size: `(height, width)` in pixels of image observations.
             grayscale: whether image observations are grey.
             view_radius: how many cells views show in each direction, 1 to 15; by default 3.
             see_through: whether views show what walls, doors and blocked cells hide.
+            channels_last: whether planes have the shape `[height, width, planes]` and not
+                `[planes, height, width]`.
+            planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
             max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
                 `max_steps`.
             autoreset_mode: when an environment whose episode is over is reset: by the next step,
@@ -113,7 +121,15 @@ class LevelVectorEnv(ChangingVectorEnv):
             ImportError: the compiled engine is required and not installed.
             ValueError: another argument is invalid.
         """
-        chosen = checked_observation(observation, image_size, grayscale, view_radius, see_through)
+        chosen = checked_observation(
+            observation,
+            image_size,
+            grayscale,
+            view_radius,
+            see_through,
+            channels_last,
+            planes_dtype,
+        )
         check_choice("actions", actions, ACTION_SETS)
         if render_mode is not None:
             check_choice("render_mode", render_mode, ("rgb_array",))
@@ -298,6 +314,16 @@ class LevelVectorEnv(ChangingVectorEnv):
             info,
         )
 
+    @property
+    def plane_names(self) -> tuple[str, ...]:
+        """The names of the planes of the observation `"planes"`."""
+        return plane_names(self._extent)
+
+    @property
+    def vector_names(self) -> tuple[str, ...]:
+        """The names of the entries of the observation `"vector"`."""
+        return vector_names(self._extent)
+
     def action_masks(self) -> NDArray[np.int8]:
         """Return the current action masks, int8 `[num_envs, actions]`."""
         if not self._has_begun:
@@ -371,8 +397,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             "skidded": infos["skidded"],
         }
         observations = np.full(self.num_envs, None, object)
-        final = self._observer.at(envs.state[done])
-        for number, one in zip(done, final if final.ndim > 1 else final.tolist(), strict=True):
+        for number, one in zip(done, self._observer.each(envs.state[done]), strict=True):
             observations[number] = one
         info = {
             "final_obs": observations,

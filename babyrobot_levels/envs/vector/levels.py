@@ -27,7 +27,7 @@ from babyrobot_levels.envs.engine.tables import (
     part_of,
     write_part,
 )
-from babyrobot_levels.envs.observations import Extent
+from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import MAX_MAZE_SEED
 from babyrobot_levels.envs.suite import suite_extent
 from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv

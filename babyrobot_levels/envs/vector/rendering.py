@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.engine.state import EnvStates
     from babyrobot_levels.envs.engine.tables import Tables
-    from babyrobot_levels.envs.observations import Extent
+    from babyrobot_levels.envs.observations.extent import Extent
     from babyrobot_levels.render.frames import FramePainter
 
 SETTABLE = ("np_random", "render_mode")

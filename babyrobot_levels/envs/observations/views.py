@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from math import prod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.sight import barriers, visible
-from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.envs.observations.cells import (
+    closed_doors,
+    ground_of,
+    held_pictures,
+    placed,
+)
+from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.sight import barriers, visible
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
-from babyrobot_levels.mdp.doors import door_sides, grid_with_doors
+from babyrobot_levels.mdp.doors import grid_with_doors
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
-    from babyrobot_levels.mdp.configurations import Cell, Configuration
+    from babyrobot_levels.mdp.configurations import Configuration
 
 Bits = NDArray[np.uint8]
 """Zeros and ones."""
@@ -101,32 +109,19 @@ class ViewPainter:
         ground, passable = self._ground(now)
         radius, side = self._radius, 2 * self._radius + 1
         view = ground[y : y + side, x : x + side].copy()
-        for plane, (at_x, at_y) in self._placed(now):
+        for name, (at_x, at_y) in placed(self._level, now):
             row, column = at_y - y + radius, at_x - x + radius
             if 0 <= row < side and 0 <= column < side:
-                view[row, column, plane] = 1
+                view[row, column, _PLANE[name]] = 1
         if passable is not None:
             view *= visible(passable, x, y, radius)[..., None]
         if heading:
             view = np.rot90(view, heading).copy()
             for planes in (_OPEN, _DOOR):
                 view[..., planes] = view[..., np.roll(planes, -heading)]
-        for item in self._level.items:
-            if item.name in now.held:
-                view[..., _PLANE[f"held-{item.picture}"]] = 1
+        for picture in held_pictures(self._level, now):
+            view[..., _PLANE[f"held-{picture}"]] = 1
         return view
-
-    def _placed(self, now: Configuration) -> Iterator[tuple[int, Cell]]:
-        """Yield the planes and cells of things."""
-        level = self._level
-        exits = _PLANE["exit" if now.exit_is_open else "exit-locked"]
-        switches = [_PLANE["switch-on" if on else "switch-off"] for on in now.on]
-        yield from ((exits, cell) for cell in now.exits)
-        for item, place in zip(level.items, now.items, strict=True):
-            if place is not None:
-                yield _PLANE[item.picture], place
-        yield from zip(switches, (switch.at for switch in level.switches), strict=True)
-        yield from ((_PLANE["mover"], cell) for cell in now.movers)
 
     def _ground(self, now: Configuration) -> tuple[Bits, NDArray[np.bool_] | None]:
         """Return the planes that do not change while no door does, and what hides other cells.
@@ -147,22 +142,39 @@ class ViewPainter:
         planes[..., _PLANE["visible"]] = planes[..., _PLANE["blocked"]] = 1
         inner = planes[radius : radius + height, radius : radius + width]
         terrain = build_terrain(level, open_grid)
-        blocked = open_grid.blocked
-        inner[..., _PLANE["blocked"]] = blocked
+        ground = ground_of(level, terrain)
+        for name, where in ground.items():
+            inner[..., _PLANE[name]] = where
         inner[..., _OPEN] = grid.open
-        inner[..., _PLANE["ends"]] = terrain.ends.reshape(height, width) & ~blocked
+        inner[..., _DOOR] = closed_doors(level, closed)
         pays = (terrain.reward != level.rewards.step).reshape(height, width)
-        inner[..., _PLANE["ground"]] = pays & ~blocked
-        for puddle in level.puddles:
-            x, y = puddle.at
-            inner[y, x, _PLANE[f"puddle-{puddle.size}"]] = 1
-            inner[y, x, _PLANE["ground"]] = 0
-        for warp in level.warps:
-            inner[warp.at[1], warp.at[0], _PLANE["warp"]] = 1
-        for cell, side, index in door_sides(level, open_grid):
-            if closed[index]:
-                inner[cell // width, cell % width, _DOOR[SIDES.index(side)]] = 1
+        puddles = ground["puddle-small"] | ground["puddle-large"]
+        inner[..., _PLANE["ground"]] = pays & ~open_grid.blocked & ~puddles
         return planes
+
+
+class ViewObserver:
+    """Makes the views of one level, uint8 `[2 * radius + 1, 2 * radius + 1, planes]`."""
+
+    def __init__(self, level: Level, extent: Extent, radius: int, see_through: bool) -> None:
+        self.space = view_space(radius)
+        self._painter = ViewPainter(level, extent.headings, radius, see_through)
+
+    def at(self, state: int) -> Callable[[], Any]:
+        """Return a function that makes a new array."""
+        # Kept as bits, of which there are many.
+        bits = np.packbits(self._painter.view(state))
+        return partial(self._unpacked, bits)
+
+    def _unpacked(self, bits: NDArray[np.uint8]) -> NDArray[np.uint8]:
+        shape = self.space.shape
+        return np.unpackbits(bits, count=prod(shape)).reshape(shape)
+
+
+def view_space(radius: int) -> spaces.Box:
+    """Return the space of views."""
+    side = 2 * radius + 1
+    return spaces.Box(0, 1, (side, side, len(VIEW_PLANES)), np.uint8)
 
 
 class ViewTable:
