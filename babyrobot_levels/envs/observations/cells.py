@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.mdp.compiler.terrain import Terrain
@@ -76,6 +76,7 @@ def held_pictures(level: Level, now: Configuration) -> set[str]:
     return {item.picture for item in level.items if item.name in now.held}
 
 
-def squashed(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def squashed(values: ArrayLike) -> NDArray[np.float64]:
     """Return rewards as values from 0 to 1, the same in all levels: `0.5 + 0.5 * r / (1 + |r|)`."""
-    return 0.5 + 0.5 * values / (1 + np.abs(values))
+    rewards = np.asarray(values, np.float64)
+    return np.asarray(0.5 + 0.5 * rewards / (1 + np.abs(rewards)))

@@ -216,7 +216,7 @@ class PlanePainter:
         paid += [(warp.at, warp.reward) for warp in level.warps if warp.when == "enter"]
         for cell, reward in paid:
             if cell is not None and reward is not None:
-                rewards[cell[1], cell[0]] = squashed(np.float64(reward))
+                rewards[cell[1], cell[0]] = squashed(reward)
 
 
 class PlaneObserver:

@@ -120,6 +120,10 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
             self._make_serializable(spec.kwargs)
+            # JSON has no tuples.
+            spec.kwargs |= {
+                name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
+            }
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:

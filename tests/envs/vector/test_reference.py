@@ -64,12 +64,12 @@ def test_it_walks_as_single_environments_do(
 @combined(
     2,
     name=["final-maze", "frozen-lake", "all at once"],
-    observation=["position", "walls", "image"],
+    observation=["position", "walls", "image", "vector", "planes", ("walls", "index", "planes")],
     mode=MODES,
     engine=ENGINES,
 )
 def test_it_shows_what_single_environments_show(
-    name: str, observation: str, mode: AutoresetMode, engine: str
+    name: str, observation: str | tuple[str, ...], mode: AutoresetMode, engine: str
 ) -> None:
     level = level_named(name).replace(max_steps=15)
     assert_same_walk([level], mode, engine, 3, observation=observation)

@@ -69,6 +69,22 @@ def assert_same_everywhere(level: Level, actions: str, mode: AutoresetMode, step
         assert_same_rollout(level, actions, engine, steps)
 
 
+@pytest.mark.parametrize("actions", ["all", "turns"])
+@for_each("name", THINGS)
+def test_levels_of_the_gallery_look_the_same_everywhere(name: str, actions: str) -> None:
+    level = level_named(name).replace(max_steps=30)
+    for number, engine in enumerate(ENGINES):
+        mode = MODES[(len(name) + number) % len(MODES)]
+        given: dict[str, Any] = {
+            "observation": ("planes", "vector", "index"),
+            "actions": actions,
+            "channels_last": number == 0,
+            "planes_dtype": ("float32", "uint8")[number],
+        }
+        envs = LevelVectorEnv(level, num_envs=SIZE, engine=engine, autoreset_mode=mode, **given)
+        assert_same_walks(envs, single([level], **given), SEEDS, 25)
+
+
 def assert_same_rollout(level: Level, actions: str, engine: str, steps: int) -> None:
     rolled = brl.rollout(
         level, "uniform", num_envs=SIZE, num_steps=steps, seed=4, actions=actions, engine=engine

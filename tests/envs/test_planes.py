@@ -1,0 +1,345 @@
+"""Planes and vectors: what each shows in levels drawn by hand, and laws that hold in all levels."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+from support.each import for_each
+from support.fleets import levels
+from support.playing import FEATURES, GALLERY, level_named
+
+import babyrobot_levels as brl
+from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.observations.planes import PlaneForm, PlaneTable
+from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.envs.vector.env import LevelVectorEnv
+from babyrobot_levels.language.cells import as_skid
+from babyrobot_levels.library.level import Level
+
+SIDES = {"north": (0, -1), "east": (1, 0), "south": (0, 1), "west": (-1, 0)}
+
+GROUND: dict[str, Any] = {
+    "version": 1,
+    "size": [4, 3],
+    "start": [[0, 0], [0, 2]],
+    "exit": [3, 0],
+    "blocked": [{"at": [2, 1]}],
+    "walls": [{"at": [0, 0], "side": "E"}, {"at": [1, 1], "side": "W", "pass": 0.25}],
+    "puddles": [{"at": [1, 0], "size": "small"}, {"at": [1, 2], "size": "large"}],
+    "areas": [{"at": [3, 2], "ends": True, "reward": -9}, {"at": [0, 1], "skid": 0.5}],
+    "warps": [{"at": [2, 2], "to": [2, 0], "reward": 3}],
+    "rewards": {"exit": 1},
+}
+
+THINGS: dict[str, Any] = {
+    "version": 1,
+    "size": [3, 2],
+    "exit": [2, 1],
+    "exit_needs": ["gem", "lever"],
+    "items": [{"name": "gem", "at": [1, 0], "reward": 4}],
+    "switches": [{"name": "lever", "at": [1, 1]}],
+    "doors": [{"at": [1, 0], "side": "E", "needs": "gem"}],
+    "movers": [{"path": [[0, 1]]}],
+    "rewards": {"exit": 9},
+}
+
+
+def drawn(plane: NDArray[Any]) -> list[str]:
+    """Return a plane of zeros and ones as a drawing."""
+    assert set(np.unique(plane)) <= {0, 1}
+    return ["".join("#" if value else "." for value in row) for row in plane]
+
+
+def parts(plane: NDArray[Any], most: float = 0) -> dict[tuple[int, int], float]:
+    """Return the values of a plane by cell, those without one left out."""
+    return {(int(x), int(y)): float(plane[y, x]) for y, x in np.argwhere(plane != most)}
+
+
+def reset(level: Any, observation: str = "planes", **kwargs: Any) -> tuple[LevelEnv, Any]:
+    env = LevelEnv(level, observation=observation, **kwargs)
+    return env, env.reset(seed=0)[0]
+
+
+def named(env: LevelEnv, planes: NDArray[Any]) -> dict[str, NDArray[Any]]:
+    assert len(planes) == len(env.plane_names)
+    return dict(zip(env.plane_names, planes, strict=True))
+
+
+def squashed(reward: float) -> float:
+    return 0.5 + 0.5 * reward / (1 + abs(reward))
+
+
+def test_planes_show_the_ground() -> None:
+    env = LevelEnv(GROUND, observation="planes")
+    shown = named(env, env.reset(seed=0, options={"start": [0, 2]})[0])
+    drawings = {
+        "robot": ["....", "....", "#..."],
+        "start": ["#...", "....", "#..."],
+        "exit": ["...#", "....", "...."],
+        "blocked": ["....", "..#.", "...."],
+        "wall-north": ["####", "..#.", "..#."],
+        "wall-east": ["#..#", ".###", "...#"],
+        "wall-south": ["..#.", "..#.", "####"],
+        "wall-west": ["##..", "#.##", "#..."],
+        "puddle-small": [".#..", "....", "...."],
+        "puddle-large": ["....", "....", ".#.."],
+        "ends": ["....", "....", "...#"],
+        "warp": ["....", "....", "..#."],
+    }
+    for name, drawing in drawings.items():
+        assert drawn(shown[name]) == drawing, name
+    assert parts(shown["glass-west"]) == {(1, 1): 0.75}
+    assert parts(shown["glass-east"]) == {(0, 1): 0.75}
+    assert parts(shown["glass-north"]) == parts(shown["glass-south"]) == {}
+    assert {*drawings, *(f"glass-{side}" for side in SIDES), "skid", "reward"} == {*shown}
+    puddles = env.level.puddle_types
+    small, large = (as_skid(each.skid).probability for each in (puddles.small, puddles.large))
+    assert parts(shown["skid"]) == pytest.approx({(0, 1): 0.5, (1, 0): small, (1, 2): large})
+    assert parts(shown["reward"], squashed(-1)) == pytest.approx(
+        {
+            (1, 0): squashed(puddles.small.reward),
+            (1, 2): squashed(puddles.large.reward),
+            (2, 1): 0.5,
+            (3, 2): squashed(-9),
+            (2, 2): squashed(3),
+            (3, 0): squashed(1),
+        }
+    )
+
+
+def test_planes_show_things_as_they_change() -> None:
+    env, planes = reset(THINGS)
+    shown = named(env, planes)
+    assert drawn(shown["gem"]) == [".#.", "..."]
+    assert drawn(shown["switch-off"]) == ["...", ".#."]
+    assert drawn(shown["door-east"]) == [".#.", "..."]
+    assert drawn(shown["door-west"]) == ["..#", "..."]
+    assert drawn(shown["wall-east"]) == [".##", "..#"]
+    assert drawn(shown["mover"]) == ["...", "#.."]
+    assert drawn(shown["exit-locked"]) == ["...", "..#"]
+    assert not shown["exit"].any()
+    assert not shown["held-gem"].any()
+    assert parts(shown["reward"], squashed(-1)) == pytest.approx({(1, 0): squashed(4)})
+    env.step(brl.Action.EAST)  # takes the gem
+    shown = named(env, env.step(brl.Action.SOUTH)[0])
+    assert not shown["gem"].any()
+    assert shown["held-gem"].all()
+    assert not shown["door-east"].any()
+    assert drawn(shown["wall-east"]) == ["..#", "..#"]
+    assert drawn(shown["switch-on"]) == ["...", ".#."]
+    assert not shown["switch-off"].any()
+    assert drawn(shown["exit"]) == ["...", "..#"]
+    assert not shown["exit-locked"].any()
+    assert parts(shown["reward"], squashed(-1)) == pytest.approx({(2, 1): squashed(9)})
+
+
+def test_planes_show_the_wind_and_where_the_robot_looks() -> None:
+    level = {"version": 1, "size": [3, 1], "wind": {"north": [0, 1, 3], "west": [2]}}
+    env, planes = reset(level, actions="turns")
+    shown = named(env, planes)
+    assert shown["wind-north"].tolist() == [[0, 0.5, 0.75]]
+    assert shown["wind-west"] == pytest.approx(2 / 3)
+    assert not shown["wind-south"].any()
+    assert not shown["wind-east"].any()
+    assert drawn(shown["robot-east"]) == drawn(shown["robot"]) == ["#.."]
+    shown = named(env, env.step(brl.Turn.LEFT)[0])
+    assert drawn(shown["robot-north"]) == drawn(shown["robot"]) == ["#.."]
+    assert not shown["robot-east"].any()
+
+
+def test_cells_beyond_a_smaller_level_are_blocked() -> None:
+    small, large = (
+        brl.load({"version": 1, "size": [2, 1]}),
+        brl.load({"version": 1, "size": [3, 2]}),
+    )
+    envs = LevelVectorEnv(levels=[small, large], observation="planes")
+    shown = dict(zip(envs.plane_names, envs.reset(seed=0)[0][0], strict=True))
+    assert drawn(shown["blocked"]) == ["..#", "###"]
+    assert drawn(shown["wall-west"]) == ["#.#", "###"]
+    assert drawn(shown["exit"]) == [".#.", "..."]
+
+
+@pytest.mark.parametrize("name", ["things of all kinds", "all at once"])
+@pytest.mark.parametrize("actions", ["all", "turns"])
+def test_forms_show_the_same(name: str, actions: str) -> None:
+    level = level_named(name)
+    env, planes = reset(level, actions=actions)
+    _, last = reset(level, actions=actions, channels_last=True)
+    _, whole = reset(level, actions=actions, planes_dtype="uint8")
+    assert (planes.dtype, whole.dtype) == (np.float32, np.uint8)
+    assert planes.shape == env.observation_space.shape
+    assert last.flags.c_contiguous
+    assert np.array_equal(np.moveaxis(last, -1, 0), planes)
+    assert np.abs(whole - 255 * planes.astype(np.float64)).max() < 0.5001
+
+
+# -- laws ------------------------------------------------------------------------------------
+
+
+@for_each("name", [*FEATURES])
+def test_walls_and_glass_are_what_is_missing_to_the_chance_to_pass(name: str) -> None:
+    env, planes = reset(level_named(name))
+    shown = named(env, planes)
+    level = env.level
+    first = level.compile().configuration(env._state)
+    chance = level.grid_at(first).pass_probability
+    for number, side in enumerate(SIDES):
+        stopped = shown[f"wall-{side}"].astype(np.float64) + shown[f"glass-{side}"]
+        assert stopped == pytest.approx(1 - chance[..., number])
+
+
+def reached_in(shown: dict[str, NDArray[Any]]) -> dict[tuple[int, int], int]:
+    """Return how many steps it takes to each cell, by the planes alone."""
+    (y, x), *_ = np.argwhere(shown["robot"])
+    steps, queue = {(int(x), int(y)): 0}, [(int(x), int(y))]
+    for cell in queue:
+        x, y = cell
+        if shown["exit"][y, x] or shown["ends"][y, x]:
+            continue
+        for side, (right, down) in SIDES.items():
+            there = x + right, y + down
+            if shown[f"wall-{side}"][y, x] == 0 and there not in steps:
+                steps[there] = steps[cell] + 1
+                queue.append(there)
+    return steps
+
+
+def reached_by_tables(level: Level) -> dict[tuple[int, int], int]:
+    """Return how many steps it takes to each cell, by the exact tables."""
+    mdp = level.compile()
+    begins = mdp.start.nonzero()[0][:1].tolist()
+    steps, queue = dict.fromkeys(begins, 0), list(begins)
+    for state in queue:
+        for action in range(mdp.num_actions):
+            for _, there, _, _ in mdp.outcomes(state, action):
+                if there not in steps:
+                    steps[there] = steps[state] + 1
+                    queue.append(there)
+    return {mdp.cell(state): count for state, count in steps.items()}
+
+
+@for_each("seed", range(12))
+def test_a_search_over_planes_goes_as_far_as_one_over_the_tables(seed: int) -> None:
+    level = brl.load(
+        {
+            "version": 1,
+            "size": [9, 6],
+            "exit": [[8, 5], [4, 3]],
+            "maze": {"seed": seed, "loops": 0.3},
+            "blocked": [{"at": [seed % 4, 2], "size": [1, 2]}],
+            "walls": [{"at": [2, 4], "side": "N", "length": 3, "pass": 0.5}],
+            "areas": [{"at": [6, seed % 5], "ends": True}],
+        }
+    )
+    env, planes = reset(level)
+    assert reached_in(named(env, planes)) == reached_by_tables(level)
+
+
+@pytest.mark.parametrize("name", ["final-maze", "maze", "frozen-lake-dry"])
+def test_a_search_over_planes_finds_the_shortest_path(name: str) -> None:
+    env, planes = reset(level_named(name))
+    shown = named(env, planes)
+    steps = reached_in(shown)
+    ends = [steps[int(x), int(y)] for y, x in np.argwhere(shown["exit"])]
+    assert min(ends) == brl.metrics(level_named(name)).path_length
+
+
+# -- vectors ---------------------------------------------------------------------------------
+
+
+def test_vectors_show_what_surrounds_the_robot() -> None:
+    env = LevelEnv(GROUND, observation="vector")
+    vector, _ = env.reset(seed=0, options={"start": [0, 2]})
+    shown = dict(zip(env.vector_names, vector.tolist(), strict=True))
+    puddle = env.level.puddle_types.large.reward
+    assert shown == pytest.approx(
+        {
+            "x": 0,
+            "y": 1,
+            "open-north": 1,
+            "open-east": 1,
+            "open-south": 0,
+            "open-west": 0,
+            "reward-north": squashed(-1),
+            "reward-east": squashed(puddle),
+            "reward-south": squashed(-1),
+            "reward-west": squashed(-1),
+        }
+    )
+
+
+def test_vectors_end_with_things_and_the_heading() -> None:
+    env, vector = reset(THINGS, "vector", actions="turns")
+    assert env.vector_names[-7:] == (
+        "thing-1", "thing-2", "thing-3",
+        "heading-north", "heading-east", "heading-south", "heading-west",
+    )  # fmt: skip
+    assert vector[-7:].tolist() == [0, 0, 0, 0, 1, 0, 0]
+    vector, *_ = env.step(brl.Turn.FORWARD)  # takes the gem
+    assert vector[-7:].tolist() == [1, 0, 0, 0, 1, 0, 0]
+    vector, *_ = env.step(brl.Turn.RIGHT)
+    assert vector[-7:].tolist() == [1, 0, 0, 0, 0, 1, 0]
+
+
+@settings(max_examples=40, deadline=None)
+@given(level=levels(), seed=st.integers(0, 9))
+def test_vectors_are_what_planes_and_tables_say_about_the_robot(level: Level, seed: int) -> None:
+    env = LevelEnv(level, observation=("planes", "vector"), actions="moves")  # type: ignore[arg-type]
+    rng = np.random.default_rng(seed)
+    env.reset(seed=seed)
+    for _ in range(10):
+        observed, _, terminated, *_ = env.step(rng.integers(4))
+        assert observed in env.observation_space
+        vector = dict(zip(env.vector_names, observed["vector"].tolist(), strict=True))
+        shown = named(env, observed["planes"])
+        ((y, x),) = np.argwhere(shown["robot"])
+        for action, side in enumerate(SIDES):
+            stopped = shown[f"wall-{side}"][y, x] + shown[f"glass-{side}"][y, x]
+            assert vector[f"open-{side}"] == pytest.approx(1 - stopped, abs=1e-6)
+            expected = sum(chance * pay for chance, _, pay, _ in env.P[env._state][action])
+            assert vector[f"reward-{side}"] == pytest.approx(squashed(expected), abs=1e-6)
+        if terminated:
+            env.reset()
+
+
+# -- memory ----------------------------------------------------------------------------------
+
+
+def test_a_table_that_is_full_paints_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    level = level_named("things of all kinds")
+    extent = Extent.of([level])
+    count = level.compile().num_states
+    offset = np.array([0, count])
+    free, full = (PlaneTable(extent, PlaneForm()) for _ in range(2))
+    shape = PlaneForm().space(extent).shape
+    for table in (free, full):
+        table.grow(offset)
+        table.write(0, level)
+    rng = np.random.default_rng(1)
+    for _ in range(40):
+        states = rng.integers(0, count, 6)
+        wanted, found = (np.empty((6, *shape), np.float32) for _ in range(2))
+        free.observe(states, wanted)
+        with monkeypatch.context() as patch:
+            patch.setattr("babyrobot_levels.envs.observations.planes.MAX_GROUND_BYTES", 100_000)
+            full.observe(states, found)
+        assert np.array_equal(wanted, found)
+    assert full._grounds.nbytes < free._grounds.nbytes
+
+
+@pytest.mark.slow
+@for_each("name", [*GALLERY])
+def test_planes_and_vectors_of_the_gallery_are_in_their_spaces(name: str) -> None:
+    env = level_named(name).make(observation=("planes", "vector"))
+    env.action_space.seed(1)
+    env.reset(seed=1)
+    for _ in range(20):
+        observed, _, terminated, truncated, _ = env.step(env.action_space.sample())
+        assert observed in env.observation_space
+        if terminated or truncated:
+            env.reset()
