@@ -29,7 +29,7 @@ def make(**kwargs: Any) -> gymnasium.Env[Any, Any]:
         "babyrobot/Level-v0", level=LEVEL, observation="vector", max_episode_steps=-1, **kwargs
     )
     # Returns of -1,000 are too large for a network, so rewards are scaled.
-    return TransformReward(env, lambda reward: float(reward) / 10)
+    return TransformReward(env, lambda reward: float(reward) / 100)
 
 
 gymnasium.register("CleanMaze-v0", entry_point=make)
