@@ -3,6 +3,7 @@
 # Usage: bash scripts/check.sh        with the fast tests: about three minutes on two cores
 #        bash scripts/check.sh all    with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh sb3    only the tests that need Stable-Baselines3 (they bring torch)
+#        bash scripts/check.sh lowest the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
@@ -19,8 +20,14 @@ sb3)
     .venv-sb3/bin/pip install "${options[@]}" --editable ".[test,sb3]"
     exec .venv-sb3/bin/python -m pytest -m sb3 -n 2 tests/envs tests/e2e/test_examples.py tests/docs/test_training.py
     ;;
+lowest)
+    make_venv .venv-lowest
+    .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
+        hypothesis moviepy opencv-python-headless pygame-ce pytest pytest-xdist
+    exec .venv-lowest/bin/python -m pytest -m "not slow and not sb3" -n 2 tests/envs
+    ;;
 *)
-    sed -n '3,5s/^# //p' scripts/check.sh >&2
+    sed -n '3,6s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

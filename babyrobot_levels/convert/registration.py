@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.convert.babyrobot.reading import from_setup
-from babyrobot_levels.envs.single import make_level
+from babyrobot_levels.envs.single import LevelEnv
 
 if TYPE_CHECKING:
     import gymnasium
@@ -35,8 +35,13 @@ def make_babyrobot(
         action_space: `"dynamic"` samples only valid actions, `"discrete"` all five.
         setup: the keywords of the package; see `from_setup`.
     """
+    from gymnasium.wrappers import TimeLimit
+
     actions = "valid" if action_space == "dynamic" else "all"
-    return make_level(from_setup(setup), render_mode=render_mode, actions=actions)
+    level = from_setup(setup)
+    env = LevelEnv(level, render_mode=render_mode, actions=actions)
+    # This id's spec does not know the limit of a setup.
+    return env if level.max_steps is None else TimeLimit(env, level.max_steps)
 
 
-make_babyrobot.metadata = make_level.metadata  # type: ignore[attr-defined]
+make_babyrobot.metadata = LevelEnv.metadata  # type: ignore[attr-defined]

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import inspect
 import operator
+import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from gymnasium import error
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 MAX_IMAGE_SIDE = 4096
 
 _INT = np.dtype(np.intp)
+
+_Given = TypeVar("_Given")
 
 
 # -- making ----------------------------------------------------------------------------------
@@ -53,12 +56,48 @@ def check_names(given: Iterable[str], function: Callable[..., Any], *others: str
     accepted += others
     for name in given:
         if name not in accepted:
-            guess = did_you_mean(name, accepted)
-            if name == "max_steps":
-                guess = "; use `max_episode_steps`"
+            told = _ELSEWHERE.get(name)
+            guess = f"; {told}" if told else did_you_mean(name, accepted)
             raise TypeError(
                 f"unexpected argument {name!r}{guess}; accepted arguments: {', '.join(accepted)}"
             )
+
+
+_ELSEWHERE = {
+    "max_steps": "use `max_episode_steps`",
+    "desc": "write the map as a level, or let `babyrobot import lake.txt -o lake.yaml` write it, "
+    'and give that: gymnasium.make("babyrobot/Level-v0", level="lake.yaml")',
+    "map_name": "each map has an id: '4x4' is babyrobot/frozen-lake-v0, '8x8' is "
+    "babyrobot/frozen-lake-8x8-v0",
+    "is_slippery": "how slippery it is, the field `skid` of the level says; lakes without it are "
+    "babyrobot/frozen-lake-dry-v0 and babyrobot/frozen-lake-8x8-dry-v0",
+}
+"""What to do instead of giving an argument, such as those of Gymnasium's FrozenLake."""
+
+
+def checked_given(name: str, value: _Given | None) -> _Given:
+    """Return an argument without which an id makes nothing.
+
+    Args:
+        name: the argument: `"level"` or `"suite"`.
+        value: its value, None if it is missing.
+
+    Raises:
+        MissingArgument: it is missing.
+    """
+    if value is None:
+        raise error.MissingArgument(_MISSING[name])
+    return value
+
+
+_MISSING = {
+    "level": "which level? Give its name, for example "
+    'gymnasium.make("babyrobot/Level-v0", level="final-maze"), '
+    "or a path, a mapping or a `Level`; `babyrobot list` shows the names",
+    "suite": "which suite? Give its name, for example "
+    'gymnasium.make("babyrobot/Suite-v0", suite="small-mazes"), '
+    "or a path, a mapping or a `Suite`",
+}
 
 
 def checked_observation(
@@ -162,6 +201,18 @@ def checked_autoreset_mode(mode: Any) -> AutoresetMode:
     except ValueError:
         known = ", ".join(str(each) for each in AutoresetMode)
         raise ValueError(f"autoreset_mode must be one of {known}, not {mode!r}") from None
+
+
+def checked_legacy_infos(legacy_infos: Any) -> bool:
+    """Return whether infos have the keys of former versions, and warn if they do."""
+    if legacy_infos:
+        warnings.warn(
+            "legacy_infos=True will be removed in the next version: "
+            "read the attributes `level_digest` and `item_names` of the environment instead",
+            DeprecationWarning,
+            stacklevel=3,
+        )
+    return bool(legacy_infos)
 
 
 # -- resetting -------------------------------------------------------------------------------

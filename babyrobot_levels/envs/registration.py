@@ -15,23 +15,13 @@ SUITE_ID = f"{NAMESPACE}/Suite-v0"
 def register_all() -> None:
     """Register Level-v0, Suite-v0 and an id for each level of the gallery and of packs, once."""
     # Not at the top: if this package is imported before Gymnasium, importing Gymnasium calls this.
-    from gymnasium.envs.registration import register, registry
+    from gymnasium.envs.registration import registry
 
-    from babyrobot_levels.envs.specs import VECTOR
+    from babyrobot_levels.envs.specs import level_spec, suite_spec
 
     if LEVEL_ID not in registry:
-        register(
-            LEVEL_ID,
-            entry_point="babyrobot_levels.envs.single:make_level",
-            vector_entry_point=VECTOR,
-            order_enforce=False,
-        )
-        register(
-            SUITE_ID,
-            entry_point="babyrobot_levels.envs.suite:make_suite",
-            vector_entry_point="babyrobot_levels.envs.vector.suite:SuiteVectorEnv",
-            order_enforce=False,
-        )
+        registry[LEVEL_ID] = level_spec(LEVEL_ID)
+        registry[SUITE_ID] = suite_spec(SUITE_ID)
         register_levels()
 
 
@@ -50,7 +40,7 @@ def register_levels() -> None:
         if env_id not in registry and is_id(env_id):
             # `register` looks through all ids each time, which takes long for thousands.
             level = name if "/" in name else f"{GALLERY}/{name}"
-            registry[env_id] = level_spec(env_id, level)
+            registry[env_id] = level_spec(env_id, level=level)
 
 
 def _level_names() -> Iterator[str]:

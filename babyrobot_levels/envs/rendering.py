@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import gymnasium
+import numpy as np
 from gymnasium import logger
 
 from babyrobot_levels.mdp.actions import Action, Turn
@@ -16,7 +17,6 @@ from babyrobot_levels.render.scene.pose import STANDING, pose_of
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from babyrobot_levels.envs.action_sets import ActionSet
@@ -45,10 +45,19 @@ class Pictures:
         level: the level that is played; its maze has a seed.
         state: the robot's state, in the numbering of the level's tables.
         heading: where a robot that turns looks, 0 north to 3 west.
+        frame_size: width and height of all frames in pixels; where a picture is smaller, they are
+            black. By default, those of the level's own picture.
     """
 
-    def __init__(self, mode: str | None, level: Level, state: int, heading: int | None) -> None:
-        self._mode = mode
+    def __init__(
+        self,
+        mode: str | None,
+        level: Level,
+        state: int,
+        heading: int | None,
+        frame_size: tuple[int, int] | None = None,
+    ) -> None:
+        self._mode, self._frame_size = mode, frame_size
         self._state, self._pose = state, STANDING.turned(heading)
         self._overlay: Overlay | None = None
         self._is_up_to_date = False
@@ -188,8 +197,14 @@ class Pictures:
         if self._frames is None:
             from babyrobot_levels.render.frames import FramePainter
 
-            self._frames = FramePainter(self._level, overlay=self._overlay)
-        return self._frames.frame(self._state, self._pose)
+            self._frames = FramePainter(self._level, overlay=self._overlay, room=self._frame_size)
+        frame = self._frames.frame(self._state, self._pose)
+        if self._frame_size is None:
+            return frame
+        width, height = self._frame_size
+        padded = np.zeros((height, width, 3), np.uint8)
+        padded[: frame.shape[0], : frame.shape[1]] = frame[:height, :width]
+        return padded
 
     def _text_painter(self, *, plain: bool) -> TextPainter:
         if plain not in self._texts:
@@ -350,7 +365,11 @@ class RenderedEnv(gymnasium.Env[Any, Any]):
 
     def _new_pictures(self) -> Pictures:
         state = self._state if self._state >= 0 else self._starts[0]
-        return Pictures(self.render_mode, self.level, *self._shown(state))
+        return Pictures(self.render_mode, self.level, *self._shown(state), self._frame_size())
+
+    def _frame_size(self) -> tuple[int, int] | None:
+        """Return width and height of all frames, in pixels; None if they are the level's own."""
+        return None
 
     def _shown(self, state: int) -> tuple[int, int | None]:
         """Return a state in the numbering of the level's tables, and the heading if it turns."""

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
+from babyrobot_levels.envs.vector.rendering import LEVEL_ATTRIBUTES
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
@@ -83,7 +83,7 @@ class LevelVecEnv(VecEnv):
         seeds = None if self._seeds[0] is None else self._seeds
         observations: NDArray[Any]
         observations, info = self.envs.reset(seed=seeds, options=options)
-        self.reset_infos = _rows(info, range(self.num_envs), self._item_names())
+        self.reset_infos = _rows(info, range(self.num_envs))
         self._reset_seeds()
         return observations
 
@@ -98,14 +98,13 @@ class LevelVecEnv(VecEnv):
             Observations `[num_envs, …]`, those of the next episode where one is over, rewards
             (float32 `[num_envs]`), dones (bool `[num_envs]`), and an info for each environment.
         """
-        names = self._item_names()
         observations, rewards, terminated, truncated, info = self.envs.step(self._actions)
         dones = terminated | truncated
         ends, final = info.pop("final_obs", None), info.pop("final_info", None)
-        infos = _rows(info, range(self.num_envs), names if final is None else self._item_names())
+        infos = _rows(info, range(self.num_envs))
         if final is not None:
             done = dones.nonzero()[0].tolist()
-            for number, info_of_end in zip(done, _rows(final, done, names), strict=True):
+            for number, info_of_end in zip(done, _rows(final, done), strict=True):
                 # After an autoreset, the info of the step is about the next episode.
                 self.reset_infos[number] = infos[number]
                 infos[number] = info_of_end
@@ -113,14 +112,6 @@ class LevelVecEnv(VecEnv):
         for each, is_cut in zip(infos, (truncated & ~terminated).tolist(), strict=True):
             each["TimeLimit.truncated"] = is_cut
         return observations, rewards.astype(np.float32), dones, infos
-
-    def _item_names(self) -> list[list[str]]:
-        """Return the names of the items in the current level of each environment."""
-        if not self.envs.num_items:
-            return []
-        levels = self.envs.call("level")
-        names = {id(level): [item.name for item in level.items] for level in levels}
-        return [names[id(level)] for level in levels]
 
     def close(self) -> None:
         """Release the painters."""
@@ -130,7 +121,7 @@ class LevelVecEnv(VecEnv):
 
     def has_attr(self, attr_name: str) -> bool:
         """Return whether environments have an attribute or a method."""
-        return hasattr(self.envs, attr_name) or attr_name == "level"
+        return hasattr(self.envs, attr_name) or attr_name in LEVEL_ATTRIBUTES
 
     def get_attr(self, attr_name: str, indices: _Indices = None) -> list[Any]:
         """Return the value of an attribute for each environment; see `LevelVectorEnv.call`."""
@@ -161,20 +152,17 @@ class LevelVecEnv(VecEnv):
         return [False for _ in self._get_indices(indices)]
 
     def get_images(self) -> list[Any]:
-        """Return a picture of the first 16 environments, uint8 `[height, width, 3]`, in a list."""
-        return [self.envs.render()]
+        """Return a picture of each environment, uint8 `[height, width, 3]`; see `render`."""
+        return list(self.envs.render() or [None] * self.num_envs)
 
 
-def _rows(
-    info: dict[str, Any], which: Sequence[int], item_names: list[list[str]]
-) -> list[dict[str, Any]]:
+def _rows(info: dict[str, Any], which: Sequence[int]) -> list[dict[str, Any]]:
     """Return the info of each environment from that of a vector environment.
 
     Args:
         info: values `[num_envs, …]`, and for each key another one with `_` before it: where the
             value holds.
         which: the environments.
-        item_names: the names of the items in the level of each environment, for `held`.
     """
     index = np.asarray(which, np.intp)
     names = [name for name in info if f"_{name}" in info]
@@ -185,7 +173,4 @@ def _rows(
     for name in names:
         for number in (~info[f"_{name}"][index]).nonzero()[0].tolist():
             del rows[number][name]
-    for number, row in zip(which, rows, strict=True):
-        if "held" in row:
-            row["held"] = tuple(compress(item_names[number], row["held"].tolist()))
     return rows

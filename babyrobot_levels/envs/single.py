@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from itertools import compress
 from typing import TYPE_CHECKING, Any
 
-import gymnasium
 import numpy as np
 from gymnasium import error
-from gymnasium.wrappers import TimeLimit
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
@@ -17,6 +16,8 @@ from babyrobot_levels.envs.arguments import (
     check_choice,
     check_names,
     checked_action,
+    checked_given,
+    checked_legacy_infos,
     checked_maze_seed,
     checked_observation,
     checked_options,
@@ -33,6 +34,7 @@ from babyrobot_levels.envs.rendering import (
     show_wrapped_environments,
 )
 from babyrobot_levels.envs.spaces import ValidActions, make_action_space
+from babyrobot_levels.envs.specs import MadeSpec, as_spec
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.events import Event, events_of, hits_of
@@ -52,20 +54,16 @@ _State = tuple[
     Callable[[], Any],
     Callable[[], NDArray[np.int8]],
     Any,
-    tuple[str, ...],
 ]
-"""What a step needs of a state.
+"""What a step needs of a state: outcomes by action, makers of observation and mask, the mask."""
 
-Outcomes by action, makers of observation and mask, the mask, and the names of what is held.
-"""
-
-_Part = tuple[NDArray[np.int8], NDArray[np.bool_], tuple[str, ...]]
+_Part = tuple[NDArray[np.int8], NDArray[np.bool_], NDArray[np.bool_]]
 """Of the states with one configuration: events and hits of all outcomes, and what is held."""
 
 MAX_MAZE_SEED = 2**31
 """The seeds that are drawn for mazes with `seed: random` are below this."""
 
-_DERIVED = ("_mdp", "_parts", "_observer", "_starts", "_states", "_tells", "_table")
+_DERIVED = ("_mdp", "_parts", "_observer", "_starts", "_states", "_now", "_table")
 """The attributes that `_enter` sets, all of which follow from the level."""
 
 
@@ -116,6 +114,7 @@ class LevelEnv(RenderedEnv):
         see_through: bool = False,
         channels_last: bool = False,
         planes_dtype: str = "float32",
+        legacy_infos: bool = False,
     ):
         """Make the environment of a level.
 
@@ -135,6 +134,8 @@ class LevelEnv(RenderedEnv):
             channels_last: whether planes have the shape `[height, width, planes]` and not
                 `[planes, height, width]`.
             planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
+            legacy_infos: whether infos are those of former versions: `reset` adds `level_digest`,
+                and `held` has the names of items; deprecated.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -162,6 +163,10 @@ class LevelEnv(RenderedEnv):
         self._valid = space if isinstance(space, ValidActions) else None
         self._spec: EnvSpec | None = None
         self._state = -1
+        self._num_items, self._has_movers = self._things()
+        self._legacy_infos = checked_legacy_infos(legacy_infos)
+        self._level_number: dict[str, int] = {}
+        self._has_more = False
         # Until the first reset, a level with random mazes has the maze of seed 0.
         self._enter(self._given.with_maze_seed(0) if self._given.has_random_maze else self._given)
         self.observation_space = self._observer.space
@@ -177,12 +182,16 @@ class LevelEnv(RenderedEnv):
         self._observer = make_observer(level, self._observation, self._extent())
         self._starts: list[int] = mdp.start.nonzero()[0].tolist()
         self._states: list[_State | None] = [None] * mdp.num_states
-        self._tells = bool(level.items), bool(level.movers)
+        self._now: _State | None = None
         self._table: dict[int, dict[int, list[Outcome]]] | None = None
 
     def _extent(self) -> Extent:
         """Return the extent of all levels that episodes may have."""
         return Extent.of([self._given], turns=self._actions.turns)
+
+    def _things(self) -> tuple[int, bool]:
+        """Return the most items that levels of episodes have, and whether any have movers."""
+        return len(self._given.items), bool(self._given.movers)
 
     # -- episodes --------------------------------------------------------------------------
 
@@ -197,9 +206,7 @@ class LevelEnv(RenderedEnv):
                 `{"maze_seed": n}` selects the maze of that seed.
 
         Returns:
-            The observation, and an info with `action_mask` and `level_digest`. If the level has
-            `seed: random`, `maze_seed` takes the place of the latter. If it has items, there is
-            `held`, the names of those that the robot holds; if it has movers, `hit`, False.
+            The observation, and the info that `step` describes.
 
         Raises:
             ValueError: the robot cannot start in that cell, or there is no such option.
@@ -215,7 +222,6 @@ class LevelEnv(RenderedEnv):
         maze_seed = checked_maze_seed(options.get("maze_seed"))
         super().reset(seed=seed)
         rng = self.np_random
-        info: dict[str, Any] = {}
         if is_grown:
             if maze_seed is None:
                 maze_seed = int(rng.random() * MAX_MAZE_SEED)
@@ -223,22 +229,21 @@ class LevelEnv(RenderedEnv):
             if start is not None and starts is None:
                 starts = start_states(start, level, self._actions.tables(level))
             self._enter(level)
-            info["maze_seed"] = maze_seed
-        else:
-            info["level_digest"] = self.level.digest
+            self._level_number = {"maze_seed": maze_seed}
         starts = starts or self._starts
         self._state = starts[0 if len(starts) == 1 else int(rng.integers(len(starts)))]
-        _, observe, copy_mask, mask, held = self._states[self._state] or self._look_up(self._state)
+        self._now = self._states[self._state] or self._look_up(self._state)
+        _, observe, copy_mask, mask = self._now
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
             self._pictures.reset(self.level, *self._shown(self._state))
-        info["action_mask"] = copy_mask()
-        has_items, has_movers = self._tells
-        if has_items:
-            info["held"] = held
-        if has_movers:
-            info["hit"] = False
+        info = {"action_mask": copy_mask(), "target_reached": False, "skidded": False}
+        self._has_more = bool(self._num_items or self._has_movers or self._level_number)
+        if self._has_more:
+            self._add_to(info, hit=False)
+        if self._legacy_infos and not is_grown:
+            info["level_digest"] = self.level.digest
         return observe(), info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -247,16 +252,17 @@ class LevelEnv(RenderedEnv):
         Returns:
             Observation, reward, terminated, False (`TimeLimit` truncates), and an info with
             `action_mask` (int8 `[actions]`, a copy), `target_reached` (the robot is where the
-            action leads without chance, and no wall refused it), `skidded` (chance took it
-            somewhere else), and as at `reset`, `held` and `hit` (a mover hit the robot).
+            action leads without chance, and no wall refused it) and `skidded` (chance took it
+            somewhere else), which are False at reset. If the level has `seed: random`, there is
+            `maze_seed`; if it has items, `held` (bool `[items]`: which of them the robot holds, in
+            the order of the level file); if it has movers, `hit` (whether one hit the robot).
 
         Raises:
             ResetNeeded: there was no reset yet.
             InvalidAction: the action is not in the action space.
         """
-        now = self._states[self._state]
+        now = self._now
         if now is None:
-            # During an episode, the current state was looked up when the robot came to it.
             raise error.ResetNeeded("call `reset()` before the first `step()`")
         try:
             outcomes = now[0][action]
@@ -270,26 +276,34 @@ class LevelEnv(RenderedEnv):
                     break
         _, state, reward, terminal, target_reached, skidded, hit = outcome
         before, self._state = self._state, state
-        _, observe, copy_mask, mask, held = self._states[state] or self._look_up(state)
+        self._now = _, observe, copy_mask, mask = self._states[state] or self._look_up(state)
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
             self._show_step(self._pictures, int(action), before, skidded)
         info = {"action_mask": copy_mask(), "target_reached": target_reached, "skidded": skidded}
-        # Written out, because a call is a considerable part of a step.
-        has_items, has_movers = self._tells
-        if has_items:
-            info["held"] = held
-        if has_movers:
-            info["hit"] = hit
+        if self._has_more:
+            self._add_to(info, hit)
         return observe(), reward, terminal, False, info
+
+    def _add_to(self, info: dict[str, Any], hit: bool) -> None:
+        """Add to an info what only some levels have."""
+        if self._num_items:
+            held = self._parts[self._state // (self._mdp.cells * self._mdp.headings)][2]
+            info["held"] = self._names(held) if self._legacy_infos else held.copy()
+        if self._has_movers:
+            info["hit"] = hit
+        info.update(self._level_number)
+
+    def _names(self, held: NDArray[np.bool_]) -> tuple[str, ...]:
+        """Return the names of what is held, for infos as they once were."""
+        return tuple(compress(self.item_names, held.tolist()))
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return the current action mask, int8 `[actions]`. The name is sb3-contrib's."""
-        now = self._states[self._state] if self._state >= 0 else None
-        if now is None:
+        if self._now is None:
             raise error.ResetNeeded("call `reset()` before asking for the action mask")
-        return now[2]()
+        return self._now[2]()
 
     def _look_up(self, state: int) -> _State:
         """Copy a state's rows out of the compiled tables, at the robot's first visit.
@@ -299,13 +313,13 @@ class LevelEnv(RenderedEnv):
         """
         first, mdp = self._actions.first, self._mdp
         number, place = divmod(state, mdp.cells * mdp.headings)
-        events, hits, held = self._parts.get(number) or self._look_up_part(number)
+        events, hits, _ = self._parts.get(number) or self._look_up_part(number)
         mask = mdp.action_mask[state, first:]
         rows = zip(events[place, first:].tolist(), hits[place, first:].tolist(), strict=True)
         outcomes = {
             action: self._outcomes(state, action + first, *row) for action, row in enumerate(rows)
         }
-        found = outcomes, self._observer.at(state), mask.copy, mask, held
+        found = outcomes, self._observer.at(state), mask.copy, mask
         self._states[state] = found
         return found
 
@@ -314,7 +328,10 @@ class LevelEnv(RenderedEnv):
         mdp, level = self._mdp, self.level
         size = mdp.cells * mdp.headings
         states = slice(number * size, (number + 1) * size)
-        held = level.configuration(number).held if level.items else ()
+        held = np.zeros(self._num_items, np.bool_)
+        if level.items:
+            names = level.configuration(number).held
+            held[: len(level.items)] = [name in names for name in self.item_names]
         part = events_of(mdp, states), hits_of(level, mdp, states), held
         self._parts[number] = part
         return part
@@ -353,6 +370,16 @@ class LevelEnv(RenderedEnv):
         return self._table
 
     @property
+    def level_digest(self) -> str:
+        """The digest of the current level, which equivalent levels share."""
+        return self.level.digest
+
+    @property
+    def item_names(self) -> tuple[str, ...]:
+        """The names of the items of the current level, in the order of `info["held"]`."""
+        return tuple(item.name for item in self.level.items)
+
+    @property
     def initial_state_distrib(self) -> NDArray[np.float64]:
         """The probability of each state at reset, float64 `[states]`; the name is toy_text's."""
         return self._mdp.start.copy()
@@ -370,6 +397,7 @@ class LevelEnv(RenderedEnv):
             spec.kwargs |= {
                 name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
             }
+            spec = as_spec(MadeSpec, spec)
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
@@ -384,25 +412,24 @@ class LevelEnv(RenderedEnv):
         self.__dict__.update(state)
         self._enter(self.level)
         if self._state >= 0:
-            self._look_up(self._state)
+            self._now = self._look_up(self._state)
 
 
-def make_level(level: LevelLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a level's environment, in a `TimeLimit` if the level has `max_steps`.
+def make_level(level: LevelLike | None = None, **kwargs: Any) -> LevelEnv:
+    """Return a level's environment: the entry point of `babyrobot/Level-v0` and of all levels.
 
-    The entry point of `babyrobot/Level-v0`, whose spec cannot have the limit of the level.
+    Gymnasium adds the `TimeLimit`, which the spec knows.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
         kwargs: the other arguments of `LevelEnv`.
 
     Raises:
+        MissingArgument: there is no level.
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "max_episode_steps")
-    loaded = load(level)
-    env = LevelEnv(loaded, **kwargs)
-    return env if loaded.max_steps is None else TimeLimit(env, loaded.max_steps)
+    check_names(kwargs, LevelEnv.__init__, "max_episode_steps", "level")
+    return LevelEnv(checked_given("level", level), **kwargs)
 
 
 make_level.metadata = LevelEnv.metadata  # type: ignore[attr-defined]

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.tables import Words
 
 
-class ValidActions(spaces.Discrete[Any]):
+# Before version 1.4, these classes of Gymnasium take no type parameters at run time.
+class ValidActions(spaces.Discrete):
     """A `Discrete` whose `sample()` gives only actions that are allowed in the current state.
 
     It equals a plain `Discrete` of its size, and contains all its actions: the others can be taken
@@ -46,7 +47,7 @@ def make_action_space(actions: ActionSet) -> spaces.Discrete[Any]:
     return make(actions.num_actions)
 
 
-class BatchActions(spaces.MultiDiscrete[Any]):
+class BatchActions(spaces.MultiDiscrete):
     """A `MultiDiscrete`, one action for each environment, whose `sample` takes masks as one array.
 
     It equals the plain `MultiDiscrete` of its size, and contains the same actions.

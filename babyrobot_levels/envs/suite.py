@@ -8,10 +8,10 @@ from math import prod
 from typing import Any
 
 import gymnasium
-from gymnasium.wrappers import TimeLimit
 
 from babyrobot_levels.envs.arguments import (
     check_names,
+    checked_given,
     checked_index,
     checked_options,
     start_states,
@@ -31,8 +31,8 @@ class SuiteEnv(LevelEnv):
 
     Actions, rewards and ends of episodes are those of `LevelEnv`. The observation space is that of
     the largest level and never changes: a cell has the same observation in levels of all sizes,
-    `"index"` is `y * largest width + x`, and images show smaller levels in their upper left
-    corner, with black around them.
+    `"index"` is `y * largest width + x`, and images and frames show smaller levels in their upper
+    left corner, with black around them.
 
     Attributes:
         suite: the suite, or the split of it.
@@ -59,6 +59,14 @@ class SuiteEnv(LevelEnv):
     def _extent(self) -> Extent:
         return suite_extent(self.suite, turns=self._actions.turns)
 
+    def _things(self) -> tuple[int, bool]:
+        return self.suite.most_items, self.suite.has_guards
+
+    def _frame_size(self) -> tuple[int, int] | None:
+        from babyrobot_levels.render.frames import largest_frame
+
+        return largest_frame(self.level, self.suite.largest, self.suite.most_items)
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
@@ -70,8 +78,9 @@ class SuiteEnv(LevelEnv):
                 starts in that cell.
 
         Returns:
-            The observation, and an info with `action_mask`, `level_index` (its number in the suite
-            or split) and `level_digest`.
+            The observation, and an info that also has `level_index`, the level's number in the
+            suite or split. If levels of the suite can have items, `held` has room for the most that
+            a level can have, and if they can have movers, there is always `hit`.
 
         Raises:
             ValueError: there is no such level or option, or the robot cannot start in that cell.
@@ -87,30 +96,28 @@ class SuiteEnv(LevelEnv):
         if options.get("start") is not None:
             start_states(options["start"], level, self._actions.tables(level))
         self._enter(level)
-        observation, info = super().reset(options=options)
-        info["level_index"], info["level_digest"] = index, level.digest
-        return observation, info
+        self._level_number = {"level_index": index}
+        return super().reset(options=options)
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
         make_suite_serializable(given, self._given_suite)
 
 
-def make_suite(suite: SuiteLike, **kwargs: Any) -> gymnasium.Env[Any, Any]:
-    """Return a suite's environment, in a `TimeLimit` if the suite has `max_steps`.
+def make_suite(suite: SuiteLike | None = None, **kwargs: Any) -> SuiteEnv:
+    """Return a suite's environment: the entry point of `babyrobot/Suite-v0`.
 
-    The entry point of `babyrobot/Suite-v0`.
+    Gymnasium adds the `TimeLimit`, which the spec knows.
 
     Args:
         suite: a name, a path, a mapping or a `Suite`.
         kwargs: the other arguments of `SuiteEnv`.
 
     Raises:
+        MissingArgument: there is no suite.
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps")
-    loaded = load_suite(suite)
-    env, limit = SuiteEnv(loaded, **kwargs), loaded.fields.max_steps
-    return env if limit is None else TimeLimit(env, limit)
+    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps", "suite")
+    return SuiteEnv(checked_given("suite", suite), **kwargs)
 
 
 make_suite.metadata = SuiteEnv.metadata  # type: ignore[attr-defined]

@@ -184,6 +184,4 @@ class Level(GridWorld):
         """
         import gymnasium
 
-        has_limit = kwargs.get("max_episode_steps") is not None
-        level = self.replace(max_steps=None) if has_limit else self
-        return gymnasium.make("babyrobot/Level-v0", level=level, **kwargs)
+        return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)

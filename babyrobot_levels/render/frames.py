@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.grounds import Grounds, remember
-from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
+from babyrobot_levels.render.scene.layout import CELL, STRIP, Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
@@ -34,6 +35,8 @@ MIN_IMAGE_SIDE = 36
 
 MAX_IMAGE_SIDE = 1024
 
+_ROOM = MAX_FRAME_SIDE, MAX_FRAME_SIDE
+
 _POSES = 64
 """The number of poses that are cached."""
 
@@ -56,6 +59,8 @@ class FramePainter:
             so that no side exceeds 2,048 pixels.
         grayscale: whether frames have one channel instead of three.
         overlay: values, arrows and texts shown over the cells and in the panels.
+        room: the largest width and height of the whole picture, whose cells are made smaller until
+            it fits; by default, 2,048 pixels each.
 
     Attributes:
         width: the width of a frame in pixels.
@@ -73,10 +78,11 @@ class FramePainter:
         size: tuple[int, int] | None = None,
         grayscale: bool = False,
         overlay: Overlay | None = None,
+        room: tuple[int, int] | None = None,
     ) -> None:
         cells_only = size is not None
         layout = layout_of(level, cells_only=cells_only, overlay=overlay)
-        self.width, self.height = size or _whole_size(layout)
+        self.width, self.height = size or _whole_size(layout, room or _ROOM)
         self._level, self._layout = level, layout
         self._crowded = overlay is not None and overlay.fills_cells
         self._grounds = Grounds(
@@ -166,8 +172,22 @@ def default_image_size(width: int, height: int) -> tuple[int, int]:
     return max(MIN_IMAGE_SIDE, height * cell), max(MIN_IMAGE_SIDE, width * cell)
 
 
-def _whole_size(layout: Layout) -> tuple[int, int]:
-    scale = min(1.0, (MAX_FRAME_SIDE + 0.5) / max(layout.width, layout.height))
+def largest_frame(level: GridWorld, size: tuple[int, int], num_items: int) -> tuple[int, int]:
+    """Return width and height in pixels of the frames of a level of another size.
+
+    Args:
+        level: a level with the same theme and panels.
+        size: the width and height of the other one in cells.
+        num_items: how many items that has.
+    """
+    like = layout_of(level)
+    strip = STRIP if num_items and like.held_in == "strip" else 0.0
+    layout = replace(like, columns=size[0], rows=size[1], items=num_items, strip=strip)
+    return _whole_size(layout, _ROOM)
+
+
+def _whole_size(layout: Layout, room: tuple[int, int]) -> tuple[int, int]:
+    scale = min(1.0, (room[0] + 0.5) / layout.width, (room[1] + 0.5) / layout.height)
     if scale < 1:
         # Cells of whole pixels, at least one.
         scale = max(1, math.floor(scale * CELL)) / CELL

@@ -36,7 +36,7 @@ def test_the_python_runs_and_says_what_stands_behind_it() -> None:
                 value = eval(shown[1], names)
                 assert str(value).startswith(shown[2].strip('"'))
     assert names["level"].name == "final-maze"
-    assert names["info"]["level_digest"] == names["level"].digest
+    assert names["env"].unwrapped.level_digest == names["level"].digest
 
 
 def test_the_outputs_are_those_of_the_commands() -> None:

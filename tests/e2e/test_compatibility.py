@@ -207,7 +207,8 @@ def assert_same(old: Any, new: Any) -> None:
             assert_same(value, new[key])
     elif isinstance(old, EnvSpec):
         # A level of a project may have the name of one of the gallery.
-        assert old.to_json() == new.to_json().replace('"gallery/', '"')
+        assert told(old) == told(new) | {"kwargs": old.kwargs}
+        assert old.kwargs == {**new.kwargs, "level": new.kwargs["level"].removeprefix("gallery/")}
     elif dataclasses.is_dataclass(old):
         for field in dataclasses.fields(old):
             # Version 0.1 did not know where a level was found.
@@ -217,6 +218,13 @@ def assert_same(old: Any, new: Any) -> None:
         assert old == pytest.approx(new, rel=1e-12, nan_ok=True)
     elif not isinstance(old, Path):
         assert old == new
+
+
+def told(spec: EnvSpec) -> dict[str, Any]:
+    """Return what version 0.1 told about an environment: it knew no thresholds."""
+    given: dict[str, Any] = json.loads(spec.to_json())
+    functions = ("reward_threshold", "entry_point", "vector_entry_point")
+    return {name: value for name, value in given.items() if name not in functions}
 
 
 # -- environments ----------------------------------------------------------------------------
@@ -233,7 +241,7 @@ def test_specs_make_their_environments(name: str) -> None:
     else:
         env: Any = gymnasium.make(spec)
         assert env.observation_space.contains(env.reset(seed=1)[0])
-        assert env.spec.to_json() == recorded("env-specs.json")[name]
+        assert told(env.spec) == told(spec)
     gymnasium.registry.pop("BabyRobot-v0")
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import re
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -100,3 +102,12 @@ def test_slow_places_are_places(pytestconfig: pytest.Config) -> None:
     plugins = pytestconfig.pluginmanager.get_plugins()
     slow = next(plugin.SLOW for plugin in plugins if hasattr(plugin, "SLOW"))
     assert [place for place in slow if not (ROOT / "tests" / place).exists()] == []
+
+
+def test_the_lowest_versions_are_those_that_the_project_allows() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    bounds = [*project["dependencies"], *project["optional-dependencies"]["fast"]]
+    lines = (ROOT / "scripts" / "lowest.txt").read_text(encoding="utf-8").splitlines()
+    lowest = sorted(line.replace("==", ">=") for line in lines if "==" in line)
+    # Version 11 is 11.0.0.
+    assert [re.sub(r"(\.0)+$", "", line) for line in lowest] == sorted(bounds)

@@ -6,6 +6,7 @@ import copy
 import pickle
 import random
 from collections.abc import Iterator
+from itertools import compress
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +27,7 @@ from support.playing import (
     way_out,
 )
 
+import babyrobot_levels as brl
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.registration import register_levels
@@ -124,19 +126,22 @@ class EnvContract:
             assert type(info["target_reached"]) is bool
             assert type(info["skidded"]) is bool
 
-    def test_infos_tell_of_things_where_there_are_any(self, bare: Env) -> None:
+    def test_infos_are_the_same_numbers_at_reset_and_step(self, bare: Any, actions: str) -> None:
         _, info = bare.reset(seed=18)
-        level = bare.get_wrapper_attr("level")
-        keys = {*(["held"] if level.items else []), *(["hit"] if level.movers else [])}
-        if level.movers:
-            assert info["hit"] is False
+        level = bare.level
+        kinds: dict[str, Any] = {"action_mask": (np.int8, (count_of(actions),))}
+        kinds |= {"target_reached": bool, "skidded": bool}
+        kinds |= {"held": (np.bool_, (len(level.items),))} if level.items else {}
+        kinds |= {"hit": bool} if level.movers else {}
+        kinds |= {"maze_seed": int} if brl.load(bare.spec.kwargs["level"]).has_random_maze else {}
+        assert not any(info[key] for key in ("target_reached", "skidded", "hit") if key in info)
         for _ in range(25):
-            assert keys == {"held", "hit"} & set(info)
+            assert {key: kind_of(value) for key, value in info.items()} == kinds
             if level.items:
-                state, mdp = bare.get_wrapper_attr("_state"), bare.get_wrapper_attr("_mdp")
-                assert info["held"] == level.configuration(mdp.configuration(state)).held
+                now = level.configuration(bare._mdp.configuration(bare._state))
+                assert tuple(compress(bare.item_names, info["held"])) == now.held
             *_, info = bare.step(bare.action_space.sample())
-            assert not level.movers or type(info["hit"]) is bool
+        assert bare.level_digest == level.digest
 
     def test_after_the_end_nothing_happens(self, bare: Env, actions: str) -> None:
         observation, _ = bare.reset(seed=6)
@@ -283,6 +288,14 @@ def global_states() -> list[Any]:
     """Return the states of Python's and NumPy's global generators."""
     _, keys, position, *_ = np.random.get_state(legacy=True)
     return [random.getstate(), np.asarray(keys).tolist(), position]
+
+
+def kind_of(value: Any) -> Any:
+    """Return what kind of info a value is: its type, or dtype and shape of an array in C order."""
+    if not isinstance(value, np.ndarray):
+        return type(value)
+    assert value.flags.carray
+    return value.dtype, value.shape
 
 
 def mask_of(env: Env) -> list[int]:

@@ -47,13 +47,13 @@ for each in (env, env.unwrapped, TimeAwareObservation(env)):
 def test_other_environments_show_themselves_as_ever(folder: Path) -> None:
     code = f"""{SHELL}
 import gymnasium
-before = shown(gymnasium.make("CliffWalking-v1"))
+before = shown(gymnasium.make("FrozenLake-v1"))
 brl.load("default").make()
-assert shown(gymnasium.make("CliffWalking-v1")) == before
+assert shown(gymnasium.make("FrozenLake-v1")) == before
 class Own(gymnasium.Wrapper):
     def _repr_mimebundle_(self, include=None, exclude=None):
         return {{"text/plain": "my own"}}
-for env in (gymnasium.make("CliffWalking-v1"), brl.load("default").make()):
+for env in (gymnasium.make("FrozenLake-v1"), brl.load("default").make()):
     assert shown(Own(env)) == {{"text/plain": "my own"}}
 """
     run(code, folder)

@@ -44,9 +44,9 @@ def test_its_checker_is_content(name: str, observation: str, actions: str) -> No
     size = {"image_size": IMAGE_SIZE} if observation == "image" else {}
     env = make(name, observation=observation, actions=actions, render_mode="rgb_array", **size)
     with warnings.catch_warnings():
-        if observation == "view":
+        if observation in ("view", "planes"):
             # It takes every box of three dimensions for a picture of at least 36 pixels a side.
-            for told in ("It seems that your observation space", "The minimal resolution"):
+            for told in ("It seems that your observation", "The minimal resolution"):
                 warnings.filterwarnings("ignore", told)
         check_env(env, warn=True, skip_render_check=False)
 

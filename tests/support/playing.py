@@ -137,6 +137,8 @@ def level_named(name: str) -> Level:
 
 def plain(observation: Any) -> Any:
     """Return an observation as data that can be compared with `==`."""
+    if isinstance(observation, dict):
+        return {name: plain(each) for name, each in observation.items()}
     if isinstance(observation, np.ndarray):
         return str(observation.dtype), observation.shape, observation.tobytes()
     return type(observation), observation
@@ -145,7 +147,7 @@ def plain(observation: Any) -> Any:
 def noted(info: dict[str, Any]) -> dict[str, Any]:
     """Return an info as data that can be compared with `==`."""
     return {
-        key: value.tolist() if isinstance(value, np.ndarray) else value
+        key: plain(value) if isinstance(value, dict | np.ndarray) else value
         for key, value in info.items()
     }
 

@@ -35,7 +35,7 @@ class CompiledEngine:
         for number, names in _SPANS.items():
             source = self._sources[number]
             copy = self._memory[ends[number - 1] if number else len(ends) : ends[number]]
-            copy = copy.view(source.dtype).reshape(source.shape)
+            copy = copy.view(source.dtype)[: source.size].reshape(source.shape)
             for name in names:
                 where = getattr(span, name)
                 copy[where] = source[where]
@@ -103,9 +103,16 @@ def _packed(tables: Tables, observations: NDArray[np.int64]) -> NDArray[np.int64
         tables: the tables of the levels.
         observations: the observation of each state, int64 `[states, numbers]`.
     """
-    arrays = [array.ravel().view(np.int64) for array in _arrays_of(tables, observations)]
+    arrays = [_as_words(array) for array in _arrays_of(tables, observations)]
     ends = len(arrays) + np.cumsum([array.size for array in arrays])
     return np.concatenate([ends, *arrays])
+
+
+def _as_words(array: NDArray[Any]) -> NDArray[np.int64]:
+    """Return an array as words of eight bytes, the last of them filled with zeros."""
+    words = np.zeros(-(-array.nbytes // 8), np.int64)
+    words.view(array.dtype)[: array.size] = array.ravel()
+    return words
 
 
 def _arrays_of(tables: Tables, observations: NDArray[np.int64]) -> tuple[NDArray[Any], ...]:
@@ -125,7 +132,13 @@ def _arrays_of(tables: Tables, observations: NDArray[np.int64]) -> tuple[NDArray
         tables.offset,
         tables.held,
         np.array(
-            [tables.num_actions, tables.draws_levels, tables.draws_starts, tables.tells_hits],
+            [
+                tables.num_actions,
+                tables.draws_levels,
+                tables.draws_starts,
+                tables.tells_hits,
+                tables.held.shape[1],
+            ],
             np.int64,
         ),
     )

@@ -13,7 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.draws import NONE
-from babyrobot_levels.envs.engine.tables import END_SHIFT, HIT, TERMINAL, Flags, Floats, Ints, Words
+from babyrobot_levels.envs.engine.tables import (
+    END,
+    FIRST_BYTE,
+    HIT,
+    NEXT_BYTE,
+    REACHED,
+    SKIDDED,
+    TERMINAL,
+    Flags,
+    Floats,
+    Ints,
+    Words,
+)
 
 if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("Numba is configured not to compile")
@@ -26,14 +38,16 @@ Drawn = NDArray[Any]
 LOWER = 2**32 - 1
 """The lower half of a word."""
 
-IS_HIT = np.uint64(HIT << END_SHIFT)
-IS_TERMINAL = np.uint64(TERMINAL << END_SHIFT)
-"""The bits of `end` in info words."""
+IS_TERMINAL, IS_HIT, IS_REACHED, IS_SKIDDED = (
+    np.uint64(bit << (FIRST_BYTE + byte * NEXT_BYTE))
+    for bit, byte in ((TERMINAL, END), (HIT, END), (1, REACHED), (1, SKIDDED))
+)
+"""The bits of info words."""
 
 Transitions = tuple[Ints, Floats, Words, Ints, Ints, Floats, Words]
 """What acting reads: the attributes of `Tables` from `next_state` to `state_info`, in order."""
 
-Shown = tuple[NDArray[np.int64], NDArray[np.int64], bool]
+Shown = tuple[NDArray[np.int64], NDArray[np.uint8], bool]
 """What is told of a state: the observations, `held`, and `tells_hits`."""
 
 Starts = tuple[Ints, Ints, NDArray[np.int64], bool, bool]
@@ -62,8 +76,8 @@ def unpacked(
     limit = memory[memory[8] : memory[9]]
     observations = memory[memory[9] : memory[10]]
     offset = memory[memory[10] : memory[11]]
-    held = memory[memory[11] : memory[12]]
-    num_actions, draws_levels, draws_starts, tells_hits = memory[memory[12] : memory[13]]
+    held = memory[memory[11] : memory[12]].view(np.uint8)
+    num_actions, draws_levels, draws_starts, tells_hits, num_items = memory[memory[12] : memory[13]]
     transitions = (
         next_state,
         reward,
@@ -77,7 +91,7 @@ def unpacked(
     states = state_info.size
     shown = (
         observations.reshape((states, observations.size // states)),
-        held.reshape((states, held.size // states)),
+        held[: states * num_items].reshape((states, num_items)),
         tells_hits != 0,
     )
     return transitions, resetting, shown, offset, num_actions
@@ -211,17 +225,25 @@ def step(
     next_state, reward, outcome_info, stochastic, _, _, state_info = transitions
     observation_of, held_in, tells_hits = shown
     idle_row = stochastic.size - 1
-    count, numbers, num_words = actions.size, observation_of.shape[1], held_in.shape[1]
+    count, numbers, num_items = actions.size, observation_of.shape[1], held_in.shape[1]
     state, level, deadline, done = arrays_of_states(count, envs)
     # The order is that of `Layout`.
     end = numbers * count
     observations = results[:end].reshape((count, numbers))
     rewards = results[end : end + count].view(np.float64)
-    words = results[end + count : end + 2 * count].view(np.uint64)
-    held = results[end + 2 * count : end + (2 + num_words) * count].reshape((count, num_words))
-    flags = results[end + (2 + num_words) * count :].view(np.uint8)
-    terminated, truncated = flags[:count], flags[count : 2 * count]
-    acted, hit = flags[2 * count : 4 * count], flags[4 * count : 5 * count]
+    rest = results[end + count :].view(np.uint8)
+    masks, rest = rest[: count * num_actions], rest[count * num_actions :]
+    terminated, reached, skidded = (
+        rest[:count],
+        rest[count : 2 * count],
+        rest[2 * count : 3 * count],
+    )
+    truncated, all_true, hit = (
+        rest[3 * count : 4 * count],
+        rest[4 * count : 5 * count],
+        rest[5 * count : 6 * count],
+    )
+    held = rest[6 * count : (6 + num_items) * count].reshape((count, num_items))
     # Separate loops for what the processor can do for several environments at a time.
     wrong = False
     for action in actions:
@@ -230,10 +252,8 @@ def step(
         return -1
     num_resets = 0
     for env in range(count):
-        acted[env] = 1 - done[env]
         num_resets += done[env]
-    acted[count : 2 * count] = 1
-    rows = np.empty(count, np.intp)
+    rows, words = np.empty(count, np.intp), np.empty(count, np.uint64)
     for env in range(count):
         rows[env] = idle_row if done[env] else state[env] * num_actions + actions[env]
     position = draw_outcomes(rows, drawn, position, transitions)
@@ -246,8 +266,17 @@ def step(
             if done[env]:
                 position = reset_one(env, state, level, deadline, clock, drawn, position, resetting)
                 words[env] = state_info[state[env]]
+    if num_actions == 5:
+        write_masks(words, masks.reshape((count, 5)), 5)
+    elif num_actions == 4:
+        write_masks(words, masks.reshape((count, 4)), 4)
+    else:
+        write_masks(words, masks.reshape((count, 3)), 3)
     for env in range(count):
         terminated[env] = words[env] & IS_TERMINAL != 0
+        reached[env] = words[env] & IS_REACHED != 0
+        skidded[env] = words[env] & IS_SKIDDED != 0
+        all_true[env] = 1
     if tells_hits:
         for env in range(count):
             hit[env] = words[env] & IS_HIT != 0
@@ -257,10 +286,22 @@ def step(
     for number in range(numbers):
         for env in range(count):
             observations[env, number] = observation_of[state[env], number]
-    for number in range(num_words):
+    for number in range(num_items):
         for env in range(count):
             held[env, number] = held_in[state[env], number]
     return position
+
+
+@compiled
+def write_masks(words: Words, masks: NDArray[np.uint8], num_actions: int) -> None:
+    """Write the action masks of info words, `[envs, actions]`.
+
+    Called with a constant number of actions, it is compiled to few instructions for each mask.
+    """
+    for env in range(words.size):
+        word = words[env]
+        for action in range(num_actions):
+            masks[env, action] = word >> np.uint64(FIRST_BYTE + action * NEXT_BYTE)
 
 
 @compiled

@@ -2,13 +2,24 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy import add, bitwise_and, greater, greater_equal, multiply, ndarray
+from numpy import add, bitwise_and, copyto, greater, greater_equal, multiply, ndarray
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.draws import Draws
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Record, Results
-from babyrobot_levels.envs.engine.tables import HIT, NO_LIMIT, Floats, Ints, Span, Tables
+from babyrobot_levels.envs.engine.tables import (
+    END,
+    NO_LIMIT,
+    TERMINAL,
+    Floats,
+    Ints,
+    Span,
+    Tables,
+    Words,
+)
 
 _UNSIGNED = np.dtype(np.uintp)
 
@@ -35,11 +46,18 @@ class PlainEngine:
         self._num_actions = np.array(tables.num_actions, np.intp)
         self._too_large = self._num_actions.astype(_UNSIGNED)
         self._sizes = tables.state_info.size, tables.num_actions
-        self._hit = np.array(HIT, np.uint8)
+        self._words: Words = np.empty(num_envs, np.uint64)
+        # `end`, `reached` and `skidded` of all words.
+        self._flags = self._words.view(np.uint8).reshape(num_envs, 8)[:, END:].T
+        self._terminal = np.array(TERMINAL, np.uint8)
         self._tells_hits, self._tells_held = tables.tells_hits, tables.held.shape[1] > 0
         self._is_stochastic = tables.stochastic >= 0
         self._has_limits = bool((tables.limit < NO_LIMIT).any())
-        self._flags = np.empty(num_envs, np.bool_)
+        self._which = np.empty(num_envs, np.bool_)
+
+    def __reduce__(self) -> Any:
+        # Copies of the intermediate arrays would not be views of one another.
+        return PlainEngine, (self._tables, self._observations, self._rows.size)
 
     def update(self, span: Span) -> None:
         """Read a slot of the tables and observations again, after it was written."""
@@ -51,7 +69,7 @@ class PlainEngine:
 
     def step(self, envs: EnvStates, actions: Ints, draws: Draws, results: Results) -> bool:
         """Take an action in each environment, or start a new episode; see `Engine`."""
-        tables, rows, state = self._tables, self._rows, envs.state
+        tables, rows, words, state = self._tables, self._rows, self._words, envs.state
         if rows.size <= FEW:
             try:
                 rows = np.ravel_multi_index((state, actions), self._sizes)
@@ -59,30 +77,34 @@ class PlainEngine:
                 return False
         else:
             # Without their sign, negative numbers are large ones.
-            greater_equal(ndarray(rows.size, _UNSIGNED, actions), self._too_large, self._flags)
-            if self._flags.nonzero()[0].size:
+            greater_equal(ndarray(rows.size, _UNSIGNED, actions), self._too_large, self._which)
+            if self._which.nonzero()[0].size:
                 return False
             multiply(state, self._num_actions, rows)
             add(rows, actions, rows)
         envs.clock += 1
-        results.flags.fill(True)
         resetting = envs.done.nonzero()[0]
         if resetting.size:
-            results.acted[resetting] = False
             rows[resetting] = tables.idle_row
         if tables.first.size:
             self._draw_outcomes(rows, draws)
         # With `mode="raise"`, NumPy would not write into `out` directly. All rows are in bounds.
         tables.next_state.take(rows, out=state, mode="clip")
         tables.reward.take(rows, out=results.rewards, mode="clip")
-        tables.outcome_info.take(rows, out=results.words, mode="clip")
+        tables.outcome_info.take(rows, out=words, mode="clip")
         if resetting.size:
             reset(tables, envs, resetting, draws)
-            results.words[resetting] = tables.state_info.take(state.take(resetting))
+            words[resetting] = tables.state_info.take(state.take(resetting))
+        # Words are longer than masks: each writes over the end of the one before, and the last one
+        # over flags, which are written afterwards.
+        copyto(results.words_at_masks(), words)
+        flags = results.record["flags"]
+        copyto(flags, self._flags)
+        if self._tells_hits:
+            greater(flags[0], self._terminal, results.hit)
+            bitwise_and(flags[0], self._terminal, flags[0])
+        results.all_true.fill(True)
         terminated, truncated = results.terminated, results.truncated
-        end = results.infos["end"]
-        # The bit of terminal outcomes is the highest.
-        greater(end, self._hit, terminated)
         if self._has_limits:
             np.less_equal(envs.deadline, np.array(envs.clock), truncated)
             np.logical_or(terminated, truncated, envs.done)
@@ -90,10 +112,8 @@ class PlainEngine:
             truncated.fill(False)
             envs.done[:] = terminated
         self._observations.take(state, axis=0, out=results.observations, mode="clip")
-        if self._tells_hits:
-            bitwise_and(end, self._hit, results.record["hit_bytes"])
         if self._tells_held:
-            tables.held.take(state, axis=0, out=results.record["held_words"], mode="clip")
+            tables.held.take(state, axis=0, out=results.held, mode="clip")
         return True
 
     def run(
@@ -101,8 +121,9 @@ class PlainEngine:
     ) -> None:
         """Follow a policy for several steps and record them; see `Engine`."""
         tables, state, level = self._tables, envs.state, envs.level
-        numbers, num_items = self._observations.shape[1], 8 * tables.held.shape[1]
-        results = Results(Layout(state.size, numbers, tables.num_actions, num_items))
+        numbers, num_items = self._observations.shape[1], tables.held.shape[1]
+        layout = Layout(state.size, numbers, tables.num_actions, num_items, tables.tells_hits)
+        results = Results(layout)
         thresholds = np.ascontiguousarray(policy.T)
         for row in range(len(chances)):
             base = tables.offset.take(level)
@@ -124,7 +145,7 @@ class PlainEngine:
     def _draw_outcomes(self, rows: Ints, draws: Draws) -> None:
         """Replace stochastic rows by the outcomes that are drawn."""
         tables = self._tables
-        drawing = self._is_stochastic.take(rows, out=self._flags, mode="clip").nonzero()[0]
+        drawing = self._is_stochastic.take(rows, out=self._which, mode="clip").nonzero()[0]
         if drawing.size:
             number = tables.stochastic.take(rows.take(drawing))
             threshold = tables.threshold.take(number, axis=0)

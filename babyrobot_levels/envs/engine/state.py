@@ -15,9 +15,6 @@ from babyrobot_levels.envs.engine.tables import (
     Ints,
     Span,
     Words,
-    held_dtype,
-    info_dtype,
-    num_words,
 )
 
 if TYPE_CHECKING:
@@ -71,6 +68,7 @@ class Layout:
     Attributes:
         dtype: one record of all of them.
         words: how many words of eight bytes they take.
+        words_at_masks: shape, dtype, offset and strides of what `Results` has under this name.
         tells_held: whether there are items.
         tells_hits: whether there are movers.
     """
@@ -99,20 +97,19 @@ class Layout:
         for name, dtype, shape in (
             ("observations", np.int64, (num_envs, numbers)),
             ("rewards", np.float64, each),
-            ("words", np.uint64, each),
-            ("held_words", np.uint64, (num_envs, num_words(num_items))),
+            ("masks", np.int8, (num_envs, num_actions)),
             ("terminated", np.bool_, each),
+            ("reached", np.bool_, each),
+            ("skidded", np.bool_, each),
             ("truncated", np.bool_, each),
-            ("acted", np.bool_, each),
             ("all_true", np.bool_, each),
             ("hit", np.bool_, each),
+            ("held", np.bool_, (num_envs, num_items)),
         ):
             fields[name] = np.dtype((dtype, shape)), end
             end += fields[name][0].itemsize
-        fields["infos"] = np.dtype((info_dtype(num_actions), each)), fields["words"][1]
-        fields["items"] = np.dtype((held_dtype(num_items), each)), fields["held_words"][1]
-        fields["hit_bytes"] = np.dtype((np.uint8, each)), fields["hit"][1]
-        fields["flags"] = np.dtype((np.bool_, (2, num_envs))), fields["acted"][1]
+        fields["flags"] = np.dtype((np.uint8, (3, num_envs))), fields["terminated"][1]
+        self.words_at_masks = each, np.dtype(np.uint64), fields["masks"][1], (num_actions,)
         self.words = -(-end // 8)
         formats, offsets = zip(*fields.values(), strict=True)
         self.dtype = np.dtype(
@@ -132,54 +129,60 @@ class Results:
         memory: int64: all of it, as the compiled loops write it.
         observations: int64 `[envs, numbers]`.
         rewards: float64 `[envs]`.
+        masks: int8 `[envs, actions]`: the action masks.
         terminated: bool `[envs]`.
+        reached: bool `[envs]`: whether the outcome was `Event.REACHED`.
+        skidded: bool `[envs]`: whether it was `Event.SKIDDED`.
         truncated: bool `[envs]`.
-        acted: bool `[envs]`: whether the environment took its action instead of an autoreset.
         all_true: bool `[envs]`.
-        flags: bool `[2, envs]`: the last two together.
-        words: uint64 `[envs]`: the info words.
-        infos: the info words with the fields of `info_dtype`.
-        record: all of them; also `held_words`, uint64 `[envs, words]` in the form of `held_dtype`,
-            and `hit_bytes`, uint8 `[envs]`.
-        held: bool `[envs, items]`: the items that are held; only if the layout has items.
         hit: bool `[envs]`: whether a mover hit the robot; only if the layout has movers.
+        held: bool `[envs, items]`: the items that are held; only if the layout has items.
+        record: all of them; also `flags`, uint8 `[3, envs]`: `terminated`, `reached`, `skidded`.
     """
 
     __slots__ = (
-        "acted",
         "all_true",
-        "flags",
         "held",
         "hit",
-        "infos",
+        "layout",
+        "masks",
         "memory",
         "observations",
+        "reached",
         "record",
         "rewards",
+        "skidded",
         "terminated",
         "truncated",
-        "words",
     )
 
     def __init__(self, layout: Layout) -> None:
         """Make the arrays."""
+        self.layout = layout
         self.memory: NDArray[np.int64] = empty(layout.words, _INT)
         # Taking arrays out of a record is the fastest way to make them.
         record = ndarray((), layout.dtype, self.memory)
         self.observations: NDArray[np.int64] = record["observations"]
         self.rewards: Floats = record["rewards"]
+        self.masks: NDArray[np.int8] = record["masks"]
         self.terminated: Flags = record["terminated"]
+        self.reached: Flags = record["reached"]
+        self.skidded: Flags = record["skidded"]
         self.truncated: Flags = record["truncated"]
-        self.acted: Flags = record["acted"]
         self.all_true: Flags = record["all_true"]
-        self.flags: Flags = record["flags"]
-        self.words: Words = record["words"]
-        self.infos: NDArray[np.void] = record["infos"]
         self.record = record
-        if layout.tells_held:
-            self.held: Flags = record["items"]["held"]
         if layout.tells_hits:
             self.hit: Flags = record["hit"]
+        if layout.tells_held:
+            self.held: Flags = record["held"]
+
+    def words_at_masks(self) -> Words:
+        """Return info words, uint64 `[envs]`, of which each begins where a mask does.
+
+        They overlap: if they are written in their order, the masks are those of the words.
+        """
+        shape, dtype, offset, strides = self.layout.words_at_masks
+        return ndarray(shape, dtype, self.memory, offset, strides)
 
 
 @dataclass(slots=True)

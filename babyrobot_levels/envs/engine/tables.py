@@ -23,47 +23,32 @@ Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 Words = NDArray[np.uint64]
 
-HIT, TERMINAL = 1, 2
+TERMINAL, HIT = 1, 2
 """The bits of `end` in info words."""
 
-END_SHIFT = 40 if sys.byteorder == "little" else 16
-"""How many bits of an info word, as a number, are below `end`."""
+FIRST_BYTE, NEXT_BYTE = (0, 8) if sys.byteorder == "little" else (56, -8)
+"""How far the first byte of an info word, as a number, is shifted, and each further one more."""
+
+
+END, REACHED, SKIDDED = 5, 6, 7
+"""Which bytes of info words these are; the first ones are the action mask."""
 
 
 def info_dtype(num_actions: int) -> np.dtype[np.void]:
     """Return the dtype of an info word: the info of a step, in eight bytes that move as one.
 
-    `mask`, int8 `[actions]`: the action mask of the state; `end`, uint8: the sum of `HIT`, if a
-    mover hit the robot, and `TERMINAL`, if the episode is over; `reached` and `skidded`, bool:
+    `mask`, int8 `[actions]`: the action mask of the state; `end`, uint8: the sum of `TERMINAL`, if
+    the episode is over, and `HIT`, if a mover hit the robot; `reached` and `skidded`, bool:
     whether the outcome was `Event.REACHED` or `Event.SKIDDED`.
     """
     return np.dtype(
         {
             "names": ["mask", "end", "reached", "skidded"],
             "formats": [(np.int8, (num_actions,)), np.uint8, np.bool_, np.bool_],
-            "offsets": [0, 5, 6, 7],
+            "offsets": [0, END, REACHED, SKIDDED],
             "itemsize": 8,
         }
     )
-
-
-def held_dtype(num_items: int) -> np.dtype[np.void]:
-    """Return the dtype of the items that are held, in words of eight bytes.
-
-    `held`, bool `[items]`: whether the item of each number is held.
-    """
-    return np.dtype(
-        {
-            "names": ["held"],
-            "formats": [(np.bool_, (num_items,))],
-            "itemsize": 8 * num_words(num_items),
-        }
-    )
-
-
-def num_words(num_items: int) -> int:
-    """Return how many words of eight bytes the items take, of which each takes a byte."""
-    return -(-num_items // 8)
 
 
 def masks_at(state_info: Words, states: Ints, num_actions: int) -> NDArray[np.int8]:
@@ -74,8 +59,8 @@ def masks_at(state_info: Words, states: Ints, num_actions: int) -> NDArray[np.in
         states: the states, in the numbering of the tables.
         num_actions: how many actions there are.
     """
-    masks: NDArray[np.int8] = state_info.take(states).view(info_dtype(num_actions))["mask"]
-    return masks
+    infos = state_info.take(states).view(info_dtype(num_actions))
+    return np.ascontiguousarray(infos["mask"])
 
 
 ALWAYS = 2.0
@@ -106,8 +91,8 @@ class Tables:
         threshold: float64 `[stochastic rows, most outcomes]`: cumulated probabilities, `ALWAYS`
             from a row's last outcome on.
         state_info: uint64 `[states]`: the info word at reset, which has the action mask alone.
-        held: uint64 `[states, words]`: the items that are held, in the form of `held_dtype`; no
-            words for levels without items.
+        held: bool `[states, items]`: whether each item is held; of a level with fewer items than
+            another, the last ones never are.
         offset: intp `[levels + 1]`: where each level's states begin.
         starts: intp `[starts]`: the start states, level by level.
         first_start: intp `[levels + 1]`: where each level's starts begin.
@@ -126,7 +111,7 @@ class Tables:
     first: Ints
     threshold: Floats
     state_info: Words
-    held: Words
+    held: Flags
     offset: Ints
     starts: Ints
     first_start: Ints
@@ -178,7 +163,7 @@ class Part:
         threshold: float64 `[rows, outcomes]`: cumulated probabilities.
         columns: the outcomes' `next_state`, `reward` and `outcome_info`.
         state_info: uint64 `[states]`.
-        held: uint64 `[states, words]`.
+        held: bool `[states, items]`.
         starts: intp `[starts]`.
         has_items: whether the level has items.
         has_movers: whether it has movers.
@@ -188,7 +173,7 @@ class Part:
     threshold: Floats
     columns: dict[str, NDArray[Any]]
     state_info: Words
-    held: Words
+    held: Flags
     starts: Ints
     has_items: bool
     has_movers: bool
@@ -244,14 +229,13 @@ def part_of(level: Level, mdp: Mdp, first_action: int) -> Part:
     )
 
 
-def _held(level: Level, mdp: Mdp) -> Words:
-    """Return which items are held in each state, uint64 `[states, words]`."""
-    held = np.zeros((mdp.num_configurations, 8 * num_words(len(level.items))), np.bool_)
+def _held(level: Level, mdp: Mdp) -> Flags:
+    """Return which items are held in each state, bool `[states, items]`."""
+    held = np.zeros((mdp.num_configurations, len(level.items)), np.bool_)
     if level.items:
-        number = level.things().items
         places = [len(item.places) for item in level.items]
-        held[:, : len(places)] = mdp.configurations[:, number] == places
-    return np.repeat(held.view(np.uint64), mdp.cells * mdp.headings, axis=0)
+        held[:] = mdp.configurations[:, level.things().items] == places
+    return np.repeat(held, mdp.cells * mdp.headings, axis=0)
 
 
 def build_tables(
@@ -287,7 +271,7 @@ def build_tables(
         rows = part.threshold[part.count > 1, : threshold.shape[1]]
         threshold[done : done + len(rows), : rows.shape[1]] = rows
         done += len(rows)
-    held = np.zeros((offset[-1], max(part.held.shape[1] for part in parts)), np.uint64)
+    held = np.zeros((offset[-1], max(part.held.shape[1] for part in parts)), np.bool_)
     for part, base in zip(parts, offset, strict=False):
         held[base : base + len(part.held), : part.held.shape[1]] = part.held
     return Tables(
@@ -345,7 +329,7 @@ class Room:
         slots: the number of levels.
         states: the most states of a level.
         starts: the number of starts of each level.
-        words: the words of `held_dtype`.
+        items: the most items of a level.
         stochastic: the most stochastic rows of a level.
         outcomes: the most outcomes of such a row.
     """
@@ -353,7 +337,7 @@ class Room:
     slots: int
     states: int
     starts: int
-    words: int = 0
+    items: int = 0
     stochastic: int = 1
     outcomes: int = 2
 
@@ -397,7 +381,7 @@ def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = Fa
         first=idle_row + 1 + room.outcomes * np.arange(stochastic, dtype=np.intp),
         threshold=np.full((stochastic, room.outcomes), ALWAYS),
         state_info=np.zeros(num_states, np.uint64),
-        held=np.zeros((num_states, room.words), np.uint64),
+        held=np.zeros((num_states, room.items), np.bool_),
         offset=room.states * np.arange(room.slots + 1, dtype=np.intp),
         starts=np.zeros(room.slots * room.starts, np.intp),
         first_start=room.starts * np.arange(room.slots + 1, dtype=np.intp),

@@ -14,8 +14,11 @@ from numpy.typing import NDArray
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import (
     check_choice,
+    check_names,
     checked_actions,
     checked_autoreset_mode,
+    checked_given,
+    checked_legacy_infos,
     checked_observation,
     checked_options,
     checked_reset_mask,
@@ -24,7 +27,7 @@ from babyrobot_levels.envs.arguments import (
 from babyrobot_levels.envs.engine.factory import checked_count
 from babyrobot_levels.envs.engine.plain import reset
 from babyrobot_levels.envs.engine.state import EnvStates, Layout, Results
-from babyrobot_levels.envs.engine.tables import info_dtype, masks_at
+from babyrobot_levels.envs.engine.tables import masks_at
 from babyrobot_levels.envs.observations.planes import plane_names
 from babyrobot_levels.envs.observations.vectors import vector_names
 from babyrobot_levels.envs.rendering import RENDER_FPS
@@ -58,6 +61,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         levels: the levels, as they were given. `call("level")` returns the current level of each
             environment.
         num_items: the most items of a level.
+        autoreset_mode: when an environment whose episode is over is reset.
     """
 
     __module__ = "babyrobot_levels"
@@ -82,6 +86,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         draw_levels: bool = False,
         copy: bool = True,
         engine: str | None = None,
+        legacy_infos: bool = False,
     ) -> None:
         """Make the environment.
 
@@ -113,6 +118,8 @@ class LevelVectorEnv(ChangingVectorEnv):
             copy: whether each step returns new arrays, which are parts of one piece of memory. If
                 not, it always returns the same arrays, and the next step overwrites them.
             engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed.
+            legacy_infos: whether the infos of `reset` have `level_digest`, as in former versions;
+                deprecated.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -139,11 +146,11 @@ class LevelVectorEnv(ChangingVectorEnv):
         self.levels, self._extent = played.levels, played.extent
         self.num_envs = size or (1 if played.family else len(self.levels))
         self.render_mode = render_mode
-        self._mode = checked_autoreset_mode(autoreset_mode)
+        self.autoreset_mode = checked_autoreset_mode(autoreset_mode)
         self.metadata = {
             "render_modes": ["rgb_array"],
             "render_fps": RENDER_FPS,
-            "autoreset_mode": self._mode,
+            "autoreset_mode": self.autoreset_mode,
         }
         self.single_action_space = make_action_space(action_set)
         num_actions = action_set.num_actions
@@ -162,11 +169,10 @@ class LevelVectorEnv(ChangingVectorEnv):
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self._copy = bool(copy)
         self.num_items, self._has_movers = played.num_items, played.has_movers
-        # Of a suite, levels are not known in advance.
-        fixed = self.levels if isinstance(self.levels, tuple) else ()
-        self._all_have_items = bool(fixed) and all(each.items for each in fixed)
-        self._all_have_movers = bool(fixed) and all(each.movers for each in fixed)
-        self._info_dtype = info_dtype(num_actions)
+        # Those of a suite count as having all that one of them can have.
+        fixed = () if played.family else self.levels
+        self._all_have_items = all(each.items for each in fixed)
+        self._all_have_movers = all(each.movers for each in fixed)
         self._layout = Layout(
             self.num_envs,
             self._observer.table.shape[1],
@@ -175,6 +181,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             played.has_movers,
         )
         self._kept = None if self._copy else Results(self._layout)
+        self._legacy_infos = checked_legacy_infos(legacy_infos)
         self._has_begun = False
 
     def __getstate__(self) -> dict[str, Any]:
@@ -206,11 +213,7 @@ class LevelVectorEnv(ChangingVectorEnv):
                 maze of that seed: a number, or one for each environment.
 
         Returns:
-            The observations, and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `level_digest` and, for several levels, `level_index` (int64 `[num_envs]`). For a level
-            with `maze: {seed: random}`, `maze_seed` (int64 `[num_envs]`) takes the place of both.
-            Levels with items add `held` (bool `[num_envs, num_items]`), in the order of the level
-            file, and levels with movers `hit` (bool `[num_envs]`).
+            The observations, and the info that `step` describes.
 
         Raises:
             ValueError: the robot cannot start in that cell, there is no level with that number or
@@ -242,11 +245,9 @@ class LevelVectorEnv(ChangingVectorEnv):
         self._observe_start(results, np.arange(self.num_envs))
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
-        results.words[~is_reset] = 0
-        if self.num_items:
-            results.held[~is_reset] = False
-        values = {"action_mask": results.infos["mask"], **self._digests(which)}
-        info = self._masked(values, is_reset) | self._things(results, is_reset)
+        info = self._infos(results, is_reset)
+        if self._legacy_infos:
+            info |= self._digests(is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:
@@ -257,10 +258,13 @@ class LevelVectorEnv(ChangingVectorEnv):
 
         Returns:
             Observations, rewards (float64 `[num_envs]`), terminated and truncated (bool
-            `[num_envs]`), and an info with `action_mask` (int8 `[num_envs, actions]`),
-            `target_reached`, `skidded` (bool `[num_envs]`), `held`, `hit`, `level_index` or
-            `maze_seed` if `reset` has it, and for each key another one with `_` before it: in which
-            environments the value holds.
+            `[num_envs]`), and an info: `action_mask` (int8 `[num_envs, actions]`),
+            `target_reached` and `skidded` (bool `[num_envs]`, False at reset); for several levels
+            `level_index`, for a level with `maze: {seed: random}` `maze_seed` (int64 `[num_envs]`);
+            if a level has items `held` (bool `[num_envs, num_items]`, in the order of the level
+            file), and if one has movers `hit` (bool `[num_envs]`). For each key there is another
+            one with `_` before it: in which environments the value holds. All arrays are
+            contiguous.
 
         Raises:
             ResetNeeded: there was no reset yet, or an episode is over and there is no autoreset.
@@ -270,7 +274,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             raise error.ResetNeeded("call `reset()` before the first `step()`")
         envs, draws = self._envs, self._draws
         taken = checked_actions(actions, self.num_envs)
-        if self._mode is _DISABLED and np.count_nonzero(envs.done):
+        if self.autoreset_mode is _DISABLED and np.count_nonzero(envs.done):
             number = int(envs.done.argmax())
             raise error.ResetNeeded(
                 f"the episode of environment {number} is over: call "
@@ -285,16 +289,16 @@ class LevelVectorEnv(ChangingVectorEnv):
             self._change_levels(envs.done.nonzero()[0])
         if not self._engine.step(envs, taken, draws, results):
             self._refuse(taken)
-        final = self._reset_done(results) if self._mode is _SAME_STEP else {}
-        infos, acted, all_true = results.infos, results.acted, results.all_true
+        final = self._reset_done(results) if self.autoreset_mode is _SAME_STEP else {}
+        all_true = results.all_true
         info = {
             **final,
-            "action_mask": infos["mask"],
+            "action_mask": results.masks,
             "_action_mask": all_true,
-            "target_reached": infos["reached"],
-            "_target_reached": acted,
-            "skidded": infos["skidded"],
-            "_skidded": acted,
+            "target_reached": results.reached,
+            "_target_reached": all_true,
+            "skidded": results.skidded,
+            "_skidded": all_true,
         }
         if self.num_items:
             info["held"] = results.held
@@ -346,21 +350,34 @@ class LevelVectorEnv(ChangingVectorEnv):
     def _observe_start(self, results: Results, which: Ints) -> None:
         """Write the observations and infos of environments that were reset."""
         state = self._envs.state[which]
-        results.words[which] = self._tables.state_info[state]
+        results.masks[which] = masks_at(self._tables.state_info, state, self._tables.num_actions)
+        results.reached[which] = results.skidded[which] = False
         if self.num_items:
-            results.record["held_words"][which] = self._tables.held[state]
+            results.held[which] = self._tables.held[state]
         if self._has_movers:
             results.hit[which] = False
         results.observations[which] = self._observer.table[state]
 
-    def _things(self, results: Results, where: Flags) -> dict[str, Flags]:
-        """Return what infos say about things in some environments, as new arrays."""
-        told: dict[str, Flags] = {}
+    def _infos(self, results: Results, where: Flags) -> dict[str, Any]:
+        """Return the infos of some environments, as new arrays, with zeros for the others."""
+        columns = where[:, None]
+        info = {
+            "action_mask": results.masks * columns,
+            "target_reached": results.reached & where,
+            "skidded": results.skidded & where,
+        }
         if self.num_items:
-            told |= {"held": results.held & where[:, None], "_held": self._with_items(where)}
+            info["held"] = results.held & columns
         if self._has_movers:
-            told |= {"hit": results.hit & where, "_hit": self._with_movers(where)}
-        return told
+            info["hit"] = results.hit & where
+        for key, numbers in self._level_numbers().items():
+            info[key] = np.where(where, numbers, 0)
+        masks = {f"_{key}": where for key in info}
+        if self.num_items:
+            masks["_held"] = self._with_items(where)
+        if self._has_movers:
+            masks["_hit"] = self._with_movers(where)
+        return info | masks
 
     def _with_items(self, where: Flags) -> Flags:
         """Return which of some environments have a level with items."""
@@ -374,42 +391,27 @@ class LevelVectorEnv(ChangingVectorEnv):
             return where
         return where & self._tables.has_movers.take(self._envs.level)
 
-    def _masked(self, values: dict[str, Any], where: NDArray[np.bool_]) -> dict[str, Any]:
-        """Return an info of values that hold in some environments."""
-        for key, numbers in self._level_numbers().items():
-            values[key] = np.where(where, numbers, 0)
-        return {**values, **{f"_{key}": where for key in values}}
-
     def _reset_done(self, results: Results) -> dict[str, Any]:
         """Reset the environments whose episodes are over; return an info of how they ended."""
         envs = self._envs
         done = envs.done.nonzero()[0]
         if not done.size:
             return {}
-        words = np.zeros_like(results.words)
-        words[done] = results.words[done]
         where = np.zeros(self.num_envs, np.bool_)
         where[done] = True
-        infos = words.view(self._info_dtype)
-        values = {
-            "action_mask": infos["mask"],
-            "target_reached": infos["reached"],
-            "skidded": infos["skidded"],
-        }
         observations = np.full(self.num_envs, None, object)
         for number, one in zip(done, self._observer.each(envs.state[done]), strict=True):
             observations[number] = one
         info = {
             "final_obs": observations,
             "_final_obs": where,
-            "final_info": self._masked(values, where) | self._things(results, where),
+            "final_info": self._infos(results, where),
             "_final_info": where,
         }
         if self._slots is not None:
             self._change_levels(done)
         self._engine.reset(envs, done, self._draws)
         self._observe_start(results, done)
-        results.acted[done] = False
         return info
 
     def _refuse(self, actions: Ints) -> None:
@@ -419,3 +421,20 @@ class LevelVectorEnv(ChangingVectorEnv):
             f"{actions[number]}, the action of environment {number}, is not an action; "
             f"the actions are 0 to {most}"
         )
+
+
+def make_vector(level: LevelLike | None = None, **kwargs: Any) -> LevelVectorEnv:
+    """Return a vector environment: the vector entry point of `babyrobot/Level-v0` and all levels.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        kwargs: the other arguments of `LevelVectorEnv`.
+
+    Raises:
+        MissingArgument: there is neither `level` nor `levels`.
+        TypeError: there is no such argument.
+    """
+    check_names(kwargs, LevelVectorEnv.__init__, "level")
+    if kwargs.get("levels") is None:
+        level = checked_given("level", level)
+    return LevelVectorEnv(level, **kwargs)

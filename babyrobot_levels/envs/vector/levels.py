@@ -23,7 +23,6 @@ from babyrobot_levels.envs.engine.tables import (
     build_tables,
     empty_tables,
     needed,
-    num_words,
     part_of,
     write_part,
 )
@@ -39,7 +38,7 @@ from babyrobot_levels.library.level import Level
 if TYPE_CHECKING:
     from babyrobot_levels.envs.action_sets import ActionSet
     from babyrobot_levels.envs.engine.state import Engine
-    from babyrobot_levels.envs.engine.tables import Ints, Tables
+    from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
     from babyrobot_levels.envs.spaces import BatchActions
     from babyrobot_levels.envs.vector.observations import BatchObserver
 
@@ -234,7 +233,7 @@ class Slots:
         part = self._part(first)
         # A level of the largest size, if it has as many configurations as the first one.
         states = part.state_info.size // prod(first.size) * played.extent.cells
-        self._room = Room(0, states, part.starts.size, num_words(played.num_items))
+        self._room = Room(0, states, part.starts.size, played.num_items)
         self.place(np.zeros(1, np.intp), np.zeros(1, np.intp), np.zeros(1, np.int64), {0: first})
 
     def levels_of(self, numbers: Iterable[int]) -> dict[int, Level]:
@@ -379,15 +378,13 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
             return {self._slots.family.key: numbers}
         return {"level_index": self._envs.level.copy()} if len(self.levels) > 1 else {}
 
-    def _digests(self, which: Ints) -> dict[str, NDArray[np.object_]]:
-        """Return the digests of the levels of these environments, under their key in infos."""
+    def _digests(self, where: Flags) -> dict[str, NDArray[Any]]:
+        """Return the digests of the levels of some environments, for infos as they once were."""
         if self._slots is not None and self._slots.family.key == "maze_seed":
             return {}
-        level, where = np.unique(self._envs.level[which], return_inverse=True)
-        digests = np.full(self.num_envs, None, object)
-        found = [self._playing[number].digest for number in level.tolist()]
-        digests[which] = np.array(found, object)[where]
-        return {"level_digest": digests}
+        digests = np.array(self.call("level_digest"), object)
+        digests[~where] = None
+        return {"level_digest": digests, "_level_digest": where}
 
     def _change_levels(self, which: Ints, numbers: Any = None, start: Any = None) -> None:
         """Assign other levels to environments: those with `numbers`, `[num_envs]`, or drawn ones.

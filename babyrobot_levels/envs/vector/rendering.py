@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.envs.specs import LevelSpec, as_spec
 from babyrobot_levels.envs.vector.observations import LevelCache
 from babyrobot_levels.library.level import Level
 
@@ -27,14 +28,25 @@ if TYPE_CHECKING:
 SETTABLE = ("np_random", "render_mode")
 """The attributes that `set_attr` accepts; no tables depend on them."""
 
+LEVEL_ATTRIBUTES: dict[str, Callable[[Any], Any]] = {
+    "level": lambda level: level,
+    "level_digest": lambda level: level.digest,
+    "item_names": lambda level: tuple(item.name for item in level.items),
+}
+"""The attributes of environments that follow from their current level."""
+
 MOST_TILES = 16
-"""How many environments are shown at most."""
+"""How many environments a montage shows at most."""
 
 _SIDE = 1024
-"""The longer side of the picture in pixels, unless cells would have less than a pixel."""
+"""The longer side of a picture in pixels, unless cells would have less than a pixel."""
 
 _MAX_CELL, _GAP = 64, 4
 """The most pixels of a cell, and those between tiles."""
+
+
+Shown = tuple[int, Level, int]
+"""The number of a level, the level, and a state in its own numbering."""
 
 
 class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
@@ -45,7 +57,8 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
     _extent: Extent
     _envs: EnvStates
     _tables: Tables
-    _mode: AutoresetMode
+    autoreset_mode: AutoresetMode
+    _frames: Frames | None = None
     _tiles: Tiles | None = None
     _spec: EnvSpec | None = None
 
@@ -53,11 +66,13 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
         """Return the result of a method, or the value of an attribute, for each environment.
 
         There are no single environments inside: all share the attributes and methods of this one,
-        except for `level`, `action_masks` and, after a list of seeds, `np_random` and
-        `np_random_seed`.
+        except for `level`, `level_digest`, `item_names`, `action_masks` and, after a list of seeds,
+        `np_random` and `np_random_seed`.
         """
-        if name == "level":
-            return tuple(self._playing[number] for number in self._envs.level.tolist())
+        if name in LEVEL_ATTRIBUTES:
+            numbers = self._envs.level.tolist()
+            of = {n: LEVEL_ATTRIBUTES[name](self._playing[n]) for n in dict.fromkeys(numbers)}
+            return tuple(of[number] for number in numbers)
         found = getattr(self, name)
         if name == "action_masks":
             return tuple(found(*args, **kwargs))
@@ -93,23 +108,51 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
         setattr(self, name, value)
 
     def render(self) -> Any:
-        """Return a picture of the first 16 environments, uint8 `[height, width, 3]`."""
-        if self.render_mode is None:
-            logger.warn("render() needs render_mode='rgb_array', given to make the environment")
+        """Return a picture of each environment; None without a render mode.
+
+        Returns:
+            A tuple of uint8 `[height, width, 3]`, all of one size, in which cells have up to 64
+            pixels. Smaller levels are at the upper left, with black around them.
+        """
+        if not self._is_rendered():
+            return None
+        if self._frames is None:
+            self._frames = Frames(self._extent, _cell(*self._extent.picture), self.num_envs)
+        pictures = np.zeros((self.num_envs, *self._frames.shape), np.uint8)
+        for picture, shown in zip(pictures, self._shown(self.num_envs), strict=True):
+            self._frames.paint(picture, *shown)
+        return tuple(pictures)
+
+    def montage(self) -> NDArray[np.uint8] | None:
+        """Return one picture of the first 16 environments, uint8 `[height, width, 3]`.
+
+        They are side by side, row by row, on white. Without a render mode, it is None.
+        """
+        if not self._is_rendered():
             return None
         if self._tiles is None:
-            self._tiles = Tiles(self._extent.picture, self._extent.headings, self.num_envs)
+            self._tiles = Tiles(self._extent, min(self.num_envs, MOST_TILES))
+        return self._tiles.picture(self._shown(self._tiles.count))
+
+    def _is_rendered(self) -> bool:
+        """Tell whether there is a render mode, and warn if there is none."""
+        if self.render_mode is None:
+            logger.warn("render() needs render_mode='rgb_array', given to make the environment")
+        return self.render_mode is not None
+
+    def _shown(self, count: int) -> Iterator[Shown]:
+        """Yield what is to be seen of the first environments."""
         tables = self._tables
-        level = self._envs.level[: self._tiles.count]
-        state = self._envs.state[: self._tiles.count]
+        level, state = self._envs.level[:count], self._envs.state[:count]
         if state[0] < 0:  # Before the first reset.
             state = tables.starts[tables.first_start[level]]
         numbers, states = level.tolist(), (state - tables.offset[level]).tolist()
-        return self._tiles.picture(numbers, [self._playing[n] for n in numbers], states)
+        for number, own in zip(numbers, states, strict=True):
+            yield number, self._playing[number], own
 
     def close_extras(self, **kwargs: Any) -> None:
         """Release the painters; there are no other resources."""
-        self._tiles = None
+        self._frames = self._tiles = None
 
     @property
     def spec(self) -> EnvSpec | None:
@@ -124,6 +167,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
             spec.kwargs |= {
                 name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
             }
+            spec = as_spec(LevelSpec, spec)
         self._spec = spec
 
     def _make_serializable(self, given: dict[str, Any]) -> None:
@@ -133,10 +177,48 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
         if isinstance(self.levels, tuple) and "levels" in given:
             given["levels"] = [level.to_dict(whole=True) for level in self.levels]
         if "autoreset_mode" in given:
-            given["autoreset_mode"] = self._mode.value
+            given["autoreset_mode"] = self.autoreset_mode.value
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**vars(self), "_tiles": None}
+        return {**vars(self), "_frames": None, "_tiles": None}
+
+
+class Frames:
+    """Paints environments, all at one scale: the cells alone, without panels and margin.
+
+    Attributes:
+        shape: height, width and channels of the picture of the largest level.
+    """
+
+    def __init__(self, extent: Extent, cell: int, most: int) -> None:
+        """Compute the shape.
+
+        Args:
+            extent: the extent of all levels.
+            cell: the side of a cell in pixels.
+            most: of how many levels the painters are kept.
+        """
+        width, height = extent.picture
+        self.shape = height * cell, width * cell, 3
+        self._headings = extent.headings
+        self._painters = LevelCache(partial(_painter, cell=cell), most)
+
+    def paint(self, picture: NDArray[np.uint8], number: int, level: Level, state: int) -> None:
+        """Paint an environment into the upper left of a picture.
+
+        Args:
+            picture: the picture.
+            number: the number of the level.
+            level: the level.
+            state: the state, in the level's own numbering, with its heading.
+        """
+        cells = level.size[0] * level.size[1]
+        rest, cell = divmod(state, cells)
+        configuration, heading = divmod(rest, self._headings)
+        frame = self._painters.get(number, level).frame(
+            configuration * cells + cell, heading=heading if self._headings > 1 else None
+        )
+        picture[: frame.shape[0], : frame.shape[1]] = frame
 
 
 class Tiles:
@@ -146,48 +228,34 @@ class Tiles:
         count: the number of tiles.
     """
 
-    def __init__(self, largest: tuple[int, int], headings: int, num_envs: int) -> None:
+    def __init__(self, extent: Extent, count: int) -> None:
         """Compute the layout.
 
         Args:
-            largest: the width and height of the largest picture, in cells.
-            headings: 4 if states have a heading, else 1.
-            num_envs: how many environments there are.
+            extent: the extent of all levels.
+            count: the number of tiles.
         """
-        self._headings = headings
-        self.count = min(num_envs, MOST_TILES)
-        width, height = largest
-        self._columns = _columns(self.count, width, height)
-        self._rows = math.ceil(self.count / self._columns)
-        longer = max(self._columns * width, self._rows * height)
-        cell = min(_MAX_CELL, max(1, _SIDE // longer))
-        self._step = height * cell + _GAP, width * cell + _GAP
-        self._painters = LevelCache(partial(_painter, cell=cell), MOST_TILES)
+        self.count = count
+        width, height = extent.picture
+        self._columns = _columns(count, width, height)
+        self._rows = math.ceil(count / self._columns)
+        cell = _cell(self._columns * width, self._rows * height)
+        self._frames = Frames(extent, cell, count)
 
-    def picture(
-        self, numbers: Sequence[int], levels: Sequence[Level], states: Sequence[int]
-    ) -> NDArray[np.uint8]:
-        """Return the picture, uint8 `[height, width, 3]`.
-
-        Args:
-            numbers: the number of each environment's level.
-            levels: each environment's level.
-            states: each environment's state, in its level's own numbering, with its heading.
-        """
-        height, width = self._step
-        shape = (self._rows * height - _GAP, self._columns * width - _GAP, 3)
+    def picture(self, shown: Iterable[Shown]) -> NDArray[np.uint8]:
+        """Return the picture of as many environments as there are tiles."""
+        height, width = (side + _GAP for side in self._frames.shape[:2])
+        shape = self._rows * height - _GAP, self._columns * width - _GAP, 3
         picture = np.full(shape, 255, np.uint8)
-        for tile, (number, level, state) in enumerate(zip(numbers, levels, states, strict=True)):
-            cells = level.size[0] * level.size[1]
-            rest, cell = divmod(state, cells)
-            configuration, heading = divmod(rest, self._headings)
-            frame = self._painters.get(number, level).frame(
-                configuration * cells + cell, heading=heading if self._headings > 1 else None
-            )
+        for tile, each in enumerate(shown):
             row, column = divmod(tile, self._columns)
-            top, left = row * height, column * width
-            picture[top : top + frame.shape[0], left : left + frame.shape[1]] = frame
+            self._frames.paint(picture[row * height :, column * width :], *each)
         return picture
+
+
+def _cell(width: int, height: int) -> int:
+    """Return the side of a cell in pixels, for a picture of so many cells."""
+    return min(_MAX_CELL, max(1, _SIDE // max(width, height)))
 
 
 def _painter(level: Level, cell: int) -> FramePainter:

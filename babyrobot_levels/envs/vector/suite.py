@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.envs.arguments import check_names, checked_given
 from babyrobot_levels.envs.suite import make_suite_serializable, suite_and_split
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 
@@ -44,3 +45,18 @@ class SuiteVectorEnv(LevelVectorEnv):
     def _make_serializable(self, given: dict[str, Any]) -> None:
         super()._make_serializable(given)
         make_suite_serializable(given, self._given_suite)
+
+
+def make_suite_vector(suite: SuiteLike | None = None, **kwargs: Any) -> SuiteVectorEnv:
+    """Return a suite's vector environment: the vector entry point of `babyrobot/Suite-v0`.
+
+    Args:
+        suite: a name, a path, a mapping or a `Suite`.
+        kwargs: the other arguments of `SuiteVectorEnv`.
+
+    Raises:
+        MissingArgument: there is no suite.
+        TypeError: there is no such argument.
+    """
+    check_names(kwargs, LevelVectorEnv.__init__, "split", "suite")
+    return SuiteVectorEnv(checked_given("suite", suite), **kwargs)

@@ -17,7 +17,7 @@ from gymnasium.vector.utils import batch_space
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from support.combinations import combined
-from support.fleets import ENGINES, MODES, levels, same, walked
+from support.fleets import ENGINES, MODES, kinds_of, levels, same, walked
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.action_sets import ACTION_SETS
@@ -129,7 +129,7 @@ def test_a_suite_is_a_list_of_levels_too() -> None:
     assert envs.levels == tuple(suite[:7])
     _, info = envs.reset(seed=1)
     assert info["level_index"].tolist() == list(range(7))
-    assert info["level_digest"].tolist() == [level.digest for level in suite[:7]]
+    assert envs.get_attr("level_digest") == tuple(level.digest for level in suite[:7])
     assert LevelVectorEnv(levels=suite[10:14]).num_envs == 4
     drawn = LevelVectorEnv(levels=suite[10:14], num_envs=200, draw_levels=True)
     _, info = drawn.reset(seed=1)
@@ -213,10 +213,9 @@ class Shadows:
         assert (x, y) in level.starts
         assert np.array_equal(shown[number], told)
         assert own[self._word] == info[self._word][number]
-        assert level.digest == self._envs[number].unwrapped.level.digest  # type: ignore[attr-defined]
+        single: Any = self._envs[number].unwrapped
+        assert envs.get_attr("level_digest")[number] == single.level_digest
         assert info["action_mask"][number].tolist() == own["action_mask"].tolist()
-        if "level_digest" in info:
-            assert info["level_digest"][number] == own["level_digest"]
 
     def step(self, number: int, action: int, shown: Any, told: Any, info: dict[str, Any]) -> None:
         """Take an action, and compare what comes of it."""
@@ -403,7 +402,7 @@ def test_a_level_can_be_asked_for() -> None:
     envs = make("dry")
     _, info = envs.reset(seed=1, options={"index": 7})
     assert info["level_index"].tolist() == [7] * SIZE
-    assert info["level_digest"].tolist() == [load_suite(DRY)[7].digest] * SIZE
+    assert envs.get_attr("level_digest") == (load_suite(DRY)[7].digest,) * SIZE
     _, info = envs.reset(options={"index": [4, 1, 4, 2, 59]})
     assert info["level_index"].tolist() == [4, 1, 4, 2, 59]
     mask = np.array([True, False, False, False, True])
@@ -515,11 +514,23 @@ def test_sampled_actions_are_possible_where_the_robots_stand(family: str) -> Non
 
 
 @each_family
+@each_engine
+def test_infos_are_the_same_numbers_at_reset_and_step(family: str, engine: str) -> None:
+    for mode in MODES:
+        envs = make(family, engine=engine, autoreset_mode=mode)
+        kinds = [kinds_of(told[-1], SIZE) for told in walked(envs, 30)]
+        assert word_of(family)[0] in kinds[0]
+        assert all(each == kinds[0] for each in kinds)
+    alone = make_single(family)
+    assert [*alone.reset(seed=1)[1]] == [*alone.step(0)[4]] == [*kinds[0]]
+
+
+@each_family
 def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
     envs = make(family, 20, render_mode="rgb_array")
-    before = envs.render()
+    before = envs.montage()
     envs.reset(seed=1)
-    pictures = [before, envs.render()]
+    pictures = [before, envs.montage()]
     for _ in range(60):
         *_, terminated, truncated, _ = envs.step(envs.action_space.sample())
         if (terminated | truncated).any():
@@ -527,14 +538,14 @@ def test_the_picture_shows_the_levels_that_are_played(family: str) -> None:
             break
     starts = np.unique(envs._envs.state % envs._tables.offset[1])
     assert starts.size > 1
-    pictures.append(envs.render())
+    pictures.append(envs.montage())
     assert len({picture.shape for picture in pictures}) == 1
     assert len({picture.tobytes() for picture in pictures}) == 3
     if "level" in FAMILIES[family]:
         alone = LevelVectorEnv(levels=envs.call("level"), render_mode="rgb_array")
         ours, theirs = envs._tables.offset, alone._tables.offset
         alone._envs.state[:] = envs._envs.state - ours[envs._envs.level] + theirs[:-1]
-        assert np.array_equal(alone.render(), pictures[-1])
+        assert np.array_equal(alone.montage(), pictures[-1])
 
 
 # -- the tables ------------------------------------------------------------------------------

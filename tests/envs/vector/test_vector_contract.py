@@ -6,6 +6,7 @@ import copy
 import pickle
 import random
 import warnings
+from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -17,7 +18,17 @@ from gymnasium.vector import AutoresetMode
 from gymnasium.vector.utils import batch_space
 from gymnasium.wrappers import vector as wrappers
 from support.combinations import combined
-from support.fleets import ENGINES, MODES, copied, same, walked
+from support.fleets import (
+    ENGINES,
+    MODES,
+    SEEDS,
+    assert_same_walks,
+    copied,
+    kinds_of,
+    same,
+    single,
+    walked,
+)
 from support.playing import GALLERY, each_level_and, level_named
 
 import babyrobot_levels as brl
@@ -92,13 +103,67 @@ def test_spaces_are_those_of_single_environments(name: str, observation: str, ac
         assert observations in envs.observation_space
 
 
+@each_level_and(("engine", ENGINES), ("copy", [True, False]), ("actions", ["valid", "turns"]))
+def test_infos_are_the_same_contiguous_numbers_at_reset_and_step(
+    name: str, engine: str, copy: bool, actions: str
+) -> None:
+    level = level_named(name).replace(max_steps=9)
+    kinds: dict[str, Any] = {"action_mask": ("int8", (3 if actions == "turns" else 5,))}
+    kinds |= {"target_reached": ("bool", ()), "skidded": ("bool", ())}
+    kinds |= {"held": ("bool", (len(level.items),))} if level.items else {}
+    kinds |= {"hit": ("bool", ())} if level.movers else {}
+    kinds |= {"maze_seed": ("int64", ())} if level.has_random_maze else {}
+    # Odd numbers of environments, so that nothing is aligned by chance.
+    for mode, size in zip(MODES, (1, 7, 301), strict=True):
+        given = {"actions": actions, "engine": engine, "autoreset_mode": mode, "copy": copy}
+        envs = LevelVectorEnv(level, num_envs=size, **given)
+        if level.has_random_maze and size > 7:
+            continue
+        ends = 0
+        for told in walked(envs, 20):
+            assert kinds_of(told[-1], size) == kinds
+            if "final_info" in told[-1]:
+                assert kinds_of(told[-1]["final_info"], size) == kinds
+                ends += 1
+        assert ends > 0 or mode is not AutoresetMode.SAME_STEP
+
+
+@each_level_and(("mode", MODES), ("engine", ENGINES))
+def test_each_environment_is_a_single_one(name: str, mode: AutoresetMode, engine: str) -> None:
+    level = level_named(name).replace(max_steps=7)
+    envs = LevelVectorEnv(
+        level, num_envs=len(SEEDS), engine=engine, autoreset_mode=mode, observation="index"
+    )
+    assert_same_walks(envs, single([level], observation="index"), SEEDS, 30)
+
+
+def test_infos_of_former_versions() -> None:
+    with pytest.warns(DeprecationWarning, match="level_digest"):
+        envs = LevelVectorEnv(levels=["maze", "first-key"], legacy_infos=True)
+    _, info = envs.reset(seed=1)
+    assert info["level_digest"].tolist() == [*envs.get_attr("level_digest")]
+    assert info["_level_digest"].all()
+    assert envs.get_attr("item_names") == ((), ("key",))
+    with pytest.warns(DeprecationWarning, match="item_names"):
+        alone: Any = level_named("first-key").make(legacy_infos=True).unwrapped
+    _, info = alone.reset(seed=1)
+    assert info["level_digest"] == alone.level_digest
+    assert info["held"] == ()
+    assert alone.step(0)[4]["held"] == ()
+    assert "level_digest" not in alone.step(0)[4]
+    with pytest.warns(DeprecationWarning, match="legacy_infos"):
+        suite: Any = gymnasium.make("babyrobot/Suite-v0", suite="small-mazes", legacy_infos=True)
+    assert suite.reset(seed=1)[1]["level_digest"] == suite.unwrapped.level_digest
+
+
 @pytest.mark.parametrize("mode", MODES)
 def test_modes_by_name_and_by_value(mode: AutoresetMode) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for told in (mode, mode.value):
-            assert make(autoreset_mode=told).metadata["autoreset_mode"] is mode
-    assert make().metadata["autoreset_mode"] is AutoresetMode.NEXT_STEP
+            envs = make(autoreset_mode=told)
+            assert envs.autoreset_mode is envs.metadata["autoreset_mode"] is mode
+    assert make().autoreset_mode is AutoresetMode.NEXT_STEP
 
 
 def test_the_spec_as_json_makes_the_same_game() -> None:
@@ -463,9 +528,10 @@ def test_drawn_levels_change_at_each_beginning(engine: str, mode: AutoresetMode)
     )
     _, info = envs.reset(seed=1)
     played, steps = info["level_index"], np.zeros(50, int)
+    terminated = np.zeros(50, bool)
     for _ in range(40):
+        acted = ~terminated if mode is AutoresetMode.NEXT_STEP else np.ones(50, bool)
         _, _, terminated, _, info = envs.step(np.full(50, brl.Action.EAST))
-        acted = info["_target_reached"] if mode is AutoresetMode.NEXT_STEP else np.ones(50, bool)
         steps += acted
         # A corridor of n cells takes n - 1 steps.
         assert terminated.tolist() == (acted & (steps == played + 1)).tolist()
@@ -563,37 +629,37 @@ def test_attributes() -> None:
 
 
 @pytest.mark.parametrize(("num_envs", "tiles"), [(1, (1, 1)), (16, (4, 4)), (1000, (4, 4))])
-def test_the_picture_shows_the_first_sixteen(num_envs: int, tiles: tuple[int, int]) -> None:
+def test_a_montage_shows_the_first_sixteen(num_envs: int, tiles: tuple[int, int]) -> None:
     envs = LevelVectorEnv("frozen-lake", num_envs=num_envs, render_mode="rgb_array")
-    before = envs.render()
+    before = envs.montage()
     assert before.dtype == np.uint8
     rows, columns = tiles
     assert before.shape[0] == before.shape[1]
     assert max(before.shape) <= 1024 + 12
     envs.reset(seed=1)
-    assert np.array_equal(envs.render(), before)
+    assert np.array_equal(envs.montage(), before)
     actions = np.zeros(num_envs, int)
     actions[min(15, num_envs - 1)] = brl.Action.SOUTH
     while not envs._envs.state.any():
         envs.step(actions)
-    changed = np.argwhere((envs.render() != before).any(axis=2))
+    changed = np.argwhere((envs.montage() != before).any(axis=2))
     height, width = before.shape[0] / rows, before.shape[1] / columns
     assert set((changed[:, 0] // height).tolist()) == {rows - 1}
     assert set((changed[:, 1] // width).tolist()) == {columns - 1}
     if num_envs > 16:
-        shown = envs.render()
+        shown = envs.montage()
         actions[:] = 0
         actions[16:] = brl.Action.SOUTH
         envs.step(actions)
-        assert np.array_equal(envs.render(), shown)
+        assert np.array_equal(envs.montage(), shown)
 
 
-def test_pictures_of_several_levels() -> None:
+def test_a_montage_of_several_levels() -> None:
     levels = [{"version": 1, "size": size} for size in ([1, 3], [4, 1])]
     envs = LevelVectorEnv(levels=levels, num_envs=4, render_mode="rgb_array")
     envs.reset(seed=1)
-    picture = envs.render()
-    alone = [LevelVectorEnv(level, render_mode="rgb_array").render() for level in levels]
+    picture = envs.montage()
+    alone = [LevelVectorEnv(level, render_mode="rgb_array").montage() for level in levels]
     # Each tile has room for the largest, 4 cells wide and 3 high, and is white around its level.
     assert picture.shape == (2 * 3 * 64 + 4, 2 * 4 * 64 + 4, 3)
     for number in range(4):
@@ -605,9 +671,47 @@ def test_pictures_of_several_levels() -> None:
         assert (tile[:, own.shape[1] :] == 255).all()
 
 
+def test_there_is_a_frame_of_each_environment() -> None:
+    levels = [level_named(name) for name in ("frozen-lake", "cliff-walking", "door-key")]
+    envs = LevelVectorEnv(levels=levels, num_envs=20, render_mode="rgb_array", actions="all")
+    before = envs.render()
+    assert isinstance(before, tuple)
+    assert {(frame.dtype, frame.shape) for frame in before} == {
+        (np.dtype(np.uint8), before[0].shape)
+    }
+    # Of the largest width and height, with a row for what is held.
+    columns, rows = 12, max(level.size[1] + bool(level.items) for level in levels)
+    assert before[0].shape == (rows * 64, columns * 64, 3)
+    for frame, level in zip(before, levels, strict=False):
+        (alone,) = LevelVectorEnv(level, render_mode="rgb_array").render()
+        height, width, _ = alone.shape
+        assert np.array_equal(frame[:height, :width], alone)
+        assert not frame[height:].any()
+        assert not frame[:, width:].any()
+    envs.reset(seed=1)
+    before, states = envs.render(), envs._envs.state.copy()
+    envs.step(np.arange(20) % 5)
+    changed = [not np.array_equal(*frames) for frames in zip(before, envs.render(), strict=True)]
+    assert changed == (envs._envs.state != states).tolist()
+    assert {*changed} == {True, False}
+
+
+@pytest.mark.parametrize("observation", ["position", "image"])
+def test_gymnasiums_wrappers_film_each_environment(observation: str, tmp_path: Path) -> None:
+    pytest.importorskip("moviepy")
+    envs = make("default", render_mode="rgb_array", observation=observation)
+    film = wrappers.RecordVideo(envs, str(tmp_path), step_trigger=lambda step: step == 0)
+    film.reset(seed=1)
+    for _ in range(3):
+        film.step(film.action_space.sample())
+    film.close()
+    assert [*tmp_path.iterdir()]
+
+
 def test_without_a_mode_there_is_no_picture() -> None:
-    with pytest.warns(UserWarning, match="render_mode='rgb_array'"):
-        assert make().render() is None
+    for picture in (make().render, make().montage):
+        with pytest.warns(UserWarning, match="render_mode='rgb_array'"):
+            assert picture() is None
 
 
 @pytest.mark.parametrize(
@@ -621,12 +725,12 @@ def test_without_a_mode_there_is_no_picture() -> None:
         ((520, 65), 16, (16 * 65 + 15 * 4, 520)),
     ],
 )
-def test_the_size_of_the_picture(
+def test_the_size_of_a_montage(
     size: tuple[int, int], num_envs: int, shape: tuple[int, int]
 ) -> None:
     level = {"version": 1, "size": size}
     envs = LevelVectorEnv(level, num_envs=num_envs, render_mode="rgb_array")
-    assert envs.render().shape == (*shape, 3)
+    assert envs.montage().shape == (*shape, 3)
 
 
 def test_it_can_be_closed_twice() -> None:
@@ -641,7 +745,7 @@ def test_it_can_be_closed_twice() -> None:
 def test_attributes_that_can_be_set() -> None:
     envs = make()
     envs.set_attr("render_mode", "rgb_array")
-    assert envs.render().ndim == 3
+    assert len(envs.render()) == SIZE
     envs.set_attr("render_mode", [None] * SIZE)
     assert envs.render_mode is None
     generator = np.random.default_rng(1)
