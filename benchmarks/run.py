@@ -26,6 +26,7 @@ from babyrobot_levels.text.files import write_text
 BENCHMARKS = (
     "step",
     "vector",
+    "observations",
     "things",
     "frames",
     "solve",

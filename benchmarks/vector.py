@@ -125,14 +125,14 @@ def bare(num_envs: int) -> Measure:
 
     @numba.njit
     def run(  # type: ignore[no-untyped-def]
-        actions, state, next_state, reward, stochastic, first, threshold, is_terminal, shown,
+        actions, state, next_state, reward, first, threshold, is_terminal, shown,
         block, start, observations, rewards, terminated, truncated,
     ):  # fmt: skip
         position = 0
         for env in range(state.size):
             outcome = state[env] * 5 + actions[env]
-            number = stochastic[outcome]
-            if number >= 0:
+            number = next_state[outcome]
+            if number < 0:
                 outcome = first[number]
                 for further in range(threshold.shape[1] - 1):
                     outcome += block[position] >= threshold[number, further]
@@ -161,7 +161,7 @@ def bare(num_envs: int) -> Measure:
 
     def step(action: Any) -> None:
         used = run(
-            action, state, tables.next_state, tables.reward, tables.stochastic, tables.first,
+            action, state, tables.next_state, tables.reward, tables.first,
             tables.threshold, mdp.is_terminal, shown, block, start, *results,
         )  # fmt: skip
         source.random(out=block[:used])

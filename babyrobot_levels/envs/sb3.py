@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.single import LevelLike
 
 _Indices = None | int | Iterable[int]
-_Step = tuple[NDArray[Any], NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]
+_Step = tuple[Any, NDArray[np.float32], NDArray[np.bool_], list[dict[str, Any]]]
 
 
 class LevelVecEnv(VecEnv):
@@ -65,11 +65,12 @@ class LevelVecEnv(VecEnv):
 
     # -- episodes --------------------------------------------------------------------------
 
-    def reset(self) -> NDArray[Any]:
+    def reset(self) -> Any:
         """Start episodes, with the seeds and options of `seed` and `set_options`.
 
         Returns:
-            The observations, `[num_envs, …]`; `reset_infos` has an info for each environment.
+            The observations, `[num_envs, …]`, or a dict of such arrays; `reset_infos` has an info
+            for each environment.
 
         Raises:
             ValueError: the options are invalid, or not the same for all environments.
@@ -81,7 +82,6 @@ class LevelVecEnv(VecEnv):
         if any(each != options for each in given):
             raise ValueError("all environments need the same options: set_options({...})")
         seeds = None if self._seeds[0] is None else self._seeds
-        observations: NDArray[Any]
         observations, info = self.envs.reset(seed=seeds, options=options)
         self.reset_infos = _rows(info, range(self.num_envs))
         self._reset_seeds()

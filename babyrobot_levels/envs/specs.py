@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Mapping
 from dataclasses import fields
+from functools import lru_cache
 from math import prod
 from typing import Any
 
@@ -18,6 +19,7 @@ from gymnasium.envs.registration import EnvSpec, WrapperSpec, parse_env_id
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.text.errors import BabyRobotError
 
@@ -177,8 +179,6 @@ def _best_return(given: Mapping[str, Any], steps: int | None) -> float | None:
     """
     if steps is None or given.get("level") is None:
         return None
-    from babyrobot_levels.analysis.solver.horizon import best_return_within
-
     try:
         level = load(given["level"])
         actions = ACTION_SETS[given.get("actions", "valid")]
@@ -188,7 +188,14 @@ def _best_return(given: Mapping[str, Any], steps: int | None) -> float | None:
     if level.has_random_maze or states > MAX_STATES or states * steps > MAX_STATE_STEPS:
         return None
     name = "turns" if actions.turns else "moves" if actions.first else "all"
-    return best_return_within(level, steps, actions=name)
+    return _solved(level, steps, name)
+
+
+@lru_cache(maxsize=16)
+def _solved(level: Level, steps: int, actions: str) -> float:
+    from babyrobot_levels.analysis.solver.horizon import best_return_within
+
+    return best_return_within(level, steps, actions=actions)
 
 
 def _plain(value: Any) -> Any:

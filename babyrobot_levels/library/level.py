@@ -179,8 +179,8 @@ class Level(GridWorld):
         Args:
             kwargs: what `gymnasium.make("babyrobot/Level-v0", …)` takes beside `level`:
                 `observation`, `actions`, `render_mode`, `image_size`, `grayscale`, `view_radius`,
-                `see_through`. A `max_episode_steps` takes the place of the level's `max_steps`, -1
-                of any limit.
+                `see_through`, `channels_last`, `planes_dtype`. A `max_episode_steps` takes the
+                place of the level's `max_steps`, -1 of any limit.
         """
         import gymnasium
 

@@ -14,6 +14,10 @@ from pydantic import BaseModel
 from support.each import for_each
 from support.places import GALLERY_FOLDER, ROOT
 
+from babyrobot_levels.analysis.solver.horizon import best_return_within
+from babyrobot_levels.analysis.solver.linear import expected_sums
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.space import space_of
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.validation import parse
@@ -421,7 +425,9 @@ def test_all_worlds_of_the_articles_are_there() -> None:
 
 def test_default_says_nothing_but_what_it_is() -> None:
     level = load("default")
-    assert level.model_fields_set == {"version", "title", "description", "source", "tags"}
+    assert level.model_fields_set == {
+        *("version", "title", "description", "source", "tags", "max_steps"),
+    }
     assert (level.size, level.start, level.exit) == ((3, 3), (0, 0), (2, 2))
     assert level.draw() == Level(version=1).draw()
     assert optimal_values(level.compile(), 1)[0] == -3
@@ -570,3 +576,36 @@ def test_each_chest_has_a_reward_of_its_own() -> None:
     mdp = level.compile()
     into = mdp.terminal & ~mdp.is_terminal[:, None, None]
     assert set(mdp.reward[into].tolist()) == {3.0, 20.0, -10.0}
+
+
+# -- time limits -----------------------------------------------------------------------------
+
+OTHER_LIMITS = {"frozen-lake": 100, "frozen-lake-8x8": 200}
+"""Gymnasium's limits, which are shorter than the optimal policy needs in some episodes."""
+
+FROM_THEIR_SOURCES = {"test-mazes", "minigrid"}
+"""The folders of levels whose limits are those of their sources."""
+
+
+@each_level
+def test_the_time_limit_leaves_the_optimum_as_it_is(name: str) -> None:
+    level = load(name)
+    assert level.max_steps is not None
+    if level.has_random_maze or level.exit == "none" or name in OTHER_LIMITS:
+        assert level.max_steps == OTHER_LIMITS.get(name, level.max_steps)
+        return
+    solution = solve(level, discount=1.0)
+    within = best_return_within(level, level.max_steps)
+    assert within == pytest.approx(solution.expected_return, abs=1e-6)
+    if FILES[name].parent.name not in FROM_THEIR_SOURCES:
+        space = space_of(level, "all")
+        model = space.model()
+        chain = model.under(solution.policy.ravel()[model.states])
+        steps = expected_sums(chain, np.ones(chain.size), 1.0)
+        assert level.max_steps >= 10 * steps[space.mdp.start[model.states] > 0].max()
+
+
+def test_test_mazes_have_the_limit_of_their_source() -> None:
+    for name, path in FILES.items():
+        if path.parent.name == "test-mazes":
+            assert load(name).max_steps == 250

@@ -289,7 +289,7 @@ def test_vectors_end_with_things_and_the_heading() -> None:
 @settings(max_examples=40, deadline=None)
 @given(level=levels(), seed=st.integers(0, 9))
 def test_vectors_are_what_planes_and_tables_say_about_the_robot(level: Level, seed: int) -> None:
-    env = LevelEnv(level, observation=("planes", "vector"), actions="moves")  # type: ignore[arg-type]
+    env = LevelEnv(level, observation=("planes", "vector"), actions="moves")
     rng = np.random.default_rng(seed)
     env.reset(seed=seed)
     for _ in range(10):

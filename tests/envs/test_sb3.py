@@ -46,7 +46,7 @@ def test_its_checker_is_content(name: str, observation: str, actions: str) -> No
     with warnings.catch_warnings():
         if observation in ("view", "planes"):
             # It takes every box of three dimensions for a picture of at least 36 pixels a side.
-            for told in ("It seems that your observation", "The minimal resolution"):
+            for told in ("It seems that your observation", "The minimal", "Treating image"):
                 warnings.filterwarnings("ignore", told)
         check_env(env, warn=True, skip_render_check=False)
 

@@ -5,6 +5,7 @@ All of them are in this file, because Numba's cache is only valid as long as the
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
@@ -44,7 +45,9 @@ IS_TERMINAL, IS_HIT, IS_REACHED, IS_SKIDDED = (
 )
 """The bits of info words."""
 
-Transitions = tuple[Ints, Floats, Words, Ints, Ints, Floats, Words]
+IS_LITTLE = sys.byteorder == "little"
+
+Transitions = tuple[Ints, Floats, Words, Ints, Floats, Words]
 """What acting reads: the attributes of `Tables` from `next_state` to `state_info`, in order."""
 
 Shown = tuple[NDArray[np.int64], NDArray[np.uint8], bool]
@@ -64,25 +67,23 @@ def unpacked(
     memory: NDArray[np.int64],
 ) -> tuple[Transitions, Starts, Shown, Ints, int]:
     """Return what acting, resetting and telling read, `offset` and `num_actions`."""
-    next_state = memory[14 : memory[0]]
+    next_state = memory[13 : memory[0]]
     reward = memory[memory[0] : memory[1]].view(np.float64)
     outcome_info = memory[memory[1] : memory[2]].view(np.uint64)
-    stochastic = memory[memory[2] : memory[3]]
-    first = memory[memory[3] : memory[4]]
-    threshold = memory[memory[4] : memory[5]].view(np.float64)
-    state_info = memory[memory[5] : memory[6]].view(np.uint64)
-    starts = memory[memory[6] : memory[7]]
-    first_start = memory[memory[7] : memory[8]]
-    limit = memory[memory[8] : memory[9]]
-    observations = memory[memory[9] : memory[10]]
-    offset = memory[memory[10] : memory[11]]
-    held = memory[memory[11] : memory[12]].view(np.uint8)
-    num_actions, draws_levels, draws_starts, tells_hits, num_items = memory[memory[12] : memory[13]]
+    first = memory[memory[2] : memory[3]]
+    threshold = memory[memory[3] : memory[4]].view(np.float64)
+    state_info = memory[memory[4] : memory[5]].view(np.uint64)
+    starts = memory[memory[5] : memory[6]]
+    first_start = memory[memory[6] : memory[7]]
+    limit = memory[memory[7] : memory[8]]
+    observations = memory[memory[8] : memory[9]]
+    offset = memory[memory[9] : memory[10]]
+    held = memory[memory[10] : memory[11]].view(np.uint8)
+    num_actions, draws_levels, draws_starts, tells_hits, num_items = memory[memory[11] : memory[12]]
     transitions = (
         next_state,
         reward,
         outcome_info,
-        stochastic,
         first,
         threshold.reshape((first.size, threshold.size // max(1, first.size))),
         state_info,
@@ -134,15 +135,15 @@ def below(drawn: Drawn, position: int, env: int, count: int) -> int:
 @compiled
 def draw_outcomes(rows: Ints, drawn: Drawn, position: int, transitions: Transitions) -> int:
     """Replace stochastic rows by the outcomes drawn; return the position after the draws."""
-    _, _, _, stochastic, first, threshold, _ = transitions
+    next_state, _, _, first, threshold, _ = transitions
     # No branch depends on chance, because processors would often predict it wrongly.
     which = np.empty(rows.size, np.intp)
     count = 0
     for env in range(rows.size):
         which[count] = env
-        count += stochastic[rows[env]] >= 0
+        count += next_state[rows[env]] < 0
     for env in which[:count]:
-        number = stochastic[rows[env]]
+        number = next_state[rows[env]] + first.size
         outcome = first[number]
         draw = uniform(drawn, position, env)
         for further in range(threshold.shape[1] - 1):
@@ -222,9 +223,9 @@ def step(
 ) -> int:
     """Take a step and return the position after its draws, -1 if an action is invalid."""
     transitions, resetting, shown, _, num_actions = unpacked(memory)
-    next_state, reward, outcome_info, stochastic, _, _, state_info = transitions
+    next_state, reward, outcome_info, _, _, state_info = transitions
     observation_of, held_in, tells_hits = shown
-    idle_row = stochastic.size - 1
+    idle_row = state_info.size * num_actions
     count, numbers, num_items = actions.size, observation_of.shape[1], held_in.shape[1]
     state, level, deadline, done = arrays_of_states(count, envs)
     # The order is that of `Layout`.
@@ -296,12 +297,27 @@ def step(
 def write_masks(words: Words, masks: NDArray[np.uint8], num_actions: int) -> None:
     """Write the action masks of info words, `[envs, actions]`.
 
-    Called with a constant number of actions, it is compiled to few instructions for each mask.
+    Called with a constant number of actions, it is compiled into code without branches.
     """
-    for env in range(words.size):
-        word = words[env]
+    bits, full = np.uint64(8 * num_actions), np.uint64(64)
+    most = (np.uint64(1) << bits) - np.uint64(1)
+    # The masks of eight environments fill as many words as there are actions.
+    blocks = words.size // 8 if IS_LITTLE else 0
+    packed = masks.reshape(masks.size)[: 8 * blocks * num_actions].view(np.uint64)
+    for block in range(blocks):
+        number, pack, filled = block * num_actions, np.uint64(0), np.uint64(0)
+        for env in range(8):
+            mask = words[8 * block + env] & most
+            pack |= mask << filled
+            filled += bits
+            if filled >= full:
+                packed[number] = pack
+                number += 1
+                filled -= full
+                pack = mask >> (bits - filled)
+    for env in range(8 * blocks, words.size):
         for action in range(num_actions):
-            masks[env, action] = word >> np.uint64(FIRST_BYTE + action * NEXT_BYTE)
+            masks[env, action] = words[env] >> np.uint64(FIRST_BYTE + action * NEXT_BYTE)
 
 
 @compiled
@@ -325,7 +341,7 @@ def run(
     """Take steps, as many as there are rows, and return the position after their draws."""
     state, level, deadline, _ = arrays_of_states(num_envs, envs)
     transitions, resetting, _, offset, num_actions = unpacked(memory)
-    next_state, reward, outcome_info, _, _, _, state_info = transitions
+    next_state, reward, outcome_info, _, _, state_info = transitions
     rows = np.empty(state.size, np.intp)
     for row in range(rewards.shape[0]):
         clock += 1

@@ -24,7 +24,7 @@ from babyrobot_levels.envs.engine.tables import (
 _UNSIGNED = np.dtype(np.uintp)
 
 FEW = 256
-"""Up to this many environments, one call to check actions and find rows is faster than three."""
+"""Up to this many environments, few calls are faster than those that do less for each of them."""
 
 
 class PlainEngine:
@@ -47,11 +47,12 @@ class PlainEngine:
         self._too_large = self._num_actions.astype(_UNSIGNED)
         self._sizes = tables.state_info.size, tables.num_actions
         self._words: Words = np.empty(num_envs, np.uint64)
+        self._masks = ndarray(num_envs, f"V{tables.num_actions}", self._words, strides=8)
         # `end`, `reached` and `skidded` of all words.
         self._flags = self._words.view(np.uint8).reshape(num_envs, 8)[:, END:].T
         self._terminal = np.array(TERMINAL, np.uint8)
         self._tells_hits, self._tells_held = tables.tells_hits, tables.held.shape[1] > 0
-        self._is_stochastic = tables.stochastic >= 0
+        self._is_stochastic = tables.next_state[: tables.idle_row + 1] < 0
         self._has_limits = bool((tables.limit < NO_LIMIT).any())
         self._which = np.empty(num_envs, np.bool_)
 
@@ -61,7 +62,7 @@ class PlainEngine:
 
     def update(self, span: Span) -> None:
         """Read a slot of the tables and observations again, after it was written."""
-        self._is_stochastic[span.rows] = self._tables.stochastic[span.rows] >= 0
+        self._is_stochastic[span.rows] = self._tables.next_state[span.rows] < 0
 
     def reset(self, envs: EnvStates, which: Ints, draws: Draws) -> None:
         """Start new episodes in the environments with these indices."""
@@ -95,12 +96,16 @@ class PlainEngine:
         if resetting.size:
             reset(tables, envs, resetting, draws)
             words[resetting] = tables.state_info.take(state.take(resetting))
-        # Words are longer than masks: each writes over the end of the one before, and the last one
-        # over flags, which are written afterwards.
-        copyto(results.words_at_masks(), words)
-        flags = results.record["flags"]
-        copyto(flags, self._flags)
+        record = results.record
+        if rows.size <= FEW:
+            record["mask_bytes"] = self._masks
+        else:
+            # Words are longer than masks: each writes over the end of the one before, and the last
+            # one over flags, which are written afterwards.
+            copyto(results.words_at_masks(), words)
+        record["flags"] = self._flags
         if self._tells_hits:
+            flags = record["flags"]
             greater(flags[0], self._terminal, results.hit)
             bitwise_and(flags[0], self._terminal, flags[0])
         results.all_true.fill(True)
@@ -147,7 +152,7 @@ class PlainEngine:
         tables = self._tables
         drawing = self._is_stochastic.take(rows, out=self._which, mode="clip").nonzero()[0]
         if drawing.size:
-            number = tables.stochastic.take(rows.take(drawing))
+            number = tables.next_state.take(rows.take(drawing))
             threshold = tables.threshold.take(number, axis=0)
             # Repeating is cheaper than comparing arrays of different shapes.
             drawn = draws.uniform(drawing).repeat(threshold.shape[1]).reshape(threshold.shape)

@@ -108,6 +108,7 @@ class Layout:
         ):
             fields[name] = np.dtype((dtype, shape)), end
             end += fields[name][0].itemsize
+        fields["mask_bytes"] = np.dtype((f"V{num_actions}", each)), fields["masks"][1]
         fields["flags"] = np.dtype((np.uint8, (3, num_envs))), fields["terminated"][1]
         self.words_at_masks = each, np.dtype(np.uint64), fields["masks"][1], (num_actions,)
         self.words = -(-end // 8)
@@ -137,7 +138,8 @@ class Results:
         all_true: bool `[envs]`.
         hit: bool `[envs]`: whether a mover hit the robot; only if the layout has movers.
         held: bool `[envs, items]`: the items that are held; only if the layout has items.
-        record: all of them; also `flags`, uint8 `[3, envs]`: `terminated`, `reached`, `skidded`.
+        record: all of them; also `mask_bytes`, void `[envs]`: `masks`, and `flags`, uint8
+            `[3, envs]`: `terminated`, `reached`, `skidded`.
     """
 
     __slots__ = (

@@ -76,17 +76,17 @@ class Tables:
 
     A state here is the state in its level's `Mdp`, plus the level's `offset`. Stepping looks up
     row `state * num_actions + action`. Where an action has one outcome, the outcome has the row's
-    number. Where it has several, `stochastic` gives the number of the stochastic row; its outcomes
+    number. Where it has several, the row is stochastic: its `next_state` is a negative number, with
+    which `first` and `threshold` are indexed from their ends. Its outcomes
     follow one another from `first[number]` on, and a draw selects the first one for which
     `threshold[number]` is above it. One more row, `idle_row`, is for environments that do not act
     in a step.
 
     Attributes:
         num_actions: how many actions there are: 5; without stay, 4; with turning, 3.
-        next_state: intp `[outcomes]`.
+        next_state: intp `[outcomes]`; negative at stochastic rows.
         reward: float64 `[outcomes]`.
         outcome_info: uint64 `[outcomes]`: the info word after this outcome.
-        stochastic: intp `[rows]`: the number of the stochastic row, -1 for a deterministic row.
         first: intp `[stochastic rows]`.
         threshold: float64 `[stochastic rows, most outcomes]`: cumulated probabilities, `ALWAYS`
             from a row's last outcome on.
@@ -107,7 +107,6 @@ class Tables:
     next_state: Ints
     reward: Floats
     outcome_info: Words
-    stochastic: Ints
     first: Ints
     threshold: Floats
     state_info: Words
@@ -124,7 +123,7 @@ class Tables:
     @property
     def idle_row(self) -> int:
         """The row in which nothing happens."""
-        return self.stochastic.size - 1
+        return self.state_info.size * self.num_actions
 
     @property
     def draws_starts(self) -> bool:
@@ -262,9 +261,10 @@ def build_tables(
         )
         for name, numbered in _numbered(parts, offset).items()
     }
-    count = np.concatenate([*(part.count for part in parts), [1]])
-    stochastic = np.where(count > 1, np.cumsum(count > 1) - 1, -1)
-    count = count[count > 1]
+    count = np.concatenate([part.count for part in parts])
+    stochastic = np.flatnonzero(count > 1)
+    columns["next_state"][stochastic] = np.arange(-stochastic.size, 0)
+    count = count[stochastic]
     threshold = np.full((count.size, count.max(initial=1)), ALWAYS)
     done = 0
     for part in parts:
@@ -277,7 +277,6 @@ def build_tables(
     return Tables(
         num_actions=idle_row // int(offset[-1]),
         **columns,
-        stochastic=stochastic.astype(np.intp),
         first=idle_row + 1 + np.cumsum(count) - count,
         threshold=threshold,
         state_info=np.concatenate([part.state_info for part in parts]),
@@ -377,7 +376,6 @@ def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = Fa
         next_state=np.zeros(num_outcomes, np.intp),
         reward=np.zeros(num_outcomes),
         outcome_info=np.zeros(num_outcomes, np.uint64),
-        stochastic=np.full(idle_row + 1, -1, np.intp),
         first=idle_row + 1 + room.outcomes * np.arange(stochastic, dtype=np.intp),
         threshold=np.full((stochastic, room.outcomes), ALWAYS),
         state_info=np.zeros(num_states, np.uint64),
@@ -417,10 +415,8 @@ def write_part(tables: Tables, span: Span, part: Part) -> None:
         if count:
             further = array[span.outcomes].reshape(threshold.shape)
             further[:count, :width] = column[is_stochastic] + shift
-    stochastic = tables.stochastic[span.rows]
-    stochastic.fill(-1)
-    begin = span.stochastic.start
-    stochastic[:num_rows][is_stochastic] = np.arange(begin, begin + count)
+    begin = span.stochastic.start - tables.first.size
+    tables.next_state[span.rows][:num_rows][is_stochastic] = np.arange(begin, begin + count)
     threshold.fill(ALWAYS)
     threshold[:count, :width] = part.threshold[is_stochastic]
     tables.state_info[span.states][:num_states] = part.state_info

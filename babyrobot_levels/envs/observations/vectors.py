@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -71,7 +70,8 @@ class VectorObserver:
         if configuration not in self._rows:
             first = configuration * block
             self._rows[configuration] = self.rows(np.arange(first, first + block))
-        return partial(self._rows[configuration][place].copy)
+        row: Floats = self._rows[configuration][place]
+        return row.copy
 
     def table(self) -> Floats:
         """Return the vectors of all states, float32 `[states, entries]`."""

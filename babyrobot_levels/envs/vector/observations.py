@@ -1,4 +1,4 @@
-"""Observations of vector environments: tables of all their levels, or pictures."""
+"""Observations of vector environments: those of many states at once, of all their levels."""
 
 from __future__ import annotations
 
@@ -221,6 +221,10 @@ class BatchViewObserver(BatchObserver):
     def observe(self, states: Ints, out: NDArray[Any]) -> None:
         """Write the views of states into an array `[states, side, side, planes]`."""
         out[...] = self._views.at(states)
+
+    def gather(self, states: Ints, copy: bool = True) -> Any:
+        """Return the views of states; see `BatchObserver.gather`."""
+        return self._views.at(states) if copy else super().gather(states, copy)
 
 
 class BatchDictObserver(BatchObserver):

@@ -571,7 +571,7 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     for part in parts:
         write_part(tables, span, part)
     write_part(fresh, span, parts[-1])
-    for name in ("stochastic", "threshold", "first", "limit", "starts", "first_start"):
+    for name in ("threshold", "first", "limit", "starts", "first_start"):
         assert np.array_equal(getattr(tables, name), getattr(fresh, name)), name
     alone = build_tables(parts[-1:], [9])
     base, num_rows = room.states, alone.idle_row
@@ -579,16 +579,16 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
     own = alone.state_info
     assert np.array_equal(tables.state_info[base : base + own.size], own)
     for row in range(num_rows):
-        ours, theirs = tables.stochastic[span.rows.start + row], alone.stochastic[row]
+        ours, theirs = tables.next_state[span.rows.start + row], alone.next_state[row]
         assert (ours < 0) == (theirs < 0)
-        count = alone.threshold[theirs].tolist().index(ALWAYS) + 1 if theirs >= 0 else 1
-        first = tables.first[ours] if ours >= 0 else span.rows.start + row
-        other = alone.first[theirs] if theirs >= 0 else row
+        count = alone.threshold[theirs].tolist().index(ALWAYS) + 1 if theirs < 0 else 1
+        first = tables.first[ours] if ours < 0 else span.rows.start + row
+        other = alone.first[theirs] if theirs < 0 else row
         where, there = slice(first, first + count), slice(other, other + count)
         assert np.array_equal(tables.next_state[where], alone.next_state[there] + base)
         assert np.array_equal(tables.reward[where], alone.reward[there])
         assert np.array_equal(tables.outcome_info[where], alone.outcome_info[there])
-        if ours >= 0:
+        if ours < 0:
             assert np.array_equal(tables.threshold[ours, :count], alone.threshold[theirs, :count])
             assert (tables.threshold[ours, count:] == ALWAYS).all()
 

@@ -136,11 +136,11 @@ def test_the_tables_are_those_of_the_level(level: Level, first_action: int) -> N
     for state in range(mdp.num_states):
         for action in range(tables.num_actions):
             row = (base + state) * tables.num_actions + action
-            number = tables.stochastic[row]
-            thresholds = tables.threshold[number].tolist() if number >= 0 else [ALWAYS]
+            number = tables.next_state[row]
+            thresholds = tables.threshold[number].tolist() if number < 0 else [ALWAYS]
             count = thresholds.index(ALWAYS) + 1
             chances = np.diff([0.0, *thresholds[: count - 1], 1.0])
-            first = tables.first[number] if number >= 0 else row
+            first = tables.first[number] if number < 0 else row
             outcomes = range(first, first + count)
             ends = tables.next_state[outcomes]
             is_over = end[outcomes] == TERMINAL
@@ -148,7 +148,7 @@ def test_the_tables_are_those_of_the_level(level: Level, first_action: int) -> N
             wanted = mdp.outcomes(state, action + first_action)
             assert chances == pytest.approx([outcome[0] for outcome in wanted])
             assert list(told) == [outcome[1:] for outcome in wanted]
-            assert (number < 0) == (count == 1)
+            assert (number < 0) == (count > 1)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
