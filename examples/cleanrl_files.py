@@ -13,41 +13,42 @@ import sys
 from typing import Any
 
 import gymnasium
+import numpy as np
 import torch
 from comparison import actions_in_cells, print_comparison
-from gymnasium.wrappers import TransformReward
+from gymnasium.wrappers import DtypeObservation, FlattenObservation, TransformReward
 
 import babyrobot_levels as brl
-
-LEVEL = "final-maze"
 
 
 def make(**kwargs: Any) -> gymnasium.Env[Any, Any]:
     # These files take the end of an episode by a time limit for an exit (ppo.py), or cannot take
-    # it (dqn.py), so there is no limit: exploration ends every episode.
+    # it (dqn.py), so there is no limit: as they explore, they always come to the exit.
     env = gymnasium.make(
-        "babyrobot/Level-v0", level=LEVEL, observation="vector", max_episode_steps=-1, **kwargs
+        "babyrobot/final-maze-v0", observation="index", max_episode_steps=-1, **kwargs
     )
+    # A float for each cell, so that the network has parameters of its own for it.
+    env = DtypeObservation(FlattenObservation(env), np.float32)
     # Returns of -1,000 are too large for a network, so rewards are scaled.
-    return TransformReward(env, lambda reward: float(reward) / 100)
+    return TransformReward(env, lambda reward: float(reward) / 10)
 
 
-gymnasium.register("CleanMaze-v0", entry_point=make)
+gymnasium.register("FinalMaze-v0", entry_point=make)
 
 
 def main() -> None:
     file, *options = sys.argv[1:]
     torch.set_num_threads(1)
-    sys.argv = [file, "--env-id", "CleanMaze-v0", *options]
+    sys.argv = [file, "--env-id", "FinalMaze-v0", "--gamma", "1", *options]
     after = runpy.run_path(file, run_name="__main__")
     network = after["agent"].actor if "agent" in after else after["q_network"]
 
-    def act(observation: Any) -> int:
+    def act(state: int) -> int:
         with torch.no_grad():
-            return int(network(torch.tensor(observation)).argmax())
+            return int(network(torch.eye(level.compile().num_states)[state]).argmax())
 
-    greedy = actions_in_cells(brl.load(LEVEL), act, observation="vector")
-    print_comparison(brl.load(LEVEL), {"learned, greedy": greedy})
+    level = brl.load("final-maze")
+    print_comparison(level, {"learned, greedy": actions_in_cells(level, act, observation="index")})
 
 
 if __name__ == "__main__":

@@ -279,6 +279,6 @@ def test_files_in_the_style_of_cleanrl_run_unchanged(tmp_path: Path) -> None:
     found = re.match(r"episodes: (\d+) returns: (\S+) (\S+)$", text, re.MULTILINE)
     assert found
     assert int(found[1]) > 1
-    # Rewards are divided by 100.
-    assert -1000 < float(found[2]) < float(found[3]) < -0.3
+    # Rewards are divided by 10.
+    assert -10_000 < float(found[2]) < float(found[3]) < -3
     assert re.search(r"^optimum +-36\.5833 +100\.00%$", text, re.MULTILINE)
