@@ -46,6 +46,10 @@ if TYPE_CHECKING:
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
     from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
+    from babyrobot_levels.envs.samplers import PrioritizedSampler as PrioritizedSampler
+    from babyrobot_levels.envs.samplers import Sampler as Sampler
+    from babyrobot_levels.envs.samplers import UniformSampler as UniformSampler
+    from babyrobot_levels.envs.samplers import WeightedSampler as WeightedSampler
     from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
     from babyrobot_levels.generate.search import UnsatisfiableError as UnsatisfiableError
@@ -93,7 +97,9 @@ _HOMES = {
     "LevelVectorEnv": "envs.vector.env",
     "Mdp": "mdp.tables",
     "Metrics": "analysis.metrics",
+    "PrioritizedSampler": "envs.samplers",
     "Rollout": "envs.engine.rollout",
+    "Sampler": "envs.samplers",
     "Severity": "text.diagnostics",
     "Simulation": "analysis.solver.results",
     "Solution": "analysis.solver.results",
@@ -105,6 +111,8 @@ _HOMES = {
     "Trials": "analysis.learning.results",
     "Turn": "mdp.actions",
     "UndefinedReturnError": "analysis.solver.results",
+    "UniformSampler": "envs.samplers",
+    "WeightedSampler": "envs.samplers",
     "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",

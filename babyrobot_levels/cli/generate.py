@@ -23,7 +23,6 @@ from babyrobot_levels.text.diagnostics import one_line
 if TYPE_CHECKING:
     from babyrobot_levels.generate.batch import Batch, Target
     from babyrobot_levels.generate.search import UnsatisfiableError
-    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.language.looks import Theme
     from babyrobot_levels.language.suite import SuiteFields
 
@@ -302,30 +301,37 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
 
 def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the given count, and the pattern of its levels' names."""
-    from babyrobot_levels.generate.suites import load_suite, name_pattern
-    from babyrobot_levels.language.documents import suite_from_mapping
+    from babyrobot_levels.generate.suite_sources import name_pattern
+    from babyrobot_levels.generate.suites import load_suite
+    from babyrobot_levels.language.documents import grown_from_mapping
     from babyrobot_levels.language.plain_data import plain
+    from babyrobot_levels.language.suite import SuiteFields
 
     given = [name for name in options.given() if name != "--count"]
     if given:
         fail(f"{given[0]} cannot be combined with a suite", "leave out one of the two")
     loaded = load_suite(suite)
+    fields = loaded.fields
+    if not isinstance(fields, SuiteFields):
+        fail(
+            f"{fields.name or 'the suite'} lists its levels, so there is nothing to generate",
+            "generate a suite that grows mazes, or copy the files of these levels",
+        )
     changes: dict[str, Any] = {} if options.count is None else {"count": options.count}
-    theme = _theme_beside(loaded)
+    theme = _theme_beside(fields, loaded.folder)
     if theme is not None:
         changes["theme"] = plain(theme)
-    fields = loaded.fields
     if changes:
-        fields = suite_from_mapping({**plain(fields), "name": fields.name, **changes})
+        fields = grown_from_mapping({**plain(fields), "name": fields.name, **changes})
     return fields, name_pattern(fields)
 
 
-def _theme_beside(suite: Suite) -> Theme | None:
+def _theme_beside(fields: SuiteFields, folder: Path | None) -> Theme | None:
     """Return the theme of a file beside a suite, which its levels have to include."""
     from babyrobot_levels.language.documents import read_theme, theme_folders
     from babyrobot_levels.language.looks import BUILTIN_THEMES
 
-    name, folder = suite.fields.theme, suite.folder
+    name = fields.theme
     if not isinstance(name, str) or name in BUILTIN_THEMES or folder is None:
         return None
     return read_theme(name, theme_folders(folder))[0]

@@ -190,7 +190,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def _check(text: str, path: Path) -> None:
     """Check that the file is valid before it is written: a theme may be unknown."""
-    from babyrobot_levels.library.reading import errors_of
+    from babyrobot_levels.library.checking import errors_of
     from babyrobot_levels.text.files import source_of
 
     try:

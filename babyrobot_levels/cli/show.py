@@ -21,6 +21,7 @@ from babyrobot_levels.cli.console import (
 )
 from babyrobot_levels.cli.inputs import LevelArgument, load_level
 from babyrobot_levels.cli.pictures import text_picture
+from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
@@ -36,7 +37,7 @@ def show(
     ] = False,
     report_format: FormatOption = ReportFormat.TEXT,
 ) -> None:
-    """Show the facts about a level: texts, numbers, digest, metrics and drawing.
+    """Show the facts about a level: texts, numbers, digest, metrics and drawing; or a suite.
 
     The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
     left out above 5,000 cells; with items, doors, switches or movers, above 5,000 states.
@@ -48,7 +49,15 @@ def show(
       babyrobot show final-maze --format json
 
       babyrobot show final-maze --cite
+
+      babyrobot show small-mazes
     """
+    from babyrobot_levels.library.catalogue import suite_path
+
+    suite = None if level == str(STANDARD_INPUT) else suite_path(level)
+    if suite is not None:
+        _show_suite(suite, citation, report_format)
+        return
     loaded = load_level(level)
     if citation:
         cite(loaded, level, as_json=report_format is ReportFormat.JSON)
@@ -63,6 +72,32 @@ def show(
         note("the maze is random: see one with `babyrobot preview LEVEL --maze-seed N`")
     else:
         write("\n" + text_picture(loaded))
+
+
+def _show_suite(path: Path, citation: bool, report_format: ReportFormat) -> None:
+    from babyrobot_levels.generate.suites import load_suite
+
+    suite = load_suite(path)
+    if citation:
+        fail("a suite has no digest to cite", "cite its levels: `brl.load_suite(…)[0].digest`")
+    texts = {
+        name: getattr(suite.fields, name)
+        for name in ("name", "title", "description", "author", "license", "source")
+    }
+    sizes = suite.split_sizes()
+    facts: dict[str, Any] = {
+        **texts,
+        "tags": list(suite.fields.tags),
+        "levels": len(suite),
+        "splits": sizes,
+        "largest": list(suite.largest),
+        "max_steps": suite.max_steps,
+    }
+    if report_format is ReportFormat.JSON:
+        write_json(facts)
+        return
+    facts["splits"] = ", ".join(f"{name} {count:,}" for name, count in sizes.items())
+    write(fact_lines({name: printable(_text(value)) for name, value in facts.items()}))
 
 
 def _facts(level: Level) -> dict[str, Any]:

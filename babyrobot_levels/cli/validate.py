@@ -48,10 +48,10 @@ def validate(
 
 def errors_of(path: Path) -> list[Diagnostic]:
     """Return the errors of a file, or of standard input for `-`."""
-    from babyrobot_levels.library import reading
+    from babyrobot_levels.library import checking
 
     try:
         source = read_path(path)
     except LevelError as error:
         return [*error.diagnostics]
-    return reading.errors_of(source, None if path == STANDARD_INPUT else path)
+    return checking.errors_of(source, None if path == STANDARD_INPUT else path)

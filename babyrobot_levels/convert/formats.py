@@ -27,8 +27,8 @@ from babyrobot_levels.convert.minigrids.text import read_minigrid, write_minigri
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.library.checking import errors_of
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import errors_of
 from babyrobot_levels.text.emitter import emit_field
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import source_of

@@ -6,7 +6,7 @@ import inspect
 import operator
 import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from gymnasium import error
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
 MAX_IMAGE_SIDE = 4096
 
 _INT = np.dtype(np.intp)
-
-_Given = TypeVar("_Given")
 
 
 # -- making ----------------------------------------------------------------------------------
@@ -75,7 +73,7 @@ _ELSEWHERE = {
 """What to do instead of giving an argument, such as those of Gymnasium's FrozenLake."""
 
 
-def checked_given(name: str, value: _Given | None) -> _Given:
+def checked_given(name: str, value: Any) -> Any:
     """Return an argument without which an id makes nothing.
 
     Args:

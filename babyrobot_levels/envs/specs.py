@@ -147,16 +147,18 @@ def _own_limit(given: Mapping[str, Any]) -> int | None:
     None if there is none, if several levels differ, and if nothing can be loaded: then, making
     the environment tells why.
     """
-    level, levels, suite = (given.get(name) for name in ("level", "levels", "suite"))
-    if level is levels is suite is None:
-        return None
+    level: Any = given.get("level")
+    levels: Any = given.get("levels")
+    suite: Any = given.get("suite")
     try:
         if level is not None:
             return _max_steps(level)
+        if levels is suite is None:
+            return None
         from babyrobot_levels.generate.suites import Suite, load_suite
 
         if suite is not None or isinstance(levels, Suite):
-            return load_suite(levels if suite is None else suite).fields.max_steps
+            return load_suite(levels if suite is None else suite).max_steps
         limits = {_max_steps(each) for each in levels}
     except (BabyRobotError, TypeError, ValueError):
         return None

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from math import prod
 from typing import Any
 
 import gymnasium
+import numpy as np
 
 from babyrobot_levels.envs.arguments import (
     check_names,
@@ -17,17 +17,16 @@ from babyrobot_levels.envs.arguments import (
     start_states,
 )
 from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.samplers import Sampler, checked_sampler, sampled
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.generate.suites import Suite, load_suite
-from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.mdp.actions import HEADINGS
-from babyrobot_levels.mdp.compiler.layers import MAX_STATES
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 
 
 class SuiteEnv(LevelEnv):
-    """A robot moves through the levels of a suite: each reset draws one, uniformly.
+    """A robot moves through the levels of a suite: each reset draws one.
 
     Actions, rewards and ends of episodes are those of `LevelEnv`. The observation space is that of
     the largest level and never changes: a cell has the same observation in levels of all sizes,
@@ -39,12 +38,21 @@ class SuiteEnv(LevelEnv):
         level: the level of the current episode.
     """
 
-    def __init__(self, suite: SuiteLike, *, split: str | None = None, **kwargs: Any) -> None:
+    def __init__(
+        self,
+        suite: SuiteLike,
+        *,
+        split: str | None = None,
+        sampler: Sampler | None = None,
+        **kwargs: Any,
+    ) -> None:
         """Make the environment of a suite.
 
         Args:
             suite: a name, a path, a mapping or a `Suite`.
             split: the split that is used; by default, the whole suite.
+            sampler: selects the level of each episode. By default, all levels are drawn equally
+                often, or by the weights of the suite.
             kwargs: the arguments of `LevelEnv` other than `level`.
 
         Raises:
@@ -53,6 +61,7 @@ class SuiteEnv(LevelEnv):
             ValueError: there is no such split, it has no levels, or another argument is invalid.
         """
         self._given_suite, self.suite = suite_and_split(suite, split)
+        self._sampler = checked_sampler(sampler, self.suite)
         super().__init__(self.suite[0], **kwargs)
         self._options = ("start", "index")
 
@@ -90,7 +99,8 @@ class SuiteEnv(LevelEnv):
         index = checked_index(options.get("index"), len(self.suite))
         gymnasium.Env.reset(self, seed=seed)
         if index is None:
-            index = int(self.np_random.random() * len(self.suite))
+            draw = np.array([self.np_random.random()])
+            index = int(sampled(self._sampler, draw, len(self.suite))[0])
         level = self.suite[index]
         # A refused reset leaves the current episode as it is.
         if options.get("start") is not None:
@@ -116,7 +126,7 @@ def make_suite(suite: SuiteLike | None = None, **kwargs: Any) -> SuiteEnv:
         MissingArgument: there is no suite.
         TypeError: there is no such argument.
     """
-    check_names(kwargs, LevelEnv.__init__, "split", "max_episode_steps", "suite")
+    check_names(kwargs, LevelEnv.__init__, "split", "sampler", "max_episode_steps", "suite")
     return SuiteEnv(checked_given("suite", suite), **kwargs)
 
 
@@ -145,10 +155,15 @@ def suite_extent(suite: Suite, *, turns: bool) -> Extent:
         suite: the suite.
         turns: whether the robot turns.
     """
-    smallest = prod(bounds(suite.fields.size)[0])
-    configurations = min(prod(suite.radices), MAX_STATES // smallest)
-    headings, has_items = HEADINGS if turns else 1, suite.most_items > 0
-    return Extent(suite.largest, suite.radices, configurations, headings, has_items)
+    bounds, headings = suite.bounds, HEADINGS if turns else 1
+    return Extent(
+        bounds.size,
+        bounds.radices,
+        bounds.configurations,
+        headings,
+        bounds.num_items > 0,
+        bounds.has_wind,
+    )
 
 
 def make_suite_serializable(given: dict[str, Any], suite: Suite) -> None:

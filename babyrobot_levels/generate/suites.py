@@ -1,4 +1,4 @@
-"""Suites: sequences of generated levels."""
+"""Suites: sequences of levels that are generated or listed."""
 
 from __future__ import annotations
 
@@ -7,46 +7,59 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, overload
 
-from babyrobot_levels.generate.candidates import Maker
-from babyrobot_levels.generate.locks import GUARD_CELLS
-from babyrobot_levels.generate.search import find_level
-from babyrobot_levels.language.documents import check_suite, suite_from_mapping
+from babyrobot_levels.generate.suite_sources import (
+    Bounds,
+    Groups,
+    GrownLevels,
+    ListedLevels,
+    Numbers,
+    Source,
+    groups_of,
+)
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import AnySuite
 from babyrobot_levels.library.catalogue import find_suite
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.suite_members import (
+    Member,
+    OpenedSuite,
+    open_suite,
+    suite_of_mapping,
+)
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.reader import open_document
 from babyrobot_levels.text.words import did_you_mean
 
 
 class Suite(Sequence[Level]):
     """The levels of a suite, or some of them.
 
-    `suite[i]` is generated from the suite's seed and the level's number alone, and is the same
-    in every version. A slice is a suite, too.
+    Of a suite that grows mazes, `suite[i]` is generated from the suite's seed and the level's
+    number alone, and is the same in every version. A suite that lists levels has them one after
+    the other. A slice is a suite, too.
 
     Args:
         fields: the fields of the suite.
         folder: the folder that may have `themes/` in it.
         numbers: the numbers of the levels; all of them by default.
         split: the split that they are, if any.
+        members: what the suite lists, if it lists levels.
     """
 
     __module__ = "babyrobot_levels"
 
     def __init__(
         self,
-        fields: SuiteFields,
+        fields: AnySuite,
         folder: Path | None = None,
-        numbers: range | None = None,
+        numbers: Numbers | None = None,
         split: str | None = None,
+        members: Sequence[Member] = (),
     ) -> None:
         self.fields, self.folder = fields, folder
-        self.numbers = range(fields.count) if numbers is None else numbers
-        self._split = split
-        self._maker = Maker(fields, name_pattern(fields), folder)
+        self._members, self._split = members, split
+        self._source = _source_of(fields, folder, members)
+        self.numbers: Numbers = range(self._source.count) if numbers is None else numbers
 
     @property
     def name(self) -> str | None:
@@ -59,33 +72,45 @@ class Suite(Sequence[Level]):
         return tuple(self.fields.splits)
 
     @property
+    def max_steps(self) -> int | None:
+        """The time limit of all levels, in steps; None for none.
+
+        Of a suite that lists levels and states none, the largest limit of its levels.
+        """
+        return self._source.max_steps
+
+    @property
+    def bounds(self) -> Bounds:
+        """How much a level can have at most, in the whole suite."""
+        return self._source.bounds
+
+    @property
     def largest(self) -> tuple[int, int]:
         """The largest width and height of the levels, in cells."""
-        return self.fields.largest
+        return self.bounds.size
 
     @property
     def most_items(self) -> int:
         """The most items that a level can have."""
-        return int(bounds(self.fields.keys)[1] + bounds(self.fields.coins)[1])
+        return self.bounds.num_items
 
     @property
     def has_guards(self) -> bool:
-        """Whether a level can have guards."""
-        return bool(bounds(self.fields.guards)[1])
+        """Whether a level can have guards, or other movers."""
+        return self.bounds.has_movers
 
     @property
     def radices(self) -> tuple[int, ...]:
         """For each thing that a level can have, the most values that it can have in any level.
 
-        They are in the order of `Things.radices`. In a level with fewer items, guards come earlier.
+        They are in the order of `Things.radices`.
         """
-        fewest = bounds(self.fields.keys)[0] + bounds(self.fields.coins)[0]
-        most, guards = self.most_items, bounds(self.fields.guards)[1]
-        held_or_not, phases = 2, 2 * (max(GUARD_CELLS) - 1)
-        return (
-            *(phases if guards and item >= fewest else held_or_not for item in range(most)),
-            *(phases for _ in range(guards)),
-        )
+        return self.bounds.radices
+
+    @property
+    def groups(self) -> Groups:
+        """How many levels follow one another, and the weight of each: how often it is drawn."""
+        return groups_of(self._source.groups, self.numbers)
 
     def __len__(self) -> int:
         return len(self.numbers)
@@ -104,23 +129,26 @@ class Suite(Sequence[Level]):
             UnsatisfiableError: no level meets the suite's conditions.
         """
         if isinstance(index, slice):
-            return Suite(self.fields, self.folder, self.numbers[index], self._split)
+            return self._part(self.numbers[index], self._split)
         try:
             number = self.numbers[index]
         except IndexError:
             raise IndexError(f"there is no level {index}: the suite has {len(self):,}") from None
-        return find_level(self._maker, number).level
+        return self._source.level(number)
 
     def __iter__(self) -> Iterator[Level]:
         return (self[index] for index in range(len(self)))
 
     def split(self, name: str) -> Suite:
-        """Return the levels of a split. No maze occurs in two splits.
+        """Return the levels of a split.
+
+        No maze occurs in two splits of a suite that grows mazes, and no MDP in two splits of one
+        that lists levels: there, the digest of a level decides to which split it belongs.
 
         Raises:
-            ValueError: the suite has no such split.
+            ValueError: the suite has no such split, or no level is in it.
         """
-        parts = self._maker.splits
+        parts = self.splits
         if name not in parts:
             known = ", ".join(map(repr, parts)) or "none"
             raise ValueError(
@@ -128,11 +156,30 @@ class Suite(Sequence[Level]):
             )
         if not self._is_whole:
             raise ValueError("a slice of a suite has no splits")
-        return Suite(self.fields, self.folder, parts[name], name)
+        numbers = self._source.part(name)
+        if not numbers:
+            raise ValueError(
+                f"the split {name!r} is empty: none of the {len(self):,} levels is in it; "
+                "add levels, or change the shares"
+            )
+        return self._part(numbers, name)
+
+    def split_sizes(self) -> dict[str, int]:
+        """Return how many levels each split of the whole suite has, also of empty ones."""
+        return {name: len(self._source.part(name)) for name in self.splits}
+
+    def whole(self) -> Suite:
+        """Return the suite of which this one is a part."""
+        return self._part(range(self._source.count), None)
+
+    def _part(self, numbers: Numbers, split: str | None) -> Suite:
+        part = Suite.__new__(Suite)
+        part.__dict__ |= {**self.__dict__, "numbers": numbers, "_split": split}
+        return part
 
     @property
     def _is_whole(self) -> bool:
-        return self.numbers == range(self.fields.count)
+        return self.numbers == range(self._source.count)
 
     def to_arguments(self) -> dict[str, Any] | None:
         """Return the arguments of environments, `suite` and maybe `split`, as plain data.
@@ -141,7 +188,7 @@ class Suite(Sequence[Level]):
         """
         if self._is_whole:
             return {"suite": self.to_dict(whole=True)}
-        if self._split is not None and self.numbers == self._maker.splits[self._split]:
+        if self._split is not None and self.numbers == self._source.part(self._split):
             return {"suite": self.to_dict(whole=True), "split": self._split}
         return None
 
@@ -149,15 +196,13 @@ class Suite(Sequence[Level]):
         """Return the fields of the suite as plain data.
 
         Args:
-            whole: whether to include a theme from a file, so that the data does not depend on it.
+            whole: whether to include a theme from a file, and the fields of all levels that are
+                listed, so that the data does not depend on files.
         """
         data: dict[str, Any] = plain(self.fields)
-        if whole and "theme" in data:
-            level = {"version": 1, "size": [2, 1], "theme": data["theme"]}
-            data["theme"] = Level.from_fields(level, folder=self.folder).to_dict(whole=True)[
-                "theme"
-            ]
-        return {name: data[name] for name in SuiteFields.model_fields if name in data}
+        if whole:
+            data |= self._source.whole_fields()
+        return {name: data[name] for name in type(self.fields).model_fields if name in data}
 
     def to_yaml(self) -> str:
         """Return the suite as canonical YAML."""
@@ -171,10 +216,31 @@ class Suite(Sequence[Level]):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Suite):
             return NotImplemented
-        return (self.fields, self.numbers) == (other.fields, other.numbers)
+        return self.numbers == other.numbers and self._source == other._source
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[type[Suite], tuple[Any, ...]]:
-        return Suite, (self.fields, self.folder, self.numbers, self._split)
+        return Suite, (self.fields, self.folder, self.numbers, self._split, self._members)
+
+
+def _source_of(fields: AnySuite, folder: Path | None, members: Sequence[Member]) -> Source:
+    if isinstance(fields, SuiteFields):
+        return GrownLevels(fields, folder)
+    return ListedLevels(fields, [(member, _suite_in(member)) for member in members])
+
+
+def _suite_in(member: Member) -> Suite | None:
+    """Return the levels of another suite that an entry stands for."""
+    if member.suite is None:
+        return None
+    suite = _suite_of(member.suite)
+    part = suite if member.split is None else suite.split(member.split)
+    return part if member.count is None else part[: member.count]
+
+
+def _suite_of(opened: OpenedSuite) -> Suite:
+    return Suite(opened.fields, opened.folder, members=opened.members)
 
 
 def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Suite:
@@ -186,20 +252,15 @@ def load_suite(suite: str | os.PathLike[str] | Mapping[str, Any] | Suite) -> Sui
 
     Raises:
         SuiteNotFoundError: nothing has that name; the error names the nearest ones.
-        LevelError: the suite is found, but not valid.
+        LevelError: the suite is found, but not valid, or something that it lists is not.
+        ValueError: the suite lists a split of another one that has no levels.
     """
     if isinstance(suite, Suite):
         return suite
     if isinstance(suite, Mapping):
-        return Suite(suite_from_mapping(suite))
+        return _suite_of(suite_of_mapping(suite))
     if not isinstance(suite, str | os.PathLike):
         raise TypeError(
             f"a suite is a name, a path, a mapping or a Suite, not {type(suite).__name__}"
         )
-    path = find_suite(suite)
-    return Suite(check_suite(open_document(path), path).valid(), path.parent)
-
-
-def name_pattern(fields: SuiteFields) -> str:
-    """Return the pattern of the levels' names: the suite's name and their number."""
-    return f"{fields.name or 'level'}-{{index:05}}"
+    return _suite_of(open_suite(find_suite(suite)))

@@ -12,6 +12,7 @@ from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import MAX_VALUES, plain
 from babyrobot_levels.language.suite import SuiteFields, impossible
+from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields, suite_model
 from babyrobot_levels.language.validation import Checked, ModelT, check, parse, validate
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue
 from babyrobot_levels.text.document import Document
@@ -35,6 +36,7 @@ _MOST = 5
 _LONGEST_KEY = 100
 """No field's name is longer; what YAML takes for a name ends at some length as well."""
 
+_LIST_HELP = "`brl.load_suite` loads its levels"
 _SUITE_HELP = "`brl.load_suite` makes its levels, `babyrobot generate` writes them"
 
 
@@ -45,7 +47,7 @@ def is_suite(document: Document) -> bool:
 
 def check_document(
     document: Document, model: type[LevelT], path: Path | None = None
-) -> Checked[LevelT] | Checked[SuiteFields]:
+) -> Checked[LevelT] | Checked[AnySuite]:
     """Check a level or a suite, whichever the document says it is; see `check_level`."""
     return check_suite(document, path) if is_suite(document) else check_level(document, model, path)
 
@@ -61,7 +63,8 @@ def check_level(
         path: the file that it is from: it gives the level's name, and themes beside it.
     """
     if is_suite(document):
-        issue = Issue("BR201", ("kind",), "this is a suite of levels, not a level", _SUITE_HELP)
+        help_text = _LIST_HELP if suite_model(document.data) is SuiteListFields else _SUITE_HELP
+        issue = Issue("BR201", ("kind",), "this is a suite of levels, not a level", help_text)
         return Checked(None, [document.diagnostic(issue)])
     theme = _ThemeCheck(path)
     level, diagnostics = check(document, model, [theme])
@@ -73,8 +76,13 @@ def check_level(
     return Checked(level, [])
 
 
-def check_suite(document: Document, path: Path | None = None) -> Checked[SuiteFields]:
-    """Check a document as a suite; see `check_level`."""
+def check_suite(document: Document, path: Path | None = None) -> Checked[AnySuite]:
+    """Check a document as a suite; see `check_level`. What it lists is not looked for."""
+    if suite_model(document.data) is SuiteListFields:
+        listed, diagnostics = check(document, SuiteListFields)
+        if listed is not None:
+            _name(listed, path)
+        return Checked(listed, diagnostics)
     theme = _ThemeCheck(path)
     suite, diagnostics = check(document, SuiteFields, [theme, impossible])
     diagnostics += theme.diagnostics
@@ -123,12 +131,19 @@ def error_in_mapping(data: Mapping[str, Any], issues: Sequence[Issue]) -> LevelE
     return LevelError([document.diagnostic(issue) for issue in issues])
 
 
-def suite_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
-    """Return the fields of a suite that a mapping gives.
+def suite_from_mapping(data: Mapping[str, Any]) -> AnySuite:
+    """Return the fields of a suite that a mapping gives. What it lists is not looked for.
 
     Raises:
         LevelError: the mapping is not a valid suite; see `level_from_mapping`.
     """
+    if suite_model(data) is SuiteListFields:
+        return _from_mapping(data, SuiteListFields, [], None)
+    return grown_from_mapping(data)
+
+
+def grown_from_mapping(data: Mapping[str, Any]) -> SuiteFields:
+    """Return the fields of a suite that grows mazes; see `suite_from_mapping`."""
     theme = _ThemeCheck(None)
     return _from_mapping(data, SuiteFields, [theme, impossible], theme)
 
@@ -138,7 +153,7 @@ def slug(text: str) -> str | None:
     return re.sub(r"[^a-z0-9]+", "-", text.lower()).strip("-") or None
 
 
-def _name(model: LevelSpec | SuiteFields, path: Path | None) -> None:
+def _name(model: LevelSpec | AnySuite, path: Path | None) -> None:
     """Give a level or a suite the name of its file, if it states none."""
     if model.name is None and path is not None:
         model.__dict__["name"] = slug(path.stem)
@@ -148,19 +163,20 @@ def _from_mapping(
     data: Mapping[str, Any],
     model: type[ModelT],
     checks: Sequence[Callable[[Any], Iterable[Issue]]],
-    theme: _ThemeCheck,
+    theme: _ThemeCheck | None,
 ) -> ModelT:
     fields = plain(data, most=MAX_VALUES)
     value, issues = validate(fields, model)
     if value is not None:
         issues = [issue for each in checks for issue in each(value)]
-    if value is not None and not issues and not theme.diagnostics:
+    found = [] if theme is None else theme.diagnostics
+    if value is not None and not issues and not found:
         return value
     shown: list[Diagnostic] = []
     if _fits(fields):
         source = SourceFile("<mapping>", emit(fields) or "{}")
         shown = parse(source, model, checks).diagnostics
-    shown += theme.diagnostics
+    shown += found
     message = "; ".join(issue.message for issue in issues[:_MOST])
     raise LevelError(shown, None if shown else message)
 

@@ -20,6 +20,7 @@ from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import KINDS, SuiteListFields
 from babyrobot_levels.language.things import LEGEND_FIELDS, LegendEntry
 
 # Draft 7 is what the editors know best.
@@ -81,8 +82,23 @@ def theme_schema() -> dict[str, Any]:
 
 
 def suite_schema() -> dict[str, Any]:
-    """Return the JSON schema of suite files."""
-    return _schema(SuiteFields, "A suite of levels, version 1")
+    """Return the JSON schema of suite files: those with `levels`, and those that grow mazes."""
+    grown = _schema(SuiteFields, "A suite of levels, version 1")
+    listed = _schema(SuiteListFields, "")
+    entry = listed["$defs"]["SuiteEntry"]
+    entry["oneOf"] = [_given(kind, [name for name in KINDS if name != kind]) for kind in KINDS]
+    entry["dependencies"] = {name: ["suite"] for name in ("split", "count")}
+    definitions = {**grown.pop("$defs"), **listed.pop("$defs")}
+    heads = {name: grown.pop(name) for name in ("$schema", "title")}
+    for name in heads:
+        del listed[name]
+    return {
+        **heads,
+        "if": {"required": ["levels"]},
+        "then": listed,
+        "else": grown,
+        "$defs": dict(sorted(definitions.items())),
+    }
 
 
 def pack_schema() -> dict[str, Any]:

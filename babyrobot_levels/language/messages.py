@@ -45,6 +45,9 @@ FORMS = {
     "path_length": "an integer, or a mapping with `min` and `max`",
     "dead_ends": "an integer, or a mapping with `min` and `max`",
     "difficulty": "a number, or a mapping with `min` and `max`",
+    "levels": "the name of a level, or a mapping",
+    "level": "a name, a file, or a mapping of the fields of a level",
+    "suite": "a name, a file, or a mapping of the fields of a suite",
 }
 """Fields that can be written in several ways."""
 
@@ -65,6 +68,9 @@ SINGLES = {
     "exit_one_of": "use `exit: [x, y]` for a single cell",
 }
 """What to write in the place of a list with one entry, where it needs several."""
+
+MISSING = {"count": "a suite has a `count` of mazes to grow, or lists `levels`"}
+"""What to do about a missing field that another one can take the place of."""
 
 THINGS = {"items", "doors", "switches", "movers", "exit_needs", "legend"}
 """Fields with names of things in them."""
@@ -101,7 +107,7 @@ def complaint(error: Any, fields: list[str], beginning: str | None = None) -> Co
         guess = did_you_mean(field, fields)
         return "BR201", f"unknown field `{shortened(field)}`{guess}", _list(fields)
     if kind == "missing":
-        help_text = beginning if field == "version" else None
+        help_text = beginning if field == "version" else MISSING.get(field)
         return "BR202", f"missing field `{field}`", help_text
     if is_form and field in FORMS and (kind in TYPES or kind in ("pair", "literal_error")):
         message = f"must be {FORMS[field]}, not {show(value)}"

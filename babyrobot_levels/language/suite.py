@@ -1,9 +1,9 @@
-"""The fields of a suite file: a family of levels, stated instead of listed."""
+"""The fields of a suite file that grows mazes: a family of levels, stated instead of listed."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
@@ -45,8 +45,10 @@ class SuiteMaze(Model):
     """The share of dead ends that are opened, or a range of shares."""
 
 
-class SuiteFields(Model):
-    """A suite of levels, version 1: what all of them have, and what is drawn for each."""
+class SuiteTexts(Model):
+    """What every suite says about itself."""
+
+    BEGINNING: ClassVar[str] = "a suite begins with `version: 1` and `kind: suite`"
 
     version: Annotated[Literal[1], BeforeValidator(whole_version), WithJsonSchema({"const": 1})]
     """The version of the language: 1."""
@@ -66,6 +68,11 @@ class SuiteFields(Model):
     """Where the idea is from: a citation."""
     tags: tuple[Slug, ...] = ()
     """Keywords for finding the suite."""
+
+
+class SuiteFields(SuiteTexts):
+    """A suite of mazes, version 1: what all of them have, and what is drawn for each."""
+
     seed: Annotated[Integer, Field(ge=0, le=2**53)] = 0
     """What all levels are drawn from: another seed, another suite."""
     count: Annotated[Integer, Field(ge=1, le=MAX_COUNT)]
@@ -210,12 +217,17 @@ def impossible(suite: SuiteFields) -> Iterator[Issue]:
         )
 
 
-def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
-    if not suite.splits:
-        return
-    total = sum(suite.splits.values())
-    if abs(total - 1) > 1e-9:
+def wrong_shares(splits: Mapping[str, float]) -> Iterator[Issue]:
+    """Yield an error if the shares of splits do not add up to 1."""
+    total = sum(splits.values())
+    if splits and abs(total - 1) > 1e-9:
         yield Issue("BR205", ("splits",), f"the shares add up to {total:g} instead of 1")
+
+
+def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
+    wrong = [*wrong_shares(suite.splits)]
+    if wrong or not suite.splits:
+        yield from wrong
         return
     for name, part in split_ranges(suite).items():
         if not part:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -110,16 +111,20 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
     return load_file(find(level))
 
 
-def find(name: str) -> Path:
+def find(name: str, first: Sequence[Place] = ()) -> Path:
     """Return the file of the level with a name, which may be `pack/name` or `gallery/name`.
 
     The folders are searched in the order of `places`: a level in `levels/` of the current folder
     comes before one of the gallery with the same name.
 
+    Args:
+        name: the name.
+        first: places that are searched before all others.
+
     Raises:
         LevelNotFoundError: nothing has that name.
     """
-    for path in _named(name):
+    for path in _named(name, first):
         return path
     known = {file.name: file.path for file in level_files()}
     near = _nearest_names(name, [*known])
@@ -177,8 +182,12 @@ def suite_files() -> dict[str, Path]:
     return found
 
 
-def find_suite(suite: str | os.PathLike[str]) -> Path:
+def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Path:
     """Return the file of a suite.
+
+    Args:
+        suite: a name, or the path of a file.
+        first: places that are searched before all others.
 
     Raises:
         SuiteNotFoundError: nothing has that name.
@@ -186,12 +195,23 @@ def find_suite(suite: str | os.PathLike[str]) -> Path:
     if not isinstance(suite, str) or _looks_like_path(suite):
         path = Path(suite)
         if not is_file(path):
-            raise SuiteNotFoundError(str(path), _nearest_files(path), is_file=True)
+            raise SuiteNotFoundError(str(path), nearest_files(path), is_file=True)
         return path
-    for path in _named(suite):
+    for path in _named(suite, first):
         if is_suite_file(path):
             return path
     raise SuiteNotFoundError(suite, _nearest_names(suite, [*suite_files()]))
+
+
+def suite_path(text: str) -> Path | None:
+    """Return the file of the suite that a text names where a level is expected, else None."""
+    if is_code(text) or "\n" in text:
+        return None
+    try:
+        path = Path(text) if _looks_like_path(text) else find(text)
+    except LevelNotFoundError:
+        return None
+    return path if is_file(path) and is_suite_file(path) else None
 
 
 def is_suite_file(path: Path) -> bool:
@@ -199,14 +219,14 @@ def is_suite_file(path: Path) -> bool:
     return _stated(path, "kind") == "suite"
 
 
-def _named(name: str) -> Iterator[Path]:
+def _named(name: str, first: Sequence[Place] = ()) -> Iterator[Path]:
     """Yield the files that a name means: those with that stem, then those with that `name`."""
     files = []
     pack, _, own = name.rpartition("/")
     if pack == GALLERY:
         name, candidates = own, files_in(gallery_place())
     else:
-        candidates = _files_of_pack(pack or None)
+        candidates = _files_of_pack(pack or None, first)
     for file in candidates:
         if file.name == name:
             yield file.path
@@ -217,9 +237,9 @@ def _named(name: str) -> Iterator[Path]:
             yield file.path
 
 
-def _files_of_pack(pack: str | None) -> Iterator[LevelFile]:
+def _files_of_pack(pack: str | None, first: Sequence[Place]) -> Iterator[LevelFile]:
     """Yield the level files of a pack; for None, of all folders that are no packs."""
-    for place in places():
+    for place in chain(first, places()):
         if place.pack == pack:
             yield from files_in(place)
 
@@ -237,7 +257,7 @@ def _load_path(path: Path) -> Level:
     with suppress(RuntimeError):
         path = path.expanduser()
     if not _is_there(path):
-        raise LevelNotFoundError(str(path), _nearest_files(path), is_file=True)
+        raise LevelNotFoundError(str(path), nearest_files(path), is_file=True)
     return load_file(path)
 
 
@@ -259,7 +279,7 @@ def _nearest_names(name: str, known: Sequence[str]) -> list[str]:
     return list(dict.fromkeys([*same, *nearest(name, known)]))[:MAX_NEAREST]
 
 
-def _nearest_files(path: Path) -> list[str]:
+def nearest_files(path: Path) -> list[str]:
     """Return the level files in the folder of a missing one with similar names."""
     try:
         stems = {other.stem: other for other in path.parent.iterdir() if other.suffix in SUFFIXES}

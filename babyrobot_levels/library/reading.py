@@ -7,12 +7,11 @@ from pathlib import Path
 from babyrobot_levels.language.documents import check_document as check_any
 from babyrobot_levels.language.documents import check_level
 from babyrobot_levels.language.share_code import NAME, decode
-from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import AnySuite
 from babyrobot_levels.language.validation import Checked
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.errors import LevelError, UnplayableError
+from babyrobot_levels.text.errors import UnplayableError
 from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.reader import open_document, read
 from babyrobot_levels.text.source import SourceFile
@@ -20,21 +19,13 @@ from babyrobot_levels.text.source import SourceFile
 
 def check_document(
     document: Document, path: Path | None = None
-) -> Checked[Level] | Checked[SuiteFields]:
-    """Check a level or a suite, whichever the document says it is.
+) -> Checked[Level] | Checked[AnySuite]:
+    """Check a level or a suite, whichever the document says it is, without what a suite lists.
 
     `path` is the file that it is from: it gives the name, and themes beside it.
     """
     checked = check_any(document, Level, path)
     return _playable(checked, document) if isinstance(checked.value, Level) else checked
-
-
-def errors_of(source: SourceFile, path: Path | None = None) -> list[Diagnostic]:
-    """Return what is wrong with a text that is a level or a suite; nothing if all is well."""
-    try:
-        return check_document(read(source), path).diagnostics
-    except LevelError as error:
-        return [*error.diagnostics]
 
 
 def load_document(document: Document, path: Path | None = None) -> Level:

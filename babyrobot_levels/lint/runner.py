@@ -10,8 +10,8 @@ from pathlib import Path
 from zlib import crc32
 
 from babyrobot_levels.language.documents import check_level
+from babyrobot_levels.library.checking import check_document, errors_of
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import check_document, errors_of
 from babyrobot_levels.lint.context import LintContext
 from babyrobot_levels.lint.finding import Finding, Needs
 from babyrobot_levels.lint.registry import select

@@ -198,3 +198,9 @@ class Things:
 def listed(names: Sequence[str]) -> str:
     """Return names as a list in words: `a, b and c`."""
     return " and ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
+
+
+def largest_radices(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:
+    """Return the larger value of each column; columns that only one has are kept."""
+    count = min(len(one), len(other))
+    return (*map(max, one[:count], other[:count]), *one[count:], *other[count:])

@@ -149,7 +149,8 @@ class EnvContract:
         state = bare.get_wrapper_attr("_state")
         if state not in policy:
             level = bare.get_wrapper_attr("level")
-            assert level.exit == "none" or not any(mask_of(bare)[1:])
+            first_move = 2 if actions == "turns" else 1 - ACTION_SETS[actions].first
+            assert level.exit == "none" or not any(mask_of(bare)[first_move:])
             return
         for _ in range(MAX_WAY):
             observation, _, terminated, _, _ = bare.step(policy[state])

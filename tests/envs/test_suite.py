@@ -270,7 +270,8 @@ def test_he_cheers_at_the_exit_of_every_level() -> None:
             (x, y), _, over, *_ = env.step(best[y, x])
         ends.add((x, y))
         cheering = FramePainter(level).frame(y * level.size[0] + x, Pose(mood=Mood.CHEER))
-        assert np.array_equal(env.render(), cheering)
+        height, width = cheering.shape[:2]
+        assert np.array_equal(env.render()[:height, :width], cheering)
     assert len(ends) > 3
 
 

@@ -14,7 +14,7 @@ from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.catalogue import catalogue, suite_files
 from babyrobot_levels.text.emitter import emit
 
-SHIPPED = ("locked-mazes", "long-ways", "small-mazes", "wet-mazes")
+SHIPPED = ("classics", "locked-mazes", "long-ways", "small-mazes", "wet-mazes")
 
 FIELDS: dict[str, Any] = {
     "version": 1,
@@ -164,7 +164,7 @@ def test_splits_have_names(mixed: Suite) -> None:
 @pytest.mark.parametrize("count", [10, 11, 13, 1000, 10**9])
 def test_every_level_is_in_one_split(count: int) -> None:
     suite = load_suite({**FIELDS, "count": count, "splits": {"a": 0.1, "b": 0.2, "c": 0.7}})
-    parts = [suite.split(name).numbers for name in "abc"]
+    parts: list[Any] = [suite.split(name).numbers for name in "abc"]
     assert [part.start for part in parts] == [0, parts[0].stop, parts[1].stop]
     assert parts[2].stop == count
     assert len(parts[0]) == pytest.approx(0.1 * count, abs=0.51)

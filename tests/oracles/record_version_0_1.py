@@ -79,7 +79,7 @@ def objects() -> dict[str, Any]:
         "simulation": brl.simulate(level, "random", episodes=10, seed=3),
         "metrics": brl.metrics(level),
         "certificate": brl.compare(level, level),
-        "difference": brl.diff(level, brl.load("default")),
+        "difference": brl.diff(level, brl.load("default").replace(max_steps=None)),
         "sweep": next(iter(brl.value_iteration(level))),
         "trials": next(iter(brl.q_learning(level, episodes=5, seed=1))),
         "level-info": brl.levels()[0],

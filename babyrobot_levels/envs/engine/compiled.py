@@ -150,6 +150,8 @@ _SPANS = {
     4: ("stochastic",),
     5: ("states",),
     6: ("starts",),
+    7: ("starts",),
+    8: ("level",),
     9: ("states",),
     11: ("states",),
 }

@@ -39,6 +39,9 @@ class Draws(Protocol):
     def reserve(self) -> None:
         """Make sure that there are draws for a step."""
 
+    def enlarge(self, most: int) -> None:
+        """Make room for so many draws in a step."""
+
     def uniform(self, which: Ints) -> Floats:
         """Return a draw for each of these environments, from 0 up to but not including 1."""
 
@@ -82,6 +85,16 @@ class SharedDraws:
             self.memory[:left] = self.memory[self.position :].copy()
             self._source.random(out=self.memory[left:])
             self.position = 0
+
+    def enlarge(self, most: int) -> None:
+        """Make room for so many draws in a step; those that were made come first."""
+        made = self.memory[self.position :].copy()
+        if most > self.memory.size - self._last:
+            self.memory = np.empty(max(1024, 2 * most, made.size + most))
+            self.position = self.memory.size - made.size
+            self.memory[self.position :] = made
+            self._last = self.memory.size - most
+            self.reserve()
 
     def take(self, count: int) -> Floats:
         """Return the next draws, `[count]`, as a view."""
@@ -150,6 +163,9 @@ class OwnDraws:
             row[left:] = words.view(np.int64)
             row[0] = 2
         self._steps_left = (width - int(column.max())) // MOST_WORDS - 1
+
+    def enlarge(self, most: int) -> None:
+        """Do nothing: there is always room for `MOST_WORDS` of each environment."""
 
     def uniform(self, which: Ints) -> Floats:
         """Return a draw for each of these environments, from 0 up to but not including 1."""

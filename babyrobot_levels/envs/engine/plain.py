@@ -63,6 +63,7 @@ class PlainEngine:
     def update(self, span: Span) -> None:
         """Read a slot of the tables and observations again, after it was written."""
         self._is_stochastic[span.rows] = self._tables.next_state[span.rows] < 0
+        self._has_limits |= bool(self._tables.limit[span.level] < NO_LIMIT)
 
     def reset(self, envs: EnvStates, which: Ints, draws: Draws) -> None:
         """Start new episodes in the environments with these indices."""

@@ -327,7 +327,7 @@ class Room:
     Attributes:
         slots: the number of levels.
         states: the most states of a level.
-        starts: the number of starts of each level.
+        starts: the most starts of a level.
         items: the most items of a level.
         stochastic: the most stochastic rows of a level.
         outcomes: the most outcomes of such a row.
@@ -348,7 +348,8 @@ class Room:
             rows=_part(slot, self.states * num_actions),
             stochastic=_part(slot, self.stochastic),
             outcomes=_part(slot, self.stochastic * self.outcomes, idle_row + 1),
-            starts=_part(slot, self.starts),
+            # Those of all slots follow one another without gaps.
+            starts=slice(None),
             level=slot,
         )
 
@@ -357,7 +358,7 @@ def _part(slot: int, size: int, base: int = 0) -> slice:
     return slice(base + slot * size, base + (slot + 1) * size)
 
 
-def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = False) -> Tables:
+def empty_tables(room: Room, num_actions: int, tells_hits: bool = False) -> Tables:
     """Return tables whose slots are filled by `write_level`.
 
     They always have room for stochastic rows, so that `most_draws` never changes.
@@ -365,7 +366,6 @@ def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = Fa
     Args:
         room: their capacity.
         num_actions: how many actions there are.
-        limit: the time limit of all levels.
         tells_hits: whether levels can have movers.
     """
     num_states = room.slots * room.states
@@ -382,8 +382,9 @@ def empty_tables(room: Room, num_actions: int, limit: int, tells_hits: bool = Fa
         held=np.zeros((num_states, room.items), np.bool_),
         offset=room.states * np.arange(room.slots + 1, dtype=np.intp),
         starts=np.zeros(room.slots * room.starts, np.intp),
-        first_start=room.starts * np.arange(room.slots + 1, dtype=np.intp),
-        limit=np.full(room.slots, limit, np.int64),
+        # An empty slot has one start, as most levels have.
+        first_start=np.arange(room.slots + 1, dtype=np.intp),
+        limit=np.full(room.slots, NO_LIMIT, np.int64),
         draws_levels=False,
         has_items=np.zeros(room.slots, np.bool_),
         has_movers=np.zeros(room.slots, np.bool_),
@@ -396,13 +397,14 @@ def needed(part: Part) -> tuple[int, int]:
     return int(np.count_nonzero(part.count > 1)), part.threshold.shape[1]
 
 
-def write_part(tables: Tables, span: Span, part: Part) -> None:
+def write_part(tables: Tables, span: Span, part: Part, limit: int) -> None:
     """Write a level into a slot.
 
     Args:
         tables: the tables that `empty_tables` returned.
         span: the part of the slot.
         part: the level; there must be room for it.
+        limit: the time limit of the level.
     """
     base, num_rows, num_states = span.states.start, part.count.size, part.state_info.size
     is_stochastic = part.count > 1
@@ -423,5 +425,17 @@ def write_part(tables: Tables, span: Span, part: Part) -> None:
     held = tables.held[span.states]
     held.fill(0)
     held[:num_states, : part.held.shape[1]] = part.held
-    tables.starts[span.starts] = part.starts + base
+    _write_starts(tables, span.level, part.starts + base)
+    tables.limit[span.level] = limit
     tables.has_items[span.level], tables.has_movers[span.level] = part.has_items, part.has_movers
+
+
+def _write_starts(tables: Tables, slot: int, starts: Ints) -> None:
+    """Put the starts of a level between those of the slots around it."""
+    begin, end = tables.first_start[slot : slot + 2].tolist()
+    more = starts.size - (end - begin)
+    if more:
+        after = tables.starts[end : tables.first_start[-1]].copy()
+        tables.starts[end + more : end + more + after.size] = after
+        tables.first_start[slot + 1 :] += more
+    tables.starts[begin : begin + starts.size] = starts

@@ -10,6 +10,7 @@ from typing import Self
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.mdp.compiler.layers import MAX_STATES
+from babyrobot_levels.mdp.configurations import largest_radices
 
 Size = tuple[int, int]
 """Width and height in cells."""
@@ -55,7 +56,7 @@ class Extent:
             has_items = has_items or bool(level.items)
             has_wind = has_wind or level.wind is not None
             if level.has_things:
-                radices = _larger(radices, level.things().radices)
+                radices = largest_radices(radices, level.things().radices)
                 configurations = max(configurations, _configurations(level))
         headings = HEADINGS if turns else 1
         return cls(size, radices, configurations, headings, has_items, has_wind)
@@ -74,12 +75,6 @@ class Extent:
     def has_things(self) -> bool:
         """Whether a level has things."""
         return bool(self.radices)
-
-
-def _larger(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the larger value of each column; columns that only one has are kept."""
-    count = min(len(one), len(other))
-    return (*map(max, one[:count], other[:count]), *one[count:], *other[count:])
 
 
 def _configurations(level: Level) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,6 +42,7 @@ from babyrobot_levels.envs.vector.observations import make_batch_observer
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.engine.tables import Flags, Ints, Tables
+    from babyrobot_levels.envs.samplers import Sampler
     from babyrobot_levels.envs.single import LevelLike
 
 _Step = tuple[Any, NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
@@ -58,8 +60,8 @@ class LevelVectorEnv(ChangingVectorEnv):
     environment.
 
     Attributes:
-        levels: the levels, as they were given. `call("level")` returns the current level of each
-            environment.
+        levels: the levels, as they were given, or as `set_levels` left them. `call("level")`
+            returns the current level of each environment.
         num_items: the most items of a level.
         autoreset_mode: when an environment whose episode is over is reset.
     """
@@ -84,6 +86,7 @@ class LevelVectorEnv(ChangingVectorEnv):
         max_episode_steps: int | None = None,
         autoreset_mode: AutoresetMode | str = AutoresetMode.NEXT_STEP,
         draw_levels: bool = False,
+        sampler: Sampler | None = None,
         copy: bool = True,
         engine: str | None = None,
         legacy_infos: bool = False,
@@ -115,6 +118,8 @@ class LevelVectorEnv(ChangingVectorEnv):
                 `final_obs` and `final_info`; or not automatically.
             draw_levels: whether each episode draws its level. Levels of a suite are made when they
                 are drawn, and kept as long as there is room.
+            sampler: selects the levels that are drawn. By default, all are drawn equally often, or
+                by the weights of the suite.
             copy: whether each step returns new arrays, which are parts of one piece of memory. If
                 not, it always returns the same arrays, and the next step overwrites them.
             engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed.
@@ -142,7 +147,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             check_choice("render_mode", render_mode, ("rgb_array",))
         size = None if num_envs is None else checked_count("num_envs", num_envs)
         action_set = ACTION_SETS[actions]
-        played = checked_levels(level, levels, bool(draw_levels), size, action_set.turns)
+        played = checked_levels(level, levels, bool(draw_levels), sampler, size, action_set.turns)
         self.levels, self._extent = played.levels, played.extent
         self.num_envs = size or (1 if played.family else len(self.levels))
         self.render_mode = render_mode
@@ -157,13 +162,14 @@ class LevelVectorEnv(ChangingVectorEnv):
         self._envs = EnvStates(self.num_envs, 1 if played.family else len(self.levels))
         self.action_space = BatchActions(num_actions, self._envs)
         self._engine_name = engine
-        self._observer = make_batch_observer(
+        self._new_observer = partial(
+            make_batch_observer,
             chosen,
             played.extent,
             self.num_envs if played.family else max(self.num_envs, len(self.levels)),
         )
+        self._observer = self._new_observer()
         self._set_levels(played, action_set, max_episode_steps, bool(draw_levels))
-        self._most_draws = self.num_envs * (self._tables.most_draws + int(self._slots is not None))
         self._has_level_numbers = self._slots is not None or len(self.levels) > 1
         self.single_observation_space = self._observer.space
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
@@ -221,7 +227,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             UnsatisfiableError: no level meets the conditions of a suite.
         """
         family = None if self._slots is None else self._slots.family
-        numbered = () if family is None else (family.option,)
+        numbered = () if family is None or family.option is None else (family.option,)
         options = checked_options(options, "start", "reset_mask", *numbered)
         which = checked_reset_mask(options.get("reset_mask"), self.num_envs)
         start = options.get("start")

@@ -6,10 +6,10 @@ put into a slot of the tables.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import prod
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,13 +27,21 @@ from babyrobot_levels.envs.engine.tables import (
     write_part,
 )
 from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.single import MAX_MAZE_SEED
+from babyrobot_levels.envs.samplers import checked_sampler
 from babyrobot_levels.envs.suite import suite_extent
+from babyrobot_levels.envs.vector.next_levels import (
+    DrawnLevels,
+    ExchangedLevels,
+    Family,
+    GrownMazes,
+)
 from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
 from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
+from babyrobot_levels.generate.suite_sources import Bounds
 from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.configurations import largest_radices
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.action_sets import ActionSet
@@ -46,59 +54,6 @@ KEPT_STATES = 2**19
 """Levels of a suite are kept as long as they have no more states than this together."""
 
 _MOST = np.iinfo(np.int64).max
-
-
-class Family(Protocol):
-    """Levels that are made from their numbers.
-
-    All have the same time limit and the same number of starts.
-
-    Attributes:
-        key: the name of a level's number in infos.
-        option: the name of the option of `reset` that selects a number.
-        count: numbers are drawn from 0 up to but not including this.
-        kept: how many levels to keep at most for later episodes.
-        levels: the levels, as they were given.
-    """
-
-    key: str
-    option: str
-    count: int
-    kept: int
-    levels: Sequence[Level]
-
-    def level(self, number: int) -> Level:
-        """Return the level of a number."""
-
-
-class SuiteLevels:
-    """The levels of a suite, or of a part of it."""
-
-    key = "level_index"
-    option = "index"
-
-    def __init__(self, suite: Suite) -> None:
-        self.levels: Sequence[Level] = suite
-        self.count = self.kept = len(suite)
-
-    def level(self, number: int) -> Level:
-        """Return a level by its number in the suite, or in the part of it."""
-        return self.levels[number]
-
-
-class GrownMazes:
-    """The mazes of a level with `maze: {seed: random}`."""
-
-    key = option = "maze_seed"
-    count = MAX_MAZE_SEED
-    kept = 0
-
-    def __init__(self, level: Level) -> None:
-        self.levels: Sequence[Level] = (level,)
-
-    def level(self, number: int) -> Level:
-        """Return the level with the maze of a seed."""
-        return self.levels[0].with_maze_seed(number)
 
 
 @dataclass(frozen=True, slots=True)
@@ -121,7 +76,7 @@ class Played:
 
 
 def checked_levels(
-    level: Any, levels: Any, draw_levels: bool, num_envs: int | None, turns: bool
+    level: Any, levels: Any, draw_levels: bool, sampler: Any, num_envs: int | None, turns: bool
 ) -> Played:
     """Return the levels that the arguments of a vector environment name.
 
@@ -129,6 +84,7 @@ def checked_levels(
         level: a level, or None.
         levels: several of them, a suite, or None.
         draw_levels: whether each episode draws its level.
+        sampler: what selects the levels that are drawn, None for the default.
         num_envs: how many environments there are, if it is given.
         turns: whether robots turn.
 
@@ -143,10 +99,13 @@ def checked_levels(
         raise ValueError(f"levels must be a list of levels or a suite, not {levels!r}")
     if levels is not None and not len(levels):
         raise ValueError("levels must have at least one level in it")
+    if sampler is not None and (levels is None or not draw_levels):
+        raise ValueError("a sampler needs several `levels` or a suite, and draw_levels=True")
     if isinstance(levels, Suite):
         extent = suite_extent(levels, turns=turns)
         if draw_levels:
-            return Played(levels, extent, levels.most_items, levels.has_guards, SuiteLevels(levels))
+            drawn = DrawnLevels(levels, checked_sampler(sampler, levels), levels.bounds.num_starts)
+            return Played(levels, extent, levels.most_items, levels.has_guards, drawn)
         # No more levels are needed, and a suite may have a billion.
         return _played(tuple(levels[:num_envs]), extent)
     loaded = tuple(load(each) for each in ([level] if levels is None else levels))
@@ -156,7 +115,10 @@ def checked_levels(
             "a level with `maze: {seed: random}` must be the only one; instead, draw some of its "
             "mazes: levels=[level.with_maze_seed(seed) for seed in range(100)], draw_levels=True"
         )
-    family = GrownMazes(loaded[0]) if is_random else None
+    family: Family | None = GrownMazes(loaded[0]) if is_random else None
+    if sampler is not None:
+        most_starts = Bounds.joined(map(Bounds.of, loaded)).num_starts
+        family = DrawnLevels(loaded, checked_sampler(sampler, loaded), most_starts)
     return _played(loaded, Extent.of(loaded, turns=turns), family)
 
 
@@ -171,22 +133,76 @@ def checked_numbers(options: Mapping[str, Any], family: Family | None, num_envs:
     Raises:
         ValueError: they are not numbers of levels.
     """
-    given = None if family is None else options.get(family.option)
+    option = None if family is None else family.option
+    given = None if option is None else options.get(option)
     if family is None or given is None:
         return None
     array = np.asarray(given)
     if array.dtype.kind not in "iu" or array.shape not in ((), (num_envs,)):
         raise ValueError(
-            f"options[{family.option!r}] must be a whole number, or {num_envs} of them, "
-            f"not {given!r}"
+            f"options[{option!r}] must be a whole number, or {num_envs} of them, not {given!r}"
         )
     if (array > _MOST).any():
-        raise ValueError(f"options[{family.option!r}] must be below 2**63, not {given!r}")
+        raise ValueError(f"options[{option!r}] must be below 2**63, not {given!r}")
     if not isinstance(family, GrownMazes) and not ((array >= 0) & (array < family.count)).all():
-        raise ValueError(
-            f"options[{family.option!r}] must be below {family.count:,}, not {given!r}"
-        )
+        raise ValueError(f"options[{option!r}] must be below {family.count:,}, not {given!r}")
     return np.broadcast_to(array.astype(np.int64), num_envs)
+
+
+def checked_environments(which: Any, num_envs: int) -> Ints:
+    """Return the indices of environments, which are given as such or as a mask; None for all.
+
+    Raises:
+        ValueError: there are no such environments.
+    """
+    if which is None:
+        return np.arange(num_envs)
+    array = np.atleast_1d(np.asarray(which))
+    is_mask = array.dtype == np.bool_ and array.shape == (num_envs,)
+    indices = array.nonzero()[0] if is_mask else array
+    is_valid = array.ndim == 1 and (is_mask or array.dtype.kind in "iu")
+    if not is_valid or ((indices < 0) | (indices >= num_envs)).any() or not indices.size:
+        raise ValueError(
+            f"which must be indices of environments, 0 to {num_envs - 1}, or a mask, bool "
+            f"[{num_envs}], of at least one environment, not {which!r}"
+        )
+    return np.unique(indices).astype(np.intp)
+
+
+def check_fits(level: Level, extent: Extent, num_items: int, *, has_movers: bool) -> None:
+    """Raise a ValueError if a level does not fit into the spaces of an environment.
+
+    Args:
+        level: the level.
+        extent: the extent of the levels that the environment was made with.
+        num_items: the most items of these.
+        has_movers: whether one of them has movers.
+    """
+    if level.has_random_maze:
+        raise ValueError("set_levels: a level with `maze: {seed: random}` has no maze of its own")
+    own = Extent.of([level], turns=extent.headings > 1)
+    problem = None
+    if own.size[0] > extent.size[0] or own.size[1] > extent.size[1]:
+        sizes = ["x".join(map(str, size)) for size in (own.size, extent.size)]
+        problem = f"it has {sizes[0]} cells, and the spaces {sizes[1]}"
+    elif len(level.items) > num_items:
+        problem = f"it has {len(level.items)} items, and the spaces have {num_items}"
+    elif own.has_wind and not extent.has_wind:
+        problem = "it has wind, and the spaces have none"
+    elif level.movers and not has_movers:
+        problem = "it has movers, and the spaces have none"
+    elif largest_radices(own.radices, extent.radices) != extent.radices:
+        problem = "its things have more values than those of the spaces"
+    elif own.configurations > extent.configurations:
+        problem = (
+            f"it has {own.configurations:,} configurations, and the spaces have "
+            f"{extent.configurations:,}"
+        )
+    if problem is not None:
+        raise ValueError(
+            f"{level!r} does not fit: {problem}; make the environment with such a level among "
+            "its `levels`, behind those that are played at first"
+        )
 
 
 class Slots:
@@ -209,7 +225,7 @@ class Slots:
         played: Played,
         num_envs: int,
         actions: ActionSet,
-        limit: int,
+        max_episode_steps: Any,
         observer: BatchObserver,
     ) -> None:
         """Put the level of number 0 into slot 0.
@@ -218,12 +234,13 @@ class Slots:
             played: the levels, of which a family makes each.
             num_envs: how many environments there are; there may be as many slots at least.
             actions: the actions of the environments.
-            limit: the time limit of all levels.
+            max_episode_steps: the time limit of all levels, None for each level's own.
             observer: the observer of the levels in the slots.
         """
         assert played.family is not None
         self.family, self._observer = played.family, observer
-        self._actions, self._limit, self._num_envs = actions, limit, num_envs
+        self._actions, self._max_episode_steps = actions, max_episode_steps
+        self._num_envs = num_envs
         self._has_movers = played.has_movers
         self._slot_of: dict[int, int] = {}
         self.levels: list[Level | None] = []
@@ -233,7 +250,8 @@ class Slots:
         part = self._part(first)
         # A level of the largest size, if it has as many configurations as the first one.
         states = part.state_info.size // prod(first.size) * played.extent.cells
-        self._room = Room(0, states, part.starts.size, played.num_items)
+        starts = max(part.starts.size, self.family.most_starts)
+        self._room = Room(0, states, starts, played.num_items)
         self.place(np.zeros(1, np.intp), np.zeros(1, np.intp), np.zeros(1, np.int64), {0: first})
 
     def levels_of(self, numbers: Iterable[int]) -> dict[int, Level]:
@@ -295,9 +313,20 @@ class Slots:
         self._slot_of[number] = slot
         self.levels[slot], self.numbers[slot] = level, number
         span = self._room.span(slot, self.tables.num_actions)
-        write_part(self.tables, span, part)
-        self._observer.write(slot, level)
+        self._fill(slot, level, part)
         return span
+
+    def _fill(self, slot: int, level: Level, part: Part) -> None:
+        limit = limits_of([level], self._max_episode_steps)[0]
+        write_part(self.tables, self._room.span(slot, self.tables.num_actions), part, limit)
+        self._observer.write(slot, level)
+
+    def forget(self, numbers: Iterable[int]) -> None:
+        """Empty the slots of levels that are not played and whose numbers stand for others now."""
+        for number in numbers:
+            slot = self._slot_of.pop(number, None)
+            if slot is not None:
+                self.levels[slot] = None
 
     def _make_room(self, new: Sequence[Part]) -> bool:
         """Make room for levels, and return whether the tables had to grow for it."""
@@ -306,6 +335,7 @@ class Slots:
         states = max((part.state_info.size for part in new), default=0)
         stochastic = max((count for count, _ in needs), default=0)
         outcomes = max((count for _, count in needs), default=0)
+        starts = max((part.starts.size for part in new), default=0)
         # More than these levels need, so that the tables do not grow for each larger one.
         if states > room.states:
             room = replace(room, states=states + states // 2)
@@ -313,6 +343,8 @@ class Slots:
             room = replace(room, stochastic=stochastic + stochastic // 2)
         if outcomes > room.outcomes:
             room = replace(room, outcomes=outcomes)
+        if starts > room.starts:
+            room = replace(room, starts=starts)
         most = max(self._num_envs, min(self.family.kept, KEPT_STATES // room.states))
         empty = room.slots - len(self._slot_of)
         if len(new) > empty and room.slots < most:
@@ -327,15 +359,14 @@ class Slots:
         more = room.slots - self._room.slots
         self._room = room
         num_actions = self._actions.num_actions
-        self.tables = empty_tables(room, num_actions, self._limit, self._has_movers)
+        self.tables = empty_tables(room, num_actions, self._has_movers)
         self._observer.grow(self.tables.offset)
         self.levels += [None] * more
         self.numbers = np.append(self.numbers, np.zeros(more, np.int64))
         self._used_at = np.append(self._used_at, np.zeros(more, np.int64))
         for slot, level in enumerate(self.levels):
             if level is not None:
-                write_part(self.tables, room.span(slot, num_actions), self._part(level))
-                self._observer.write(slot, level)
+                self._fill(slot, level, self._part(level))
 
 
 class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
@@ -343,15 +374,21 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
 
     action_space: BatchActions
     _observer: BatchObserver
+    _new_observer: Callable[[], BatchObserver]
     _engine: Engine
     _engine_name: str | None
     _slots: Slots | None = None
+    num_items: int
+    _has_movers: bool
+    _has_level_numbers: bool
+    _all_have_items: bool
+    _all_have_movers: bool
 
     def _set_levels(
         self, played: Played, actions: ActionSet, max_episode_steps: Any, draw_levels: bool
     ) -> None:
         """Make the tables of the levels, and an engine for them."""
-        self._actions = actions
+        self._actions, self._max_episode_steps = actions, max_episode_steps
         if played.family is None:
             limits = limits_of(self.levels, max_episode_steps)
             parts = [part_of(each, actions.tables(each), actions.first) for each in self.levels]
@@ -359,14 +396,77 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
             self._observer.write_all(tables.offset, self.levels)
             self._playing = self.levels
         else:
-            limit = limits_of([played.family.level(0)], max_episode_steps)[0]
-            self._slots = Slots(played, self.num_envs, actions, limit, self._observer)
+            self._slots = Slots(played, self.num_envs, actions, max_episode_steps, self._observer)
             tables, self._playing = self._slots.tables, self._slots.levels
         self._use(tables)
+
+    def set_levels(self, levels: Any, which: Any = None) -> None:
+        """Give environments other levels, from their next episodes on.
+
+        Present episodes go on in their levels. `levels` changes: the levels of environments have
+        the numbers `info["level_index"]` there, and numbers that no environment has any more are
+        given to new levels.
+
+        Args:
+            levels: a level, for all these environments, or a list or a suite, of which the one in
+                place i of `which` gets level `i % len(levels)`.
+            which: the environments: their indices, or a mask, bool `[num_envs]`. All by default.
+
+        Raises:
+            LevelNotFoundError: there is no such level.
+            LevelError: a level is not valid.
+            ValueError: a level does not fit into the spaces, there are no such environments, or
+                the levels of the environments are drawn.
+        """
+        chosen = checked_environments(which, self.num_envs)
+        several = isinstance(levels, Sequence) and not isinstance(levels, str)
+        given = levels if several else [levels]
+        if not len(given):
+            raise ValueError("levels must have at least one level in it")
+        loaded = [load(given[number]) for number in range(min(len(given), chosen.size))]
+        for level in loaded:
+            check_fits(level, self._extent, self.num_items, has_movers=self._has_movers)
+        family = self._exchanged()
+        assert self._slots is not None
+        playing = self._slots.numbers.take(self._envs.level)
+        each = [loaded[number % len(loaded)] for number in range(chosen.size)]
+        self._slots.forget(family.exchange(each, chosen, playing))
+        self.levels = family.levels
+
+    def _exchanged(self) -> ExchangedLevels:
+        """Return the levels as those that can be exchanged, which takes tables with slots."""
+        if self._slots is not None:
+            if isinstance(self._slots.family, ExchangedLevels):
+                return self._slots.family
+            raise ValueError(
+                "set_levels is for levels that stay; where episodes draw their levels, a sampler "
+                "selects them: LevelVectorEnv(levels=…, draw_levels=True, sampler=…)"
+            )
+        if self._tables.draws_levels:
+            raise ValueError("set_levels is for levels that stay, and not for draw_levels=True")
+        family = ExchangedLevels(self.levels, self._envs.level)
+        played = Played(self.levels, self._extent, self.num_items, self._has_movers, family)
+        before, envs = self._tables, self._envs
+        offset = before.offset.take(envs.level)
+        self._observer = self._new_observer()
+        slots = Slots(played, self.num_envs, self._actions, self._max_episode_steps, self._observer)
+        self._slots, self._playing = slots, slots.levels
+        numbers = family.next_level.copy()
+        slots.place(
+            envs.level, np.arange(self.num_envs), numbers, slots.levels_of(numbers.tolist())
+        )
+        moved = slots.tables.offset.take(envs.level) - offset
+        envs.state[envs.state >= 0] += moved[envs.state >= 0]
+        self._use(slots.tables)
+        self._has_level_numbers = True
+        self._all_have_items = self._all_have_movers = False
+        return family
 
     def _use(self, tables: Tables) -> None:
         """Switch to tables."""
         self._tables = tables
+        most = self.num_envs * (tables.most_draws + int(self._slots is not None))
+        self._reserve_draws(most)
         self._engine = make_engine(self._engine_name, tables, self._observer.table, self.num_envs)
         if self._actions.samples_valid:
             self.action_space.state_info = tables.state_info
@@ -394,8 +494,7 @@ class ChangingVectorEnv(SeededVectorEnv, RenderedVectorEnv):
         slots = self._slots
         assert slots is not None
         if numbers is None:
-            drawn = self._draws.uniform(which) * slots.family.count
-            wanted = drawn.astype(np.int64)
+            wanted = slots.family.next_numbers(which, self._draws)
         else:
             wanted = numbers[which]
         levels = slots.levels_of(wanted.tolist())

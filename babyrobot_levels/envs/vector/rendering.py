@@ -123,7 +123,7 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
             self._frames.paint(picture, *shown)
         return tuple(pictures)
 
-    def montage(self) -> NDArray[np.uint8] | None:
+    def montage(self) -> Any:
         """Return one picture of the first 16 environments, uint8 `[height, width, 3]`.
 
         They are side by side, row by row, on white. Without a render mode, it is None.

@@ -60,6 +60,12 @@ class SeededVectorEnv(VectorEnv[Any, Any, Any]):
         self._np_random, self._np_random_seed = generator, seed
         self._draws = SharedDraws(generator, self._most_draws)
 
+    def _reserve_draws(self, most: int) -> None:
+        """Make room for the draws of a step; those that were made and not used stay."""
+        self._most_draws = most
+        if self._np_random is not None:
+            self._draws.enlarge(most)
+
     def _separate(self, seeds: list[int | None], which: Ints) -> None:
         """Give these environments new generators; those with seed None keep what they have.
 

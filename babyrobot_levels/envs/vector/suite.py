@@ -31,7 +31,8 @@ class SuiteVectorEnv(LevelVectorEnv):
             suite: a name, a path, a mapping or a `Suite`.
             split: the split that is used; by default, the whole suite.
             num_envs: how many environments there are.
-            kwargs: the other arguments of `LevelVectorEnv`, except for those about levels.
+            kwargs: the other arguments of `LevelVectorEnv`, such as `sampler`, except for
+                `level`, `levels` and `draw_levels`.
 
         Raises:
             SuiteNotFoundError: there is no such suite.

@@ -12,7 +12,7 @@ from babyrobot_levels.language.formatting.scalars import KeptAsIs
 from babyrobot_levels.language.formatting.tree import fields_of, tidy, tree_of
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.looks import Theme
-from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite_list import AnySuite, suite_model
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
@@ -63,9 +63,9 @@ def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     """
     document = read(source)
     is_theme = path is not None and path.absolute().parent.name == "themes"
-    model: type[LevelSpec | SuiteFields | Theme] = LevelSpec
+    model: type[LevelSpec | AnySuite | Theme] = LevelSpec
     if is_theme or is_suite(document):
-        model = Theme if is_theme else SuiteFields
+        model = Theme if is_theme else suite_model(document.data)
     if is_theme or path is None:
         # Whether a theme that the level names is there, only a file's folder tells.
         check(document, model).valid()

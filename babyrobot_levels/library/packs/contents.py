@@ -9,7 +9,7 @@ from pathlib import Path
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.language.pack import PackFields
-from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.suite import SuiteTexts
 from babyrobot_levels.language.validation import check
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.packs.format import TEXTS, LevelEntry, Manifest, PackError, is_theme
@@ -89,7 +89,7 @@ def survey(folder: Path, paths: Iterable[str], shown: Path = Path()) -> Contents
             problem = _taken(world, path, document, names)
             if problem is not None:
                 found.diagnostics.append(document.diagnostic(problem))
-            if isinstance(world, SuiteFields):
+            if isinstance(world, SuiteTexts):
                 found.suites[str(world.name)] = path
                 continue
             cells += world.size[0] * world.size[1]
@@ -137,7 +137,7 @@ def _compare(levels: Mapping[str, LevelEntry], stated: Mapping[str, LevelEntry])
 
 
 def _taken(
-    world: Level | SuiteFields, path: str, document: Document, names: dict[str, str]
+    world: Level | SuiteTexts, path: str, document: Document, names: dict[str, str]
 ) -> Issue | None:
     """Return the problem with the names of a level, its own and that of its file, if any."""
     stem = slug(path.rpartition("/")[2].rpartition(".")[0])

@@ -566,16 +566,16 @@ def test_a_slot_has_all_of_its_level_and_nothing_of_the_one_before(
         stochastic=most[0] + 1,
         outcomes=most[1] + 1,
     )
-    tables, fresh = (empty_tables(room, 5 - first_action, 9) for _ in range(2))
+    tables, fresh = (empty_tables(room, 5 - first_action) for _ in range(2))
     span = room.span(1, tables.num_actions)
     for part in parts:
-        write_part(tables, span, part)
-    write_part(fresh, span, parts[-1])
+        write_part(tables, span, part, 9)
+    write_part(fresh, span, parts[-1], 9)
     for name in ("threshold", "first", "limit", "starts", "first_start"):
         assert np.array_equal(getattr(tables, name), getattr(fresh, name)), name
     alone = build_tables(parts[-1:], [9])
     base, num_rows = room.states, alone.idle_row
-    assert tables.starts[span.starts].tolist() == (alone.starts + base).tolist()
+    assert tables.starts[1:2].tolist() == (alone.starts + base).tolist()
     own = alone.state_info
     assert np.array_equal(tables.state_info[base : base + own.size], own)
     for row in range(num_rows):

@@ -114,7 +114,8 @@ def test_infos_are_the_same_contiguous_numbers_at_reset_and_step(
     kinds |= {"maze_seed": ("int64", ())} if level.has_random_maze else {}
     # Odd numbers of environments, so that nothing is aligned by chance.
     for mode, size in zip(MODES, (1, 7, 301), strict=True):
-        given = {"actions": actions, "engine": engine, "autoreset_mode": mode, "copy": copy}
+        given: dict[str, Any] = {"autoreset_mode": mode, "actions": actions}
+        given |= {"engine": engine, "copy": copy}
         envs = LevelVectorEnv(level, num_envs=size, **given)
         if level.has_random_maze and size > 7:
             continue

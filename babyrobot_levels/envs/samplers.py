@@ -1,0 +1,250 @@
+"""Samplers: which level an episode is in, where episodes draw their levels."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from babyrobot_levels.envs.arguments import check_choice
+from babyrobot_levels.generate.suites import Suite
+
+Draws = NDArray[np.float64]
+Numbers = NDArray[np.int64]
+
+_BELOW_ONE = float(np.nextafter(1, 0))
+
+
+@runtime_checkable
+class Sampler(Protocol):
+    """Turns uniform draws into the numbers of levels.
+
+    The environment makes the draws with its own generator, so that the same seed gives the same
+    levels, as long as the sampler is in the same state.
+    """
+
+    def sample(self, draws: Draws) -> Numbers:
+        """Return the number of a level for each draw.
+
+        Args:
+            draws: float64 `[n]`, from 0 up to but not including 1.
+
+        Returns:
+            int64 `[n]`, from 0 up to but not including the number of levels.
+        """
+
+
+Sampler.__module__ = "babyrobot_levels"
+
+
+class UniformSampler:
+    """Draws all levels equally often.
+
+    Args:
+        count: how many levels there are.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(self, count: int) -> None:
+        self._count = count
+
+    def sample(self, draws: Draws) -> Numbers:
+        """Return the number of a level for each draw; see `Sampler`."""
+        return (draws * self._count).astype(np.int64)
+
+
+class WeightedSampler:
+    """Draws levels in proportion to weights.
+
+    Args:
+        weights: the weights, float64 `[groups]`, none below 0.
+        counts: how many levels each group has, which share its weight equally; int64 `[groups]`.
+            By default, each group is one level.
+
+    Raises:
+        ValueError: weights are negative or infinite, all are 0, or a count is below 1.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(self, weights: ArrayLike, counts: ArrayLike | None = None) -> None:
+        self._weights = np.array(weights, np.float64)
+        self._counts = np.array(1 if counts is None else counts, np.int64)
+        self._counts = np.broadcast_to(self._counts, self._weights.shape)
+        total = self._weights.sum()
+        if self._weights.ndim != 1 or (self._weights < 0).any() or not 0 < total < np.inf:
+            raise ValueError("weights must be finite numbers from 0 on, at least one of them above")
+        if (self._counts < 1).any():
+            raise ValueError("counts must be whole numbers, at least 1")
+        self._first = np.cumsum(self._counts) - self._counts
+        self._ends = np.cumsum(self._weights)
+        # The last group that can be drawn takes the rounding error of the sum.
+        self._ends[int(self._weights.nonzero()[0][-1]) :] = np.inf
+        self._total = float(total)
+
+    def sample(self, draws: Draws) -> Numbers:
+        """Return the number of a level for each draw; see `Sampler`."""
+        place = draws * self._total
+        group = np.searchsorted(self._ends, place, side="right")
+        begin = np.where(group > 0, self._ends.take(group - 1), 0.0)
+        within = np.clip((place - begin) / self._weights.take(group), 0, _BELOW_ONE)
+        numbers: Numbers = self._first.take(group)
+        return numbers + (within * self._counts.take(group)).astype(np.int64)
+
+
+class PrioritizedSampler:
+    """Prioritised level replay: draws the levels more often from which more is to be learnt.
+
+    The training loop says how much that is, by `update`. An episode is in a level without a score
+    with a probability of `unseen`, uniformly; otherwise in one with a score, with the probability
+    `(1 - staleness) * P_score + staleness * P_stale`. `P_score` is proportional to
+    `priority ** (1 / temperature)`, where the priority is 1 / rank, the highest score having rank
+    1, or the score itself. `P_stale` is proportional to the number of episodes since the level was
+    drawn last. After M. Jiang, E. Grefenstette, T. Rocktäschel: Prioritized Level Replay (2021).
+
+    Args:
+        count: how many levels there are.
+        by: `"rank"` or `"score"`: what priorities are.
+        temperature: above 0; the lower, the more often the highest priority is drawn.
+        staleness: from 0 to 1: how often levels are drawn because they were not for long.
+        unseen: from 0 to 1: how often levels without a score are drawn while there are some. By
+            default, the share of these among all levels.
+
+    Attributes:
+        scores: float64 `[count]`: the last score of each level, NaN for none.
+
+    Raises:
+        ValueError: an argument is not in its range.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(
+        self,
+        count: int,
+        *,
+        by: str = "rank",
+        temperature: float = 0.1,
+        staleness: float = 0.1,
+        unseen: float | None = None,
+    ) -> None:
+        check_choice("by", by, ("rank", "score"))
+        if count < 1:
+            raise ValueError(f"count must be at least 1, not {count}")
+        if not temperature > 0:
+            raise ValueError(f"temperature must be above 0, not {temperature}")
+        for name, share in (("staleness", staleness), ("unseen", unseen)):
+            if share is not None and not 0 <= share <= 1:
+                raise ValueError(f"{name} must be from 0 to 1, not {share}")
+        self.scores = np.full(count, np.nan)
+        self._by, self._temperature = by, temperature
+        self._staleness, self._unseen = staleness, unseen
+        self._drawn_at, self._episodes = np.zeros(count, np.int64), 0
+
+    def update(self, levels: ArrayLike, scores: ArrayLike) -> None:
+        """Set the scores of levels; of a level that is named twice, the last one counts.
+
+        Args:
+            levels: the numbers of the levels, int64 `[n]`, such as `info["level_index"]`.
+            scores: their scores, float64 `[n]`.
+
+        Raises:
+            ValueError: the arrays differ in size, a level does not exist, or a score is not
+                finite, or negative with `by="score"`.
+        """
+        numbers, values = np.asarray(levels), np.asarray(scores, np.float64)
+        if numbers.shape != values.shape or numbers.ndim != 1:
+            raise ValueError("levels and scores must be lists of the same length")
+        if numbers.size and numbers.dtype.kind not in "iu":
+            raise ValueError("levels must be whole numbers")
+        if ((numbers < 0) | (numbers >= self.scores.size)).any():
+            raise ValueError(f"levels must be whole numbers below {self.scores.size:,}")
+        if not np.isfinite(values).all() or (self._by == "score" and (values < 0).any()):
+            least = " from 0 on" if self._by == "score" else ""
+            raise ValueError(f"scores must be finite numbers{least}")
+        for number, value in zip(numbers.tolist(), values.tolist(), strict=True):
+            self.scores[number] = value
+
+    def probabilities(self) -> NDArray[np.float64]:
+        """Return the probability of each level in the next episode, float64 `[count]`."""
+        is_new = np.isnan(self.scores)
+        unseen = float(is_new.mean()) if self._unseen is None else self._unseen
+        if is_new.all() or not is_new.any():
+            unseen = float(is_new.all())
+        chances = np.where(is_new, unseen / max(1, int(is_new.sum())), 0.0)
+        known = np.flatnonzero(~is_new)
+        if known.size:
+            age = (self._episodes - self._drawn_at[known]).astype(np.float64)
+            share = self._staleness if age.any() else 0.0
+            replayed = (1 - share) * _normalised(self._priorities(self.scores[known]))
+            if share:
+                replayed += share * _normalised(age)
+            chances[known] = (1 - unseen) * replayed
+        return chances
+
+    def sample(self, draws: Draws) -> Numbers:
+        """Return the number of a level for each draw; see `Sampler`."""
+        numbers = WeightedSampler(self.probabilities()).sample(draws)
+        self._episodes += draws.size
+        self._drawn_at[numbers] = self._episodes
+        return numbers
+
+    def _priorities(self, scores: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the priorities of scores, to the power of 1 / temperature; the highest is 1."""
+        if self._by == "rank":
+            priority = np.empty(scores.size)
+            # Of equal scores, the lower number has the higher rank.
+            priority[np.argsort(-scores, kind="stable")] = 1 / np.arange(1, scores.size + 1)
+        else:
+            highest = scores.max()
+            priority = scores / highest if highest > 0 else np.ones(scores.size)
+        powers: NDArray[np.float64] = priority ** (1 / self._temperature)
+        return powers
+
+
+def _normalised(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    shares: NDArray[np.float64] = weights / weights.sum()
+    return shares
+
+
+def suite_sampler(suite: Suite) -> Sampler:
+    """Return the sampler of a suite: by its weights, if it has any."""
+    groups = suite.groups
+    if len({weight for _, weight in groups}) == 1:
+        return UniformSampler(len(suite))
+    counts = [count for count, _ in groups]
+    return WeightedSampler([count * weight for count, weight in groups], counts)
+
+
+def checked_sampler(sampler: Any, levels: Sequence[Any]) -> Sampler:
+    """Return the sampler of levels; without one, that of the suite, or a uniform one.
+
+    Raises:
+        ValueError: it has no method `sample`.
+    """
+    if sampler is None:
+        return suite_sampler(levels) if isinstance(levels, Suite) else UniformSampler(len(levels))
+    if not isinstance(sampler, Sampler):
+        raise ValueError(f"sampler must have a method `sample(draws)`; {sampler!r} has none")
+    return sampler
+
+
+def sampled(sampler: Sampler, draws: Draws, count: int) -> Numbers:
+    """Return what a sampler makes of draws.
+
+    Raises:
+        ValueError: these are not numbers of levels.
+    """
+    numbers = np.asarray(sampler.sample(draws))
+    if numbers.shape != draws.shape or numbers.dtype.kind not in "iu":
+        raise ValueError(
+            f"the sampler must return {draws.size} whole numbers, int64 [{draws.size}], "
+            f"not an array of {numbers.dtype} with shape {list(numbers.shape)}"
+        )
+    if ((numbers < 0) | (numbers >= count)).any():
+        wrong = numbers[(numbers < 0) | (numbers >= count)][0]
+        raise ValueError(f"the sampler returned {wrong}, but the levels are 0 to {count - 1:,}")
+    return numbers.astype(np.int64, copy=False)

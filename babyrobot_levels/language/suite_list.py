@@ -1,0 +1,125 @@
+"""The fields of a suite file that lists its levels: names, files, folders, packs, other suites."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+
+from babyrobot_levels.language.base import Integer, Model, Number, Slug, Text, form, forms
+from babyrobot_levels.language.suite import (
+    MAX_COUNT,
+    Share,
+    SuiteFields,
+    SuiteTexts,
+    wrong_shares,
+)
+from babyrobot_levels.text.diagnostics import Issue, Key
+from babyrobot_levels.text.errors import InvalidDocument
+
+MAX_ENTRIES = 10_000
+"""The most entries of a suite, and the most levels and suites that it lists, at any depth."""
+
+KINDS = ("level", "folder", "pack", "suite")
+"""What an entry can be; each is the name of a field."""
+
+_NamedOrInline = Annotated[
+    Annotated[Text, form("name")] | Annotated[dict[Text, Any], form("mapping")],
+    forms(lambda value: "mapping" if isinstance(value, dict) else "name"),
+]
+
+
+class SuiteEntry(Model):
+    """Levels of a suite: one, those of a folder or of a pack, or those of another suite."""
+
+    level: _NamedOrInline | None = None
+    """A level: a name, a file in the suite's folder, or a mapping of the fields of a level."""
+    folder: Text | None = None
+    """A folder in the suite's folder: all levels in it, sorted by path."""
+    pack: Slug | None = None
+    """A pack: all levels in it, sorted by path. `gallery` is the gallery."""
+    suite: _NamedOrInline | None = None
+    """Another suite: a name, a file in the suite's folder, or a mapping of the fields."""
+    split: Slug | None = None
+    """A split of the other suite, in place of all its levels."""
+    count: Annotated[Integer, Field(ge=1, le=MAX_COUNT)] | None = None
+    """How many levels of the other suite, the first ones; all by default."""
+    weight: Annotated[Number, Field(gt=0)] | None = None
+    """How often its levels are drawn, all together; by default, the number of its levels."""
+
+
+Entry = Annotated[
+    Annotated[Text, form("name")] | Annotated[SuiteEntry, form("mapping")],
+    forms(lambda value: "mapping" if isinstance(value, dict | Model) else "name"),
+]
+"""An entry; a text is short for `{level: text}`."""
+
+
+class SuiteListFields(SuiteTexts):
+    """A suite that lists levels, version 1."""
+
+    levels: Annotated[tuple[Entry, ...], Field(min_length=1, max_length=MAX_ENTRIES)]
+    """The levels: names, files, and entries that stand for several levels."""
+    splits: dict[Slug, Share] = Field(default_factory=dict)
+    """The parts of the suite and their shares, which add up to 1. Digests assign levels to them."""
+    max_steps: Annotated[Integer, Field(ge=1, le=2**53)] | None = None
+    """Episodes are truncated after this many steps. By default, the largest of the levels'."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _not_grown(cls, data: Any) -> Any:
+        names = {*SuiteFields.model_fields} - {*cls.model_fields}
+        issues = [
+            Issue(
+                "BR206",
+                Key((name,)),
+                f"`{name}` is for suites that grow mazes; this one lists `levels`",
+                f"remove `{name}`, or `levels`",
+            )
+            for name in (data if isinstance(data, dict) else ())
+            if name in names
+        ]
+        if issues:
+            raise InvalidDocument(issues)
+        return data
+
+    @model_validator(mode="after")
+    def _complete(self) -> Self:
+        issues = [*_wrong_entries(self.levels), *wrong_shares(self.splits)]
+        if issues:
+            raise InvalidDocument(issues)
+        return self
+
+    def entries(self) -> Iterator[SuiteEntry]:
+        """Yield the entries, texts as what they are short for."""
+        for entry in self.levels:
+            yield SuiteEntry(level=entry) if isinstance(entry, str) else entry
+
+
+def _wrong_entries(entries: Iterable[str | SuiteEntry]) -> Iterator[Issue]:
+    """Yield an error for each entry that is not exactly one of the kinds."""
+    for number, entry in enumerate(entries):
+        route = ("levels", number)
+        if isinstance(entry, str):
+            continue
+        given = [name for name in KINDS if getattr(entry, name) is not None]
+        if not given:
+            message = "the entry does not say which levels it adds"
+            known = ", ".join(f"`{name}`" for name in KINDS[:-1])
+            yield Issue("BR206", route, message, f"add {known} or `{KINDS[-1]}`")
+        elif len(given) > 1:
+            message = f"`{given[0]}` and `{given[1]}` exclude each other"
+            yield Issue("BR206", Key((*route, given[1])), message, "make two entries of them")
+        for name in ("split", "count"):
+            if getattr(entry, name) is not None and entry.suite is None:
+                yield Issue("BR206", Key((*route, name)), f"`{name}` needs a `suite`")
+
+
+AnySuite = SuiteFields | SuiteListFields
+"""The fields of a suite, of either kind."""
+
+
+def suite_model(data: Any) -> type[SuiteFields] | type[SuiteListFields]:
+    """Return the model of a suite: one with `levels` lists them, others grow mazes."""
+    return SuiteListFields if isinstance(data, Mapping) and "levels" in data else SuiteFields
