@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import product
 from typing import Any
 
 import numpy as np
 import pytest
+
+import babyrobot_levels as brl
 
 pytestmark = pytest.mark.sb3
 
@@ -72,6 +75,16 @@ def test_an_algorithm_takes_an_observation(algorithm: str, observation: str) -> 
     made = learner(algorithm, policy, envs).learn(32)
     actions, _ = made.predict(envs.reset())
     assert np.isin(actions, range(5)).all()
+
+
+def test_the_checker_is_content_with_several_observations() -> None:
+    from stable_baselines3.common.env_checker import check_env
+
+    _, kwargs = OBSERVATIONS["several"]
+    with warnings.catch_warnings():
+        # It takes every box of three dimensions for a picture, of bytes and with channels last.
+        warnings.filterwarnings("ignore", "It seems that your|The minimal resolution|Treating image")
+        check_env(brl.load("first-key").make(**kwargs), warn=True)
 
 
 @pytest.mark.parametrize("observation", ["vector", "view", "planes", "image", "several"])
