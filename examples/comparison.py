@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
 
     Args:
         level: the level.
-        learned: policies, as `brl.evaluate` takes them, by their names.
+        learned: by their names, policies, as `brl.evaluate` takes them, or mean returns of trials.
         actions: `"all"` or `"moves"`, as in the environment.
     """
     policies = {"random moves": "random", **learned, "optimum": brl.solve(level, actions=actions)}
@@ -81,6 +81,8 @@ def returns_in(
 
 def return_of(policy: Any, level: brl.Level, actions: str) -> float:
     """Return the expected return of a policy, nan if it is undefined or cannot be computed."""
+    if isinstance(policy, float):
+        return policy
     with warnings.catch_warnings():
         # What has been learned may never end: its return, -inf, is in the table.
         warnings.simplefilter("ignore", RuntimeWarning)
@@ -88,3 +90,26 @@ def return_of(policy: Any, level: brl.Level, actions: str) -> float:
             return brl.evaluate(level, policy, actions=actions).expected_return
         except ArithmeticError:
             return math.nan
+
+
+def actions_in_cells(
+    level: brl.Level, act: Callable[[Any], Any], **kwargs: Any
+) -> NDArray[np.int64]:
+    """Return the action in each cell of a level without things, `[height, width]`.
+
+    Args:
+        level: the level.
+        act: a function that returns the action at an observation.
+        kwargs: the arguments of the environment.
+    """
+    env = level.make(**kwargs)
+    width, height = level.size
+    actions = np.zeros((height, width), np.int64)
+    for y, x in np.ndindex(height, width):
+        try:
+            observation, _ = env.reset(options={"start": [x, y]})
+        except ValueError:
+            # The robot cannot stand there, or the episode would be over.
+            continue
+        actions[y, x] = act(observation)
+    return actions

@@ -1,40 +1,30 @@
 """sb3-contrib's MaskablePPO learns a level: python examples/maskable_ppo.py --level final-maze
 
-Action masks exclude moves against walls. It needs the extra `sb3`:
-pip install ".[sb3]"
+Action masks exclude moves against walls. It needs the extra `sb3`: pip install ".[sb3]"
 """
 
 from __future__ import annotations
-
-import time
-from typing import Any
 
 import numpy as np
 import torch
 from arguments import parsed, parser_of
 from comparison import print_comparison
-from numpy.typing import NDArray
 from sb3_contrib import MaskablePPO
 from sb3_contrib.common.maskable.evaluation import evaluate_policy
 from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
 
-import babyrobot_levels as brl
 from babyrobot_levels.envs.sb3 import LevelVecEnv
-
-NUM_ENVS = 64
-NUM_EPISODES = 100
 
 
 def main() -> None:
     args = parsed(parser_of(__doc__, steps=200_000))
-    level = args.level
+    level, limit = args.level, args.level.max_steps or 500
     # Small networks learn fastest on one thread.
     torch.set_num_threads(1)
 
-    limit = level.max_steps or 500
-    envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_ENVS, max_episode_steps=limit))
+    envs = LevelVecEnv(level, num_envs=64, observation="index", max_episode_steps=limit)
     # Returns of -1,000 are too large for a network, so rewards are scaled.
-    scaled = VecNormalize(envs, norm_obs=False, gamma=level.discount)
+    scaled = VecNormalize(VecMonitor(envs), norm_obs=False, gamma=level.discount)
     learner = MaskablePPO(
         "MlpPolicy",
         scaled,
@@ -46,31 +36,22 @@ def main() -> None:
         ent_coef=0.01,
         seed=args.seed,
     )
-    began = time.perf_counter()
+    # The masks are those of `envs`, which is found through the wrappers.
     learner.learn(args.steps)
-    print(f"{learner.num_timesteps:,} steps in {time.perf_counter() - began:.1f} s")
 
     # An environment for each episode, so that all of them run at once.
-    envs = VecMonitor(LevelVecEnv(level, num_envs=NUM_EPISODES, max_episode_steps=limit))
+    envs = LevelVecEnv(level, num_envs=100, observation="index", max_episode_steps=limit)
     envs.seed(args.seed)
-    mean, deviation = evaluate_policy(learner, envs, n_eval_episodes=NUM_EPISODES)
-    print(f"evaluate_policy: {mean:.2f} ± {deviation:.2f} in {NUM_EPISODES} episodes")
+    mean, deviation = evaluate_policy(learner, VecMonitor(envs), n_eval_episodes=100)
+    print(f"evaluate_policy: {mean:.2f} ± {deviation:.2f} in 100 episodes")
 
-    width, height = level.size
-    chances = probabilities(learner, level)
-    greedy = chances.argmax(axis=1).reshape(height, width)
-    print_comparison(level, {"learned, as it explores": chances, "learned, greedy": greedy})
-
-
-def probabilities(learner: Any, level: brl.Level) -> NDArray[np.float32]:
-    """Return the learner's probability of each action in each cell, `[states, actions]`."""
-    width, height = level.size
-    cells = np.array([(x, y) for y in range(height) for x in range(width)])
-    masks = level.compile().action_mask.copy()
+    mdp = level.compile()
     with torch.no_grad():
-        observations, _ = learner.policy.obs_to_tensor(cells)
-        chances = learner.policy.get_distribution(observations, masks).distribution.probs
-    return np.asarray(chances)
+        cells, _ = learner.policy.obs_to_tensor(np.arange(mdp.num_states))
+        choice = learner.policy.get_distribution(cells, mdp.action_mask.copy())
+    chances = choice.distribution.probs.numpy()
+    greedy = chances.argmax(axis=1).reshape(mdp.height, mdp.width)
+    print_comparison(level, {"learned, as it explores": chances, "learned, greedy": greedy})
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Everything that must pass before a commit: style, types, the order of imports, tests.
-# Usage: bash scripts/check.sh        with the fast tests: about three minutes on two cores
-#        bash scripts/check.sh all    with the slow ones too: large levels, browsers, notebooks ...
-#        bash scripts/check.sh libraries  the tests with Stable-Baselines3, RLlib, TorchRL, Tianshou, Minari
-#        bash scripts/check.sh lowest the environments' tests, with the lowest versions allowed
+# Usage: bash scripts/check.sh             with the fast tests: about three minutes on two cores
+#        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
+#        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
+#        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
@@ -27,7 +27,7 @@ lowest)
     exec .venv-lowest/bin/python -m pytest -m "not slow and not libraries" -n 2 tests/envs
     ;;
 *)
-    sed -n '3,6s/^# //p' scripts/check.sh >&2
+    sed -n '3,7s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

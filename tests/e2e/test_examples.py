@@ -187,6 +187,34 @@ def test_these_examples_are_short(example: str) -> None:
 
 
 @pytest.mark.libraries
+def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Path) -> None:
+    text = printed_by("dqn_sb3", cwd=tmp_path)
+    table = table_of(text)
+    check_figures(table, "final-maze", actions="all")
+    assert table["learned, greedy"][1] > 98
+    check_mean(text, table)
+
+
+@pytest.mark.libraries
+def test_memory_does_better_than_any_policy_without_it(tmp_path: Path) -> None:
+    text = printed_by("recurrent_ppo", "--steps", 30_000, cwd=tmp_path)
+    table = table_of(text)
+    level = brl.load(EXAMPLES / "t-maze.yaml")
+    check_figures(table, str(EXAMPLES / "t-maze.yaml"), actions="moves")
+    # At the end of both corridors the same is seen: without memory, any choice is right in one.
+    upper, lower = (4, 1), (4, 4)
+    env = level.make(observation="view", view_radius=1, actions="moves")
+    views = [env.reset(options={"start": end})[0] for end in (upper, lower)]
+    assert np.array_equal(*views)
+    chances = np.eye(4)[brl.solve(level, actions="moves").policy.clip(0)]
+    for x, y in (upper, lower):
+        chances[y, x] = [0.5, 0, 0.5, 0]
+    forgetful = brl.evaluate(level, chances.reshape(-1, 4), actions="moves").expected_return
+    assert forgetful == pytest.approx(-18)
+    assert table["learned, in trials"][0] > -6
+
+
+@pytest.mark.libraries
 def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch) -> None:
     import torch
 
@@ -255,3 +283,73 @@ def test_returns_in_several_levels_are_those_of_their_first_episodes(
     assert returns.tolist() == [each.expected_return for each in best]
     # An episode that is cut off has the rewards until then.
     assert comparison.returns_in(levels, [each.policy for each in best], 2, "moves")[1] == -2
+
+
+# -- files of others -------------------------------------------------------------------------
+
+SINGLE_FILE = """
+import sys
+
+import gymnasium as gym
+import numpy as np
+import torch
+from torch import nn
+
+env_id, steps = sys.argv[sys.argv.index("--env-id") + 1], 3000
+
+
+def make_env():
+    env = gym.make(env_id)
+    env = gym.wrappers.RecordEpisodeStatistics(env)
+    env.action_space.seed(1)
+    return env
+
+
+class Agent(nn.Module):
+    def __init__(self, envs):
+        super().__init__()
+        inputs = int(np.array(envs.single_observation_space.shape).prod())
+        self.actor = nn.Linear(inputs, envs.single_action_space.n)
+
+
+envs = gym.vector.SyncVectorEnv([make_env for _ in range(2)])
+assert isinstance(envs.single_action_space, gym.spaces.Discrete)
+agent = Agent(envs)
+shape = (steps, 2)
+stored = torch.zeros(shape + envs.single_observation_space.shape)
+actions = torch.zeros(shape + envs.single_action_space.shape)
+replayed = np.zeros(stored.shape, envs.single_observation_space.dtype)
+next_obs, _ = envs.reset(seed=1)
+returns = []
+for step in range(steps):
+    stored[step] = torch.Tensor(next_obs)
+    replayed[step] = next_obs.copy()
+    if step % 2:
+        logits = agent.actor(torch.Tensor(next_obs))
+        action = torch.distributions.Categorical(logits=logits).sample()
+    else:
+        action = torch.tensor([envs.single_action_space.sample() for _ in range(2)])
+    actions[step] = action
+    next_obs, reward, terminations, truncations, infos = envs.step(action.cpu().numpy())
+    assert torch.tensor(reward).view(-1).shape == (2,)
+    assert torch.Tensor(np.logical_or(terminations, truncations)).shape == (2,)
+    assert not truncations.any(), "infos have no final_observation any more"
+    if "episode" in infos:
+        returns += infos["episode"]["r"][infos["_episode"]].tolist()
+assert np.array_equal(stored.numpy(), replayed)
+print("episodes:", len(returns), "returns:", min(returns), max(returns))
+"""
+"""What CleanRL's files ask of an environment, without the learning."""
+
+
+@pytest.mark.libraries
+def test_files_in_the_style_of_cleanrl_run_unchanged(tmp_path: Path) -> None:
+    file = tmp_path / "single.py"
+    file.write_text(SINGLE_FILE, encoding="utf-8")
+    text = printed_by("cleanrl_files", file, "--seed", 1, cwd=tmp_path)
+    found = re.match(r"episodes: (\d+) returns: (\S+) (\S+)$", text, re.MULTILINE)
+    assert found
+    assert int(found[1]) > 1
+    # Rewards are divided by 10.
+    assert -10_000 < float(found[2]) < float(found[3]) < -3
+    assert re.search(r"^optimum +-36\.5833 +100\.00%$", text, re.MULTILINE)

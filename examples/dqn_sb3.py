@@ -1,0 +1,58 @@
+"""Stable-Baselines3's DQN learns a level: python examples/dqn_sb3.py --level final-maze
+
+It needs the extra `sb3`: pip install ".[sb3]"
+"""
+
+from __future__ import annotations
+
+import torch
+from arguments import parsed, parser_of
+from comparison import actions_in_cells, print_comparison
+from stable_baselines3 import DQN
+from stable_baselines3.common.evaluation import evaluate_policy
+from stable_baselines3.common.vec_env import VecMonitor, VecNormalize
+
+from babyrobot_levels.envs.sb3 import LevelVecEnv
+
+
+def main() -> None:
+    args = parsed(parser_of(__doc__, steps=50_000))
+    level, limit = args.level, args.level.max_steps or 500
+    # Small networks learn fastest on one thread.
+    torch.set_num_threads(1)
+
+    envs = LevelVecEnv(level, num_envs=16, observation="vector", max_episode_steps=limit)
+    # Returns of -1,000 are too large for a network, so rewards are scaled.
+    scaled = VecNormalize(VecMonitor(envs), norm_obs=False, gamma=level.discount)
+    learner = DQN(
+        "MlpPolicy",
+        scaled,
+        learning_rate=1e-3,
+        buffer_size=50_000,
+        learning_starts=1_000,
+        batch_size=256,
+        gamma=level.discount,
+        # Two updates after each step of the 16 environments.
+        train_freq=1,
+        gradient_steps=2,
+        target_update_interval=200,
+        exploration_fraction=0.5,
+        seed=args.seed,
+    )
+    learner.learn(args.steps)
+
+    # An environment for each episode, so that all of them run at once.
+    envs = LevelVecEnv(level, num_envs=100, observation="vector", max_episode_steps=limit)
+    envs.seed(args.seed)
+    mean, deviation = evaluate_policy(learner, VecMonitor(envs), n_eval_episodes=100)
+    print(f"evaluate_policy: {mean:.2f} ± {deviation:.2f} in 100 episodes")
+
+    def act(observation: object) -> object:
+        return learner.predict(observation, deterministic=True)[0]
+
+    greedy = actions_in_cells(level, act, observation="vector")
+    print_comparison(level, {"learned, greedy": greedy})
+
+
+if __name__ == "__main__":
+    main()
