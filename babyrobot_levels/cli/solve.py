@@ -119,14 +119,14 @@ def _note_limit(level: Level, solution: Solution) -> None:
     """Say that the level has a time limit, if that changes what an optimal policy earns."""
     from babyrobot_levels.analysis.solver.horizon import MAX_STATE_STEPS, best_return_within
 
-    steps, rules = level.max_steps, {"actions": solution.actions, "discount": solution.discount}
+    steps = level.max_steps
     if steps is None:
         return
     ignored = f"max_steps ({steps}) is ignored: these are episodes without a time limit"
     if solution.values.size * steps > MAX_STATE_STEPS:
         note(ignored)
         return
-    within = best_return_within(level, steps, **rules)
+    within = best_return_within(level, steps, actions=solution.actions, discount=solution.discount)
     if not math.isclose(within, solution.expected_return, rel_tol=1e-6, abs_tol=1e-6):
         note(f"{ignored}; within it, the best expected return is {within:.4g}")
 
