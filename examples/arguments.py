@@ -12,7 +12,7 @@ def parser_of(
     description: str | None,
     steps: int,
     steps_help: str = "steps of all environments together",
-    level: str = "final-maze",
+    level: str | None = "final-maze",
 ) -> argparse.ArgumentParser:
     """Return a parser of `--level`, `--steps` and `--seed`.
 
@@ -20,14 +20,15 @@ def parser_of(
         description: what the example does.
         steps: the default of `--steps`.
         steps_help: the help of `--steps`.
-        level: the default of `--level`.
+        level: the default of `--level`; None for no such option.
     """
     parser = argparse.ArgumentParser(
         description=description, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument(
-        "--level", type=level_of, default=level, help="a name, a path or a share code"
-    )
+    if level is not None:
+        parser.add_argument(
+            "--level", type=level_of, default=level, help="a name, a path or a share code"
+        )
     parser.add_argument("--steps", type=at_least(1), default=steps, help=steps_help)
     parser.add_argument("--seed", type=at_least(0), default=0)
     return parser

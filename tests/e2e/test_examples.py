@@ -180,12 +180,6 @@ def test_libraries_with_loops_of_their_own_come_close(
     assert table["learned, greedy"][1] > 98
 
 
-@pytest.mark.parametrize("example", ["ppo_rllib", "ppo_torchrl"])
-def test_these_examples_are_short(example: str) -> None:
-    lines = (EXAMPLES / f"{example}.py").read_text(encoding="utf-8").splitlines()
-    assert len(lines) <= 60
-
-
 @pytest.mark.libraries
 def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Path) -> None:
     text = printed_by("dqn_sb3", cwd=tmp_path)
@@ -237,6 +231,15 @@ def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch
 
 
 # -- with other libraries --------------------------------------------------------------------
+
+OF_LIBRARIES = ["ppo_sb3", "dqn_sb3", "maskable_ppo", "recurrent_ppo", "cleanrl_files", "ppo_rllib",
+                "ppo_torchrl", "dqn_tianshou", "imitation_tianshou", "dataset_minari"]  # fmt: skip
+
+
+@pytest.mark.parametrize("example", OF_LIBRARIES)
+def test_these_examples_are_short(example: str) -> None:
+    lines = (EXAMPLES / f"{example}.py").read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 60
 
 
 @pytest.mark.libraries
