@@ -114,7 +114,7 @@ ARGUMENTS: dict[str, Callable[[Any], dict[str, Any]]] = {
 """The arguments of each wrapper, from the environment that it is put around."""
 
 CONVERTING = {"ArrayConversion", "JaxToNumpy", "JaxToTorch", "NumpyToTorch"}
-"""The wrappers that need JAX or PyTorch."""
+"""The wrappers that need JAX or PyTorch: test_converting_wrappers.py has them."""
 
 RENDERING = {"AddRenderObservation", "AddWhiteNoise", "HumanRendering", "ObstructView",
              "RecordVideo", "RenderCollection"}  # fmt: skip
