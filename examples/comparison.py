@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,16 +30,53 @@ def print_comparison(level: brl.Level, learned: Mapping[str, Any], actions: str 
     """
     policies = {"random moves": "random", **learned, "optimum": brl.solve(level, actions=actions)}
     returns = {name: return_of(policy, level, actions) for name, policy in policies.items()}
+    print_shares(f"{level.name}: expected return", "exactly", returns)
+
+
+def print_mean_comparison(
+    levels: Sequence[brl.Level], learned: Mapping[str, Any], steps: int, actions: str = "all"
+) -> None:
+    """Print the mean returns of policies in several levels, with random moves and the optimum.
+
+    Args:
+        levels: the levels; one episode is played in each.
+        learned: lists of policies, one for each level, by their names.
+        steps: the time limit of the episodes.
+        actions: `"all"` or `"moves"`.
+    """
+    optimum = np.array([brl.solve(each, actions=actions).expected_return for each in levels])
+    returns = {"random moves": returns_in(levels, "random", steps, actions)}
+    for name, policies in learned.items():
+        returns[name] = returns_in(levels, policies, steps, actions)
+        print(f"{name}: optimal in {(returns[name] >= optimum - LEAST).mean():.1%} of the levels")
+    means = {name: each.mean() for name, each in {**returns, "optimum": optimum}.items()}
+    print_shares(f"{len(levels)} levels: mean return", f"{steps} steps", means)
+
+
+def print_shares(title: str, heading: str, returns: Mapping[str, float]) -> None:
+    """Print returns, and how they share the way from random moves to the optimum."""
     worst, best = returns["random moves"], returns["optimum"]
-    title = f"{level.name}: expected return"
     wide = max(len(title), *map(len, returns))
-    print(f"\n{title:{wide}}  {'exactly':>12}  share of the optimum")
+    print(f"\n{title:{wide}}  {heading:>12}  share of the optimum")
     for name, value in returns.items():
         share = "-"
         # The return of a policy that may never end is -inf.
         if LEAST < best - worst < math.inf and math.isfinite(value):
             share = f"{(value - worst) / (best - worst):.2%}"
         print(f"{name:{wide}}  {value:12.4f}  {share:>20}")
+
+
+def returns_in(
+    levels: Sequence[brl.Level], policies: Any, steps: int, actions: str
+) -> NDArray[np.float64]:
+    """Return the return of an episode in each level, float64 `[levels]`."""
+    data = brl.rollout(
+        levels, policies, len(levels), steps, seed=0, actions=actions, max_episode_steps=steps
+    )
+    over = data.terminations | data.truncations
+    # Until the end of the first episode, and with the step that ends it.
+    is_first = np.cumsum(over, axis=0) == over
+    return np.asarray((data.rewards * is_first).sum(axis=0))
 
 
 def return_of(policy: Any, level: brl.Level, actions: str) -> float:

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
 # Everything that must pass before a commit: style, types, the order of imports, tests.
-# Usage: bash scripts/check.sh        with the fast tests: about three minutes on two cores
-#        bash scripts/check.sh all    with the slow ones too: large levels, browsers, notebooks ...
-#        bash scripts/check.sh sb3    only the tests that need Stable-Baselines3 (they bring torch)
-#        bash scripts/check.sh lowest the environments' tests, with the lowest versions allowed
+# Usage: bash scripts/check.sh             with the fast tests: about three minutes on two cores
+#        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
+#        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
+#        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
@@ -11,23 +11,23 @@ options=(--quiet --disable-pip-version-check)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
 case "${1:-fast}" in
-fast) tests=(-m "not slow and not sb3") ;;
-all) tests=(-m "not sb3" --hypothesis-profile thorough) ;;
-sb3)
-    make_venv .venv-sb3
+fast) tests=(-m "not slow and not libraries") ;;
+all) tests=(-m "not libraries" --hypothesis-profile thorough) ;;
+libraries)
+    make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
-    .venv-sb3/bin/pip install "${options[@]}" torch==2.13.0
-    .venv-sb3/bin/pip install "${options[@]}" --editable ".[test,sb3]"
-    exec .venv-sb3/bin/python -m pytest -m sb3 -n 2 tests/envs tests/e2e/test_examples.py tests/docs/test_training.py
+    .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
+    .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
+    exec .venv-libraries/bin/python -m pytest -m libraries -n 2 tests/envs tests/e2e/test_examples.py tests/docs/test_training.py
     ;;
 lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
         hypothesis moviepy opencv-python-headless pygame-ce pytest pytest-xdist
-    exec .venv-lowest/bin/python -m pytest -m "not slow and not sb3" -n 2 tests/envs
+    exec .venv-lowest/bin/python -m pytest -m "not slow and not libraries" -n 2 tests/envs
     ;;
 *)
-    sed -n '3,6s/^# //p' scripts/check.sh >&2
+    sed -n '3,7s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

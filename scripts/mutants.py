@@ -6,8 +6,8 @@ Each mutant is one change of one file of the package: another comparison, a numb
 more, a statement that is gone. It is tested in a temporary copy of the checkout, by the tests
 named like its module, then those of its room, then all, until one fails. What follows `--` are
 the arguments of pytest but for paths, by default those of the fast tests: `-m "not slow and not
-sb3"`. They may hold `-n 2`; `--jobs` tests several mutants at the same time instead. First of all
-the tests are run without a mutant, and have to pass.
+libraries"`. They may hold `-n 2`; `--jobs` tests several mutants at the same time instead. First
+of all the tests are run without a mutant, and have to pass.
 
 TABLE gets one JSON object a line and is read first: an interrupted run continues where it was.
 Run it with the Python that has the libraries of the tests.
@@ -38,7 +38,7 @@ from queue import SimpleQueue
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = "babyrobot_levels"
-FAST = ["-m", "not slow and not sb3"]
+FAST = ["-m", "not slow and not libraries"]
 LIMITED = ["sh", "-c", 'ulimit -d "$0"; exec "$@"', f"{8 << 20}"]
 """Before a command: it gets at most 8 GiB of memory. A mutant may ask for more and more."""
 

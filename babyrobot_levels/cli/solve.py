@@ -76,9 +76,9 @@ def solve(
     """Solve a level exactly: the optimal expected return, an optimal policy, the state values.
 
     The drawing shows the policy: an arrow in each cell. `max_steps` is ignored: the values are
-    those of episodes without a time limit. For a robot that turns, policy and values are those of
-    the heading at the start: L left, R right, F forward. JSON has all headings, and all
-    configurations of items, switches and movers.
+    those of episodes without a time limit; where a limit makes a difference, a note says so. For a
+    robot that turns, policy and values are those of the heading at the start: L left, R right, F
+    forward. JSON has all headings, and all configurations of items, switches and movers.
 
     Examples:
 
@@ -106,14 +106,29 @@ def solve(
         return
     if solution.explanation:
         note(solution.explanation)
-    if loaded.max_steps is not None:
-        note(f"max_steps ({loaded.max_steps}) is ignored: these are episodes without a time limit")
+    _note_limit(loaded, solution)
     shown = shown_configuration(loaded, configuration)
     write(_summary(loaded, solution, shown) + "\n" + _policy(loaded, solution, shown))
     # Wider tables are for `--format json`.
     if loaded.size[0] <= WIDEST:
         part = _part(loaded, solution, shown) if actions is ActionSet.TURNS else solution
         write("\n" + values_text(loaded, part, shown))
+
+
+def _note_limit(level: Level, solution: Solution) -> None:
+    """Say that the level has a time limit, if that changes what an optimal policy earns."""
+    from babyrobot_levels.analysis.solver.horizon import MAX_STATE_STEPS, best_return_within
+
+    steps = level.max_steps
+    if steps is None:
+        return
+    ignored = f"max_steps ({steps}) is ignored: these are episodes without a time limit"
+    if solution.values.size * steps > MAX_STATE_STEPS:
+        note(ignored)
+        return
+    within = best_return_within(level, steps, actions=solution.actions, discount=solution.discount)
+    if not math.isclose(within, solution.expected_return, rel_tol=1e-6, abs_tol=1e-6):
+        note(f"{ignored}; within it, the best expected return is {within:.4g}")
 
 
 def _policy(level: Level, solution: Solution, configuration: int | None) -> str:

@@ -56,8 +56,10 @@ def check_names(given: Iterable[str], function: Callable[..., Any], *others: str
         if name not in accepted:
             told = _ELSEWHERE.get(name)
             guess = f"; {told}" if told else did_you_mean(name, accepted)
+            # TorchRL's GymEnv passes `frameskip`, and knows Python's words where it is refused.
             raise TypeError(
-                f"unexpected argument {name!r}{guess}; accepted arguments: {', '.join(accepted)}"
+                f"unexpected keyword argument {name!r}{guess}; "
+                f"accepted arguments: {', '.join(accepted)}"
             )
 
 

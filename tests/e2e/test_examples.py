@@ -152,7 +152,7 @@ def test_every_other_episode_is_filmed(tmp_path: Path) -> None:
 # -- in PyTorch ------------------------------------------------------------------------------
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
 @pytest.mark.parametrize("example", ["ppo_sb3", "maskable_ppo", "ppo_cleanrl"])
 def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) -> None:
     text = printed_by(example, "--steps", 100_000, cwd=tmp_path)
@@ -164,7 +164,29 @@ def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) ->
         check_mean(text, table)
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
+@pytest.mark.parametrize(("example", "steps"), [("ppo_rllib", 130_000), ("ppo_torchrl", 102_400)])
+def test_libraries_with_loops_of_their_own_come_close(
+    example: str, steps: int, tmp_path: Path
+) -> None:
+    script = EXAMPLES / f"{example}.py"
+    done = python(
+        script, "--steps", str(steps), cwd=tmp_path, timeout=600, warnings="ignore"
+    )  # they warn of what is deprecated in themselves
+    assert done.returncode == 0, done.stderr
+    table = table_of(done.stdout)
+    check_figures(table, "final-maze", actions="all")
+    assert table["learned, as it explores"][1] > 98
+    assert table["learned, greedy"][1] > 98
+
+
+@pytest.mark.parametrize("example", ["ppo_rllib", "ppo_torchrl"])
+def test_these_examples_are_short(example: str) -> None:
+    lines = (EXAMPLES / f"{example}.py").read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 60
+
+
+@pytest.mark.libraries
 def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Path) -> None:
     text = printed_by("dqn_sb3", cwd=tmp_path)
     table = table_of(text)
@@ -174,7 +196,7 @@ def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Pat
     check_mean(text, table)
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
 def test_memory_does_better_than_any_policy_without_it(tmp_path: Path) -> None:
     text = printed_by("recurrent_ppo", "--steps", 30_000, cwd=tmp_path)
     table = table_of(text)
@@ -193,7 +215,7 @@ def test_memory_does_better_than_any_policy_without_it(tmp_path: Path) -> None:
     assert table["learned, in trials"][0] > -6
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
 def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch) -> None:
     import torch
 
@@ -213,6 +235,55 @@ def test_what_is_cut_off_counts_what_was_to_come(monkeypatch: pytest.MonkeyPatch
     first = [-1 + 0.9 * 2 - 1 + 0.9 * 0.95 * ahead for ahead in second]
     assert advantages.tolist() == pytest.approx(np.array([first, second, [last] * 3]))
     assert torch.equal(returns, advantages + values[:-1])
+
+
+# -- with other libraries --------------------------------------------------------------------
+
+
+@pytest.mark.libraries
+@pytest.mark.parametrize(
+    ("example", "actions"), [("dqn_tianshou", "all"), ("dataset_minari", "moves")]
+)
+def test_other_libraries_come_close_to_the_best_policy(
+    example: str, actions: str, tmp_path: Path
+) -> None:
+    text = printed_by(example, cwd=tmp_path)
+    table = table_of(text)
+    check_figures(table, "final-maze", actions)
+    assert table["learned, greedy"][1] > 98
+    if example == "dataset_minari":
+        score = re.search(r"^normalized score: (\S+)$", text, re.MULTILINE)
+        assert score
+        assert 100 * float(score[1]) == pytest.approx(table["learned, greedy"][1], abs=0.01)
+
+
+@pytest.mark.libraries
+def test_imitation_solves_mazes_that_it_has_not_seen(tmp_path: Path) -> None:
+    text = printed_by("imitation_tianshou", "--steps", 500, cwd=tmp_path)
+    table = table_of(text)
+    assert table["random moves"][1] == 0
+    assert table["learned, greedy"][1] > 70
+    assert table["optimum"][1] == 100
+    found = re.search(r"^learned, greedy: optimal in (\S+)% of the levels$", text, re.MULTILINE)
+    assert found
+    assert float(found[1]) > 70
+
+
+def test_returns_in_several_levels_are_those_of_their_first_episodes(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import comparison
+
+    # It takes 1 and 3 steps to the exit; in the time of the second, the first begins again.
+    levels = [
+        brl.load({"version": 1, "size": [width, 1], "exit": [width - 1, 0]}) for width in (2, 4)
+    ]
+    best = [brl.solve(each, actions="moves") for each in levels]
+    returns = comparison.returns_in(levels, [each.policy for each in best], 10, "moves")
+    assert returns.tolist() == [each.expected_return for each in best]
+    # An episode that is cut off has the rewards until then.
+    assert comparison.returns_in(levels, [each.policy for each in best], 2, "moves")[1] == -2
 
 
 # -- files of others -------------------------------------------------------------------------
@@ -272,7 +343,7 @@ print("episodes:", len(returns), "returns:", min(returns), max(returns))
 """What CleanRL's files ask of an environment, without the learning."""
 
 
-@pytest.mark.sb3
+@pytest.mark.libraries
 def test_files_in_the_style_of_cleanrl_run_unchanged(tmp_path: Path) -> None:
     file = tmp_path / "single.py"
     file.write_text(SINGLE_FILE, encoding="utf-8")

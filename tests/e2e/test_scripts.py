@@ -84,11 +84,11 @@ def test_a_law_of_many_values_names_the_one_that_breaks_it(tmp_path: Path) -> No
     assert seen == [(number, tmp_path) for number in (1, 2, 3)]
 
 
-def test_the_step_for_stable_baselines_runs_all_its_tests() -> None:
+def test_the_step_for_libraries_runs_all_its_tests() -> None:
     """It names where they are, so that not all others are collected."""
     script = (ROOT / "scripts" / "check.sh").read_text("utf-8")
-    named = tuple(script.partition("pytest -m sb3 -n 2 ")[2].splitlines()[0].split())
-    mark = "pytest.mark." + "sb3"
+    named = tuple(script.partition("pytest -m libraries -n 2 ")[2].splitlines()[0].split())
+    mark = "pytest.mark." + "libraries"
     marked = [
         path.relative_to(ROOT).as_posix()
         for path in (ROOT / "tests").rglob("test_*.py")

@@ -108,7 +108,7 @@ ACCEPTED = (
     [
         ({"max_steps": 5}, f"'max_steps'; use `max_episode_steps`; {ACCEPTED}"),
         ({"observations": "walls"}, f"'observations'; did you mean `observation`\\?; {ACCEPTED}"),
-        ({"battery": 1}, f"unexpected argument 'battery'; {ACCEPTED}, max_episode_steps"),
+        ({"battery": 1}, f"unexpected keyword argument 'battery'; {ACCEPTED}, max_episode_steps"),
     ],
 )
 def test_an_unknown_argument_names_those_that_there_are(
@@ -119,5 +119,5 @@ def test_an_unknown_argument_names_those_that_there_are(
 
 
 def test_an_unknown_argument_of_a_suite_names_those_that_there_are() -> None:
-    with pytest.raises(TypeError, match=f"unexpected argument 'splits'.*{ACCEPTED}, split"):
+    with pytest.raises(TypeError, match=f"unexpected keyword argument 'splits'.*{ACCEPTED}, split"):
         gymnasium.make("babyrobot/Suite-v0", suite="small-mazes", splits="train")

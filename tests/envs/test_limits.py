@@ -261,7 +261,10 @@ def test_a_missing_argument_is_named(making: Any, env_id: str, example: str) -> 
         ({"map_name": "8x8"}, "babyrobot/frozen-lake-8x8-v0"),
         ({"is_slippery": False}, "`skid`.*babyrobot/frozen-lake-dry-v0"),
         ({"observations": "walls"}, "did you mean `observation`"),
-        ({"battery": 1}, "unexpected argument 'battery'; accepted arguments: .*observation"),
+        (
+            {"battery": 1},
+            "unexpected keyword argument 'battery'; accepted arguments: .*observation",
+        ),
     ],
 )
 def test_habits_and_misspellings_are_told_what_to_do(

@@ -588,7 +588,7 @@ def test_gray_is_the_brightness_of_the_colours() -> None:
     ("given", "told"),
     [
         ({"observation": "postion"}, "did you mean `position`"),
-        ({"observation": "pixels"}, "one of 'position', 'index', 'image', 'walls'"),
+        ({"observation": "pixels"}, "one of 'position', 'index', 'walls', 'vector', 'planes'"),
         ({"observation": None}, "one of 'position'"),
         ({"actions": "move"}, "did you mean `moves`"),
         ({"actions": 5}, "one of 'valid', 'all', 'moves', 'valid_moves'"),

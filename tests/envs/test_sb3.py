@@ -1,6 +1,6 @@
 """Stable-Baselines3 learns on levels. It brings torch, so these tests run in a step of their own.
 
-`pip install -e .[sb3]` and `pytest -m sb3`; everywhere else they are left out: `-m "not sb3"`.
+`pip install -e .[sb3]` and `pytest -m libraries`; everywhere else they are left out.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from support.playing import each_level_and, level_named
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.observations import OBSERVATIONS
 
-pytestmark = pytest.mark.sb3
+pytestmark = pytest.mark.libraries
 
 
 @pytest.fixture(autouse=True)

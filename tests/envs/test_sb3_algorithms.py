@@ -11,7 +11,7 @@ import pytest
 
 import babyrobot_levels as brl
 
-pytestmark = pytest.mark.sb3
+pytestmark = pytest.mark.libraries
 
 ON_POLICY: dict[str, Any] = {"n_steps": 8, "batch_size": 16}
 ALGORITHMS: dict[str, dict[str, Any]] = {
@@ -83,7 +83,9 @@ def test_the_checker_is_content_with_several_observations() -> None:
     _, kwargs = OBSERVATIONS["several"]
     with warnings.catch_warnings():
         # It takes every box of three dimensions for a picture, of bytes and with channels last.
-        warnings.filterwarnings("ignore", "It seems that your|The minimal resolution|Treating image")
+        warnings.filterwarnings(
+            "ignore", "It seems that your|The minimal resolution|Treating image"
+        )
         check_env(brl.load("first-key").make(**kwargs), warn=True)
 
 

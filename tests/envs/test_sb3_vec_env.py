@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.envs.sb3 import LevelVecEnv
 
-needs_sb3 = pytest.mark.sb3
+needs_sb3 = pytest.mark.libraries
 
 
 @pytest.fixture(autouse=True)
 def on_one_thread(request: pytest.FixtureRequest) -> None:
     """Networks as small as these learn slower on several threads."""
-    if request.node.get_closest_marker("sb3"):
+    if request.node.get_closest_marker("libraries"):
         import torch
 
         torch.set_num_threads(1)

@@ -185,7 +185,7 @@ def test_copies_and_pickles_go_on_alike(observation: str) -> None:
 def test_the_spec_can_be_written_as_json() -> None:
     env = make(suite=load_suite(FIELDS), split="train")
     assert env.spec is not None
-    again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
+    again: Any = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
     assert env.reset(seed=6)[1]["level_index"] == again.reset(seed=6)[1]["level_index"]
     assert env.unwrapped.level.digest == again.unwrapped.level.digest
 

@@ -14,7 +14,11 @@ HOME = Path(babyrobot_levels.__file__).parents[1]
 
 
 def python(
-    *arguments: str | Path, cwd: Path, path: Path | None = None, timeout: float = 60
+    *arguments: str | Path,
+    cwd: Path,
+    path: Path | None = None,
+    timeout: float = 60,
+    warnings: str = "error",
 ) -> subprocess.CompletedProcess[str]:
     """Run Python with the package under test, warnings being errors, and `path` before it.
 
@@ -22,7 +26,7 @@ def python(
     """
     places = [str(folder) for folder in (path, HOME) if folder is not None]
     return subprocess.run(
-        [sys.executable, "-W", "error", *map(str, arguments)],
+        [sys.executable, "-W", warnings, *map(str, arguments)],
         cwd=cwd,
         env={**os.environ, "PYTHONPATH": os.pathsep.join(places)},
         capture_output=True,

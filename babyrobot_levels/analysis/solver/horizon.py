@@ -17,17 +17,23 @@ from babyrobot_levels.analysis.solver.model import Floats, Model
 from babyrobot_levels.analysis.solver.space import space_of
 from babyrobot_levels.library.catalogue import load
 
+MAX_STATE_STEPS = 5_000_000
+"""Up to this many states times steps, it takes about a second at most."""
 
-def best_return_within(level: Any, steps: int, *, actions: str = "all") -> float:
+
+def best_return_within(
+    level: Any, steps: int, *, actions: str = "all", discount: float = 1.0
+) -> float:
     """Return the largest expected return of episodes that are truncated after a number of steps.
 
-    It is that of a policy that knows how many steps are left: the expected sum of rewards, without
-    a discount, over the starts of the level. It is exact, and always finite.
+    It is that of a policy that knows how many steps are left: the expected discounted sum of
+    rewards, over the starts of the level. It is exact, and always finite.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
         steps: how many steps an episode has at most.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
+        discount: the discount factor, by default 1: none.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -39,7 +45,7 @@ def best_return_within(level: Any, steps: int, *, actions: str = "all") -> float
     space = space_of(load(level), actions)
     model = space.model()
     values = np.zeros(model.size)
-    for more in islice(values_by_steps_left(model), 1, steps + 1):
+    for more in islice(values_by_steps_left(model, discount), 1, steps + 1):
         if np.array_equal(more, values):
             # Further steps add nothing.
             break
@@ -47,13 +53,13 @@ def best_return_within(level: Any, steps: int, *, actions: str = "all") -> float
     return space.at_start(model, values)
 
 
-def values_by_steps_left(model: Model) -> Iterator[Floats]:
+def values_by_steps_left(model: Model, discount: float) -> Iterator[Floats]:
     """Yield the optimal values, `[n]`, with 0 steps left, with 1, with 2, and so on, without end.
 
     With k + 1 steps left, the best actions are those of the largest
-    `model.action_values(values, 1.0)`, where `values` are those with k.
+    `model.action_values(values, discount)`, where `values` are those with k.
     """
     values = np.zeros(model.size)
     while True:
         yield values
-        values = model.action_values(values, 1.0).max(axis=1)
+        values = model.action_values(values, discount).max(axis=1)
