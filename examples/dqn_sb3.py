@@ -28,8 +28,7 @@ def main() -> None:
     learner = DQN(
         "MlpPolicy",
         scaled,
-        # It decreases to 0, so that the last values are settled.
-        learning_rate=lambda left: 2e-3 * left,
+        learning_rate=lambda left: 2e-3 * left,  # decreases to 0, so that values settle
         buffer_size=50_000,
         batch_size=256,
         gamma=level.discount,
@@ -42,7 +41,7 @@ def main() -> None:
     )
     learner.learn(args.steps)
 
-    # An environment for each episode, so that all of them run at once.
+    # All episodes run at once.
     envs = LevelVecEnv(level, num_envs=100, observation="vector", max_episode_steps=limit)
     envs.seed(args.seed)
     mean, deviation = evaluate_policy(learner, VecMonitor(envs), n_eval_episodes=100)
