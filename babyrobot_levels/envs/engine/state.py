@@ -143,6 +143,7 @@ class Results:
     """
 
     __slots__ = (
+        "_words",
         "all_true",
         "held",
         "hit",
@@ -161,6 +162,7 @@ class Results:
     def __init__(self, layout: Layout) -> None:
         """Make the arrays."""
         self.layout = layout
+        self._words: Words | None = None
         self.memory: NDArray[np.int64] = empty(layout.words, _INT)
         # Taking arrays out of a record is the fastest way to make them.
         record = ndarray((), layout.dtype, self.memory)
@@ -183,8 +185,10 @@ class Results:
 
         They overlap: if they are written in their order, the masks are those of the words.
         """
-        shape, dtype, offset, strides = self.layout.words_at_masks
-        return ndarray(shape, dtype, self.memory, offset, strides)
+        if self._words is None:
+            shape, dtype, offset, strides = self.layout.words_at_masks
+            self._words = ndarray(shape, dtype, self.memory, offset, strides)
+        return self._words
 
 
 @dataclass(slots=True)

@@ -6,7 +6,6 @@ import copy
 import pickle
 import random
 import warnings
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -694,18 +693,6 @@ def test_there_is_a_frame_of_each_environment() -> None:
     changed = [not np.array_equal(*frames) for frames in zip(before, envs.render(), strict=True)]
     assert changed == (envs._envs.state != states).tolist()
     assert {*changed} == {True, False}
-
-
-@pytest.mark.parametrize("observation", ["position", "image"])
-def test_gymnasiums_wrappers_film_each_environment(observation: str, tmp_path: Path) -> None:
-    pytest.importorskip("moviepy")
-    envs = make("default", render_mode="rgb_array", observation=observation)
-    film = wrappers.RecordVideo(envs, str(tmp_path / "films"), step_trigger=lambda step: step == 0)
-    film.reset(seed=1)
-    for _ in range(3):
-        film.step(film.action_space.sample())
-    film.close()
-    assert [*(tmp_path / "films").iterdir()]
 
 
 def test_without_a_mode_there_is_no_picture() -> None:
