@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from random import Random
 from typing import Any
@@ -218,8 +219,10 @@ def test_exits_starts_and_traps(world: dict[str, Any]) -> None:
     }
     assert ("BR517" in findings) == (0 < len(ended) < len({*exits}))
     if traps:
-        cell = findings["BR503"].message.removeprefix("from ").split("]")[0] + "]"
-        assert cell in {f"[{x}, {y}]" for _, (x, y) in traps}
+        # The first cell that is named; there may be several ("from 2 cells ([0, 2] and [2, 2])").
+        named = re.search(r"\[\d+, \d+\]", findings["BR503"].message)
+        assert named
+        assert named[0] in {f"[{x}, {y}]" for _, (x, y) in traps}
 
 
 # -- movers ------------------------------------------------------------------------------------
