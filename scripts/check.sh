@@ -24,7 +24,7 @@ lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
         hypothesis moviepy opencv-python-headless pygame-ce pytest pytest-xdist
-    exec .venv-lowest/bin/python -m pytest -m "not slow and not libraries" -n 2 tests/envs
+    exec .venv-lowest/bin/python -m pytest -m "not libraries" -n 2 tests/envs
     ;;
 *)
     sed -n '3,7s/^# //p' scripts/check.sh >&2

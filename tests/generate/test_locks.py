@@ -95,6 +95,7 @@ def test_every_door_separates_the_maze(locked: Suite) -> None:
             assert len(seen) < grid.width * grid.height, level.name
 
 
+@pytest.mark.slow
 def test_the_detour_is_that_of_the_shortest_way() -> None:
     suite = load_suite({**FIELDS, "count": 5, "detour": {"min": 8, "max": 14}})
     for level in suite:
@@ -113,6 +114,7 @@ def test_more_doors_than_keys_share_keys() -> None:
         assert fewest_steps(level) is not None
 
 
+@pytest.mark.slow
 def test_things_lie_apart_and_off_start_and_exit(locked: Suite) -> None:
     for level in locked:
         cells = [item.at for item in level.items]

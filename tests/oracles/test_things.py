@@ -611,7 +611,7 @@ def compare_turning(seed: int, things: bool = True) -> None:
         raise
 
 
-@for_each("seed", range(300))
+@for_each("seed", range(150))
 def test_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare(seed)
 
@@ -621,7 +621,7 @@ def test_tables_of_random_levels_without_things_are_those_of_the_reference(seed:
     compare(seed, things=False)
 
 
-@for_each("seed", range(100))
+@for_each("seed", range(50))
 def test_turning_tables_of_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare_turning(seed)
 

@@ -184,6 +184,15 @@ def names_in(module: Any) -> list[str]:
     return sorted(found - {"vector"} - CONVERTING)
 
 
+def cases_in(module: Any) -> list[Any]:
+    """Return these names as parameters; writing films takes long."""
+    slow = {"RecordVideo"}
+    return [
+        pytest.param(name, marks=pytest.mark.slow if name in slow else ())
+        for name in names_in(module)
+    ]
+
+
 # Gymnasium's own, of numbers that a wrapper makes of the observations of a `Discrete`.
 casts_are_told = pytest.mark.filterwarnings("ignore:.*Casting input x to numpy array")
 
@@ -195,7 +204,7 @@ def test_every_wrapper_is_known() -> None:
 
 @pytest.mark.usefixtures("here", "no_screen")
 @casts_are_told
-@pytest.mark.parametrize("name", names_in(wrappers))
+@pytest.mark.parametrize("name", cases_in(wrappers))
 @for_each("case", CASES)
 def test_a_wrapper_of_single_environments(name: str, case: str) -> None:
     env: Any = gymnasium.make(**CASES[case], **shown(name), max_episode_steps=LIMIT)
@@ -216,7 +225,7 @@ def test_a_wrapper_of_single_environments(name: str, case: str) -> None:
 @pytest.mark.usefixtures("here", "no_screen")
 @casts_are_told
 @pytest.mark.filterwarnings("ignore:Passing None into shape:DeprecationWarning")
-@pytest.mark.parametrize("name", names_in(vector))
+@pytest.mark.parametrize("name", cases_in(vector))
 @for_each("case", CASES)
 def test_a_wrapper_of_vector_environments(name: str, case: str) -> None:
     wrapped = wrapped_or_refused(vector, name, many(case, **shown(name)))

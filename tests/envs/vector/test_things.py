@@ -269,7 +269,12 @@ def test_a_start_that_is_asked_for_leaves_what_is_drawn_to_chance(
 
 
 @pytest.mark.parametrize(
-    ("observation", "actions"), [("walls", "all"), ("index", "turns"), ("view", "turns")]
+    ("observation", "actions"),
+    [
+        ("walls", "all"),
+        pytest.param("index", "turns", marks=pytest.mark.slow),
+        pytest.param("view", "turns", marks=pytest.mark.slow),
+    ],
 )
 @pytest.mark.parametrize("engine", ENGINES)
 def test_levels_of_a_suite_with_different_things_are_walked_as_alone(
@@ -321,6 +326,7 @@ def test_random_mazes_with_things_are_walked_as_alone(engine: str, actions: str)
     assert_same_walks(envs, single([level], actions=actions), SEEDS, 150)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mode", MODES)
 def test_both_engines_walk_suites_with_things_the_same_way(mode: AutoresetMode) -> None:
     ways = [
