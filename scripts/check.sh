@@ -23,7 +23,7 @@ libraries)
 lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
-        hypothesis moviepy opencv-python-headless pygame-ce pytest pytest-xdist
+        hypothesis ipykernel moviepy nbclient nbformat opencv-python-headless pygame-ce pytest pytest-xdist
     exec .venv-lowest/bin/python -m pytest -m "not libraries" -n 2 tests/envs
     ;;
 *)
