@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from itertools import compress
 from typing import TYPE_CHECKING, Any
 
@@ -54,8 +55,12 @@ _State = tuple[
     Callable[[], Any],
     Callable[[], NDArray[np.int8]],
     Any,
+    Callable[[], Any],
 ]
-"""What a step needs of a state: outcomes by action, makers of observation and mask, the mask."""
+"""What a step needs of a state.
+
+Outcomes by action, makers of observation and mask, the mask, and a maker of what is held.
+"""
 
 _Part = tuple[NDArray[np.int8], NDArray[np.bool_], NDArray[np.bool_]]
 """Of the states with one configuration: events and hits of all outcomes, and what is held."""
@@ -233,15 +238,18 @@ class LevelEnv(RenderedEnv):
         starts = starts or self._starts
         self._state = starts[0 if len(starts) == 1 else int(rng.integers(len(starts)))]
         self._now = self._states[self._state] or self._look_up(self._state)
-        _, observe, copy_mask, mask = self._now
+        _, observe, copy_mask, mask, copy_held = self._now
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
             self._pictures.reset(self.level, *self._shown(self._state))
         info = {"action_mask": copy_mask(), "target_reached": False, "skidded": False}
         self._has_more = bool(self._num_items or self._has_movers or self._level_number)
-        if self._has_more:
-            self._add_to(info, hit=False)
+        if self._num_items:
+            info["held"] = copy_held()
+        if self._has_movers:
+            info["hit"] = False
+        info.update(self._level_number)
         if self._legacy_infos and not is_grown:
             info["level_digest"] = self.level.digest
         return observe(), info
@@ -276,24 +284,22 @@ class LevelEnv(RenderedEnv):
                     break
         _, state, reward, terminal, target_reached, skidded, hit = outcome
         before, self._state = self._state, state
-        self._now = _, observe, copy_mask, mask = self._states[state] or self._look_up(state)
+        self._now = self._states[state] or self._look_up(state)
+        _, observe, copy_mask, mask, copy_held = self._now
         if self._valid is not None:
             self._valid.mask = mask
         if self._pictures is not None:
             self._show_step(self._pictures, int(action), before, skidded)
         info = {"action_mask": copy_mask(), "target_reached": target_reached, "skidded": skidded}
         if self._has_more:
-            self._add_to(info, hit)
+            # Written out, because a call is a considerable part of a step.
+            if self._num_items:
+                info["held"] = copy_held()
+            if self._has_movers:
+                info["hit"] = hit
+            if self._level_number:
+                info.update(self._level_number)
         return observe(), reward, terminal, False, info
-
-    def _add_to(self, info: dict[str, Any], hit: bool) -> None:
-        """Add to an info what only some levels have."""
-        if self._num_items:
-            held = self._parts[self._state // (self._mdp.cells * self._mdp.headings)][2]
-            info["held"] = self._names(held) if self._legacy_infos else held.copy()
-        if self._has_movers:
-            info["hit"] = hit
-        info.update(self._level_number)
 
     def _names(self, held: NDArray[np.bool_]) -> tuple[str, ...]:
         """Return the names of what is held, for infos as they once were."""
@@ -313,13 +319,14 @@ class LevelEnv(RenderedEnv):
         """
         first, mdp = self._actions.first, self._mdp
         number, place = divmod(state, mdp.cells * mdp.headings)
-        events, hits, _ = self._parts.get(number) or self._look_up_part(number)
+        events, hits, held = self._parts.get(number) or self._look_up_part(number)
         mask = mdp.action_mask[state, first:]
         rows = zip(events[place, first:].tolist(), hits[place, first:].tolist(), strict=True)
         outcomes = {
             action: self._outcomes(state, action + first, *row) for action, row in enumerate(rows)
         }
-        found = outcomes, self._observer.at(state), mask.copy, mask
+        copy_held = partial(self._names, held) if self._legacy_infos else held.copy
+        found = outcomes, self._observer.at(state), mask.copy, mask, copy_held
         self._states[state] = found
         return found
 
