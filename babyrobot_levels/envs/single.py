@@ -400,10 +400,6 @@ class LevelEnv(RenderedEnv):
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
             self._make_serializable(spec.kwargs)
-            # JSON has no tuples.
-            spec.kwargs |= {
-                name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
-            }
             spec = as_spec(MadeSpec, spec)
         self._spec = spec
 

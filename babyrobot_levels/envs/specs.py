@@ -118,7 +118,12 @@ def _spec(env_id: str, entry_point: str, vector: str, kwargs: dict[str, Any]) ->
 
 
 def as_spec(cls: type[MadeSpec], spec: EnvSpec) -> MadeSpec:
-    """Return a plain spec as one of a class that knows its threshold; others as they are."""
+    """Return a plain spec as one of a class that knows its threshold; others as they are.
+
+    In both, tuples among the arguments become lists, because JSON has no tuples.
+    """
+    lists = {name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)}
+    spec.kwargs |= lists
     if isinstance(spec, MadeSpec):
         return spec
     return cls(**{each.name: getattr(spec, each.name) for each in fields(spec) if each.init})

@@ -163,10 +163,6 @@ class RenderedVectorEnv(VectorEnv[Any, Any, Any]):
     def spec(self, spec: EnvSpec | None) -> None:
         if spec is not None:
             self._make_serializable(spec.kwargs)
-            # JSON has no tuples.
-            spec.kwargs |= {
-                name: list(value) for name, value in spec.kwargs.items() if isinstance(value, tuple)
-            }
             spec = as_spec(LevelSpec, spec)
         self._spec = spec
 
