@@ -76,6 +76,7 @@ def test_every_level_can_be_solved_and_needs_every_key(locked: Suite) -> None:
             ), level.name
 
 
+@pytest.mark.slow
 def test_every_door_separates_the_maze(locked: Suite) -> None:
     for level in locked:
         for door in level.doors:

@@ -197,7 +197,13 @@ def test_no_shortest_walk_is_cut_off() -> None:
 # -- files -----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name == "locked-mazes" else ())
+        for name in SHIPPED
+    ],
+)
 def test_the_shipped_suites(name: str) -> None:
     suite = load_suite(name)
     assert suite.name == name
