@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,10 +22,23 @@ class Chain:
     terminal: Flags
 
 
-def chain_of(space: StateSpace, policy: Policy) -> Chain:
-    """Return the outcomes of a policy's steps, the possible ones first."""
+def chains(space: StateSpace, weights: Callable[[int], Floats]) -> Callable[[int], Chain]:
+    """Return a function from a step to the chain of a policy that may depend on it."""
+    last: tuple[Floats, Chain] | None = None
+
+    def at(step: int) -> Chain:
+        nonlocal last
+        here = weights(step)
+        if last is None or last[0] is not here:
+            last = here, _chain(space, here)
+        return last[1]
+
+    return at
+
+
+def _chain(space: StateSpace, weights: Floats) -> Chain:
+    """Return the outcomes of steps with these probabilities of actions, the possible ones first."""
     first, mdp = space.first_action, space.mdp
-    weights = weights_of(policy, space)
     count = mdp.num_states
     probability = (weights[:, :, None] * mdp.probability[:, first:]).reshape(count, -1)
     order = np.argsort(probability == 0, axis=1, kind="stable")

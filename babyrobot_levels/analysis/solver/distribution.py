@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.chain import Chain, chain_of
-from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, simulate
+from babyrobot_levels.analysis.solver.chain import Chain, chains
+from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, limit_of, simulate
 from babyrobot_levels.analysis.solver.model import Floats
 from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import Result, check_discount
 from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.library.catalogue import load
 
 MAX_OUTCOMES = 4_000_000
@@ -60,7 +62,7 @@ class ReturnDistribution(Result):
 def return_distribution(
     level: Any,
     policy: Policy,
-    within: int | None = None,
+    within: int | str | None = None,
     *,
     discount: float | None = None,
     actions: str = "all",
@@ -75,7 +77,8 @@ def return_distribution(
     Args:
         level: a name, a path, a mapping or a `Level`.
         policy: as `evaluate` takes it.
-        within: the number of steps after which episodes are truncated. By default, the level's
+        within: the number of steps after which episodes are truncated, or `"max_steps"`. By
+            default that of the policy, if it is a `Solution` within one, else the level's
             `max_steps`, or 10,000 where it has none.
         discount: above 0 and at most 1; by default, the level's.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
@@ -87,32 +90,38 @@ def return_distribution(
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
-    limit = within if within is not None else level.max_steps or MAX_STEPS
-    if limit < 1:
-        raise ValueError(f"within must be at least 1, not {limit}")
+    limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
     space = space_of(level, actions)
-    followed = _followed(chain_of(space, policy), space.mdp.start, discount, limit)
+    chain_at = chains(space, weights_by_step(policy, space, limit))
+    largest = float(np.abs(space.mdp.reward).max(initial=0.0))
+    followed = _followed(chain_at, space.mdp.start, discount, limit, largest)
     if followed is not None:
         values, probabilities = followed
         return ReturnDistribution(values, probabilities, 0, discount, limit)
-    simulated = simulate(
-        level, policy, EPISODES, discount=discount, max_steps=limit, actions=actions
-    )
+    simulated = simulate(level, policy, EPISODES, discount=discount, within=limit, actions=actions)
     values, counts = np.unique(simulated.returns, return_counts=True)
     return ReturnDistribution(values, counts / EPISODES, EPISODES, discount, limit)
 
 
 def _followed(
-    chain: Chain, start: Floats, discount: float, limit: int
+    chain_at: Callable[[int], Chain],
+    start: Floats,
+    discount: float,
+    limit: int,
+    largest_reward: float,
 ) -> tuple[Floats, Floats] | None:
     """Return the possible returns and their probabilities; None if there are too many."""
+    chain = chain_at(0)
     probability = np.diff(chain.cumulated, axis=1, prepend=0.0)
-    unit = _EQUAL * max(1.0, float(np.abs(chain.reward[probability > 0]).max(initial=0.0)))
+    unit = _EQUAL * max(1.0, largest_reward)
     state = np.flatnonzero(start)
     mass, total = start[state], np.zeros(state.size)
     ended = np.empty(0), np.empty(0)
     factor, outcomes = 1.0, 0
-    for _ in range(limit):
+    for step in range(limit):
+        if chain_at(step) is not chain:
+            chain = chain_at(step)
+            probability = np.diff(chain.cumulated, axis=1, prepend=0.0)
         outcomes += state.size * probability.shape[1] + ended[0].size
         if outcomes > MAX_OUTCOMES:
             return None

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.chain import chain_of, weights_of
+from babyrobot_levels.analysis.solver.chain import chains, weights_of
 from babyrobot_levels.analysis.solver.linear import diverging_class, expected_sums, long_run
 from babyrobot_levels.analysis.solver.model import (
     Flags,
@@ -24,16 +24,25 @@ from babyrobot_levels.analysis.solver.results import (
     Simulation,
     check_discount,
     check_seed,
+    check_within,
+    probability,
 )
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
+from babyrobot_levels.analysis.solver.within import evaluate_within, weights_by_step
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
 
 MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
 
 
 def evaluate(
-    level: Any, policy: Policy, discount: float | None = None, actions: str = "all"
+    level: Any,
+    policy: Policy,
+    discount: float | None = None,
+    actions: str = "all",
+    *,
+    within: int | str | None = None,
 ) -> Evaluation:
     """Return the values of a policy in a level, exactly.
 
@@ -56,6 +65,10 @@ def evaluate(
         actions: `"all"`, `"moves"` without stay, or `"turns"` (left, right, forward): the actions
             of `"random"` and `"uniform"`, and how a policy's actions are numbered. Results of this
             package and the `policy` of one carry their own numbering.
+        within: the number of steps after which episodes are truncated, or `"max_steps"` for the
+            level's own limit; by default that of the policy, if it is a `Solution` within one,
+            else none. Within a limit, a policy may also be an array with an axis of that many
+            steps before all others.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -65,7 +78,7 @@ def evaluate(
         EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
             end.
     """
-    found = evaluation_of(level, policy, discount, actions)
+    found = evaluation_of(level, policy, discount, actions, within)
     if found.explanation:
         message = f"with this policy, {found.explanation}"
         if actions == "all" and looks_like_moves(policy, found.values.ndim):
@@ -75,12 +88,18 @@ def evaluate(
 
 
 def evaluation_of(
-    level: Any, policy: Policy, discount: float | None = None, actions: str = "all"
+    level: Any,
+    policy: Policy,
+    discount: float | None = None,
+    actions: str = "all",
+    within: int | str | None = None,
 ) -> Evaluation:
     """Do what `evaluate` does, without a warning where the expected return is infinite."""
     level = load(level)
     discount = check_discount(discount, level.discount)
-    space = space_of(level, actions)
+    space, steps = space_of(level, actions), limit_of(within, policy, level)
+    if steps is not None:
+        return evaluate_within(space, policy, discount, steps)
     model = space.model()
     chain = model.mixed(weights_of(policy, space)[model.states])
     values = chain_values(chain, discount, space)
@@ -97,6 +116,13 @@ def evaluation_of(
         actions=actions,
         diverging_cells=space.cells(diverging),
         diverging_condition=space.condition(diverging),
+    )
+
+
+def limit_of(within: int | str | None, policy: Any, level: Level) -> int | None:
+    """Return the limit of steps that is asked for, or that of the policy; None for none."""
+    return check_within(
+        getattr(policy, "within", None) if within is None else within, level.max_steps
     )
 
 
@@ -145,12 +171,7 @@ def episode(chain: Model, space: StateSpace) -> tuple[float, float]:
     except EpisodeTooLongError:
         return float("inf"), float("nan")
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
-    return space.at_start(chain, steps), _probability(space.at_start(chain, success))
-
-
-def _probability(value: float) -> float:
-    """Return a probability without the rounding errors that put it beyond 0 or 1."""
-    return min(1.0, max(0.0, value))
+    return space.at_start(chain, steps), probability(space.at_start(chain, success))
 
 
 def _may_reach(chain: Model, goals: Flags) -> Flags:
@@ -168,6 +189,7 @@ def simulate(
     seed: int = 0,
     *,
     discount: float | None = None,
+    within: int | str | None = None,
     max_steps: int | None = None,
     actions: str = "all",
 ) -> Simulation:
@@ -182,8 +204,10 @@ def simulate(
         episodes: how many, at least 1.
         seed: what all chance is drawn from.
         discount: above 0 and at most 1; by default, the level's.
-        max_steps: episodes that are longer are truncated. By default, the level's `max_steps`, or
-            10,000 where it has none.
+        within: the number of steps after which episodes are truncated, or `"max_steps"`. By
+            default that of the policy, if it is a `Solution` within one, else the level's
+            `max_steps`, or 10,000 where it has none.
+        max_steps: the former name of `within`.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
 
     Raises:
@@ -193,19 +217,22 @@ def simulate(
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
-    limit = max_steps if max_steps is not None else level.max_steps or MAX_STEPS
-    if episodes < 1 or limit < 1:
-        raise ValueError("episodes and max_steps must be at least 1")
+    if max_steps is not None:
+        warnings.warn("max_steps is called within now", DeprecationWarning, stacklevel=2)
+        within = max_steps
+    limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
+    if episodes < 1:
+        raise ValueError(f"episodes must be at least 1, not {episodes}")
     space = space_of(level, actions)
-    mdp, chain = space.mdp, chain_of(space, policy)
+    mdp, chain_at = space.mdp, chains(space, weights_by_step(policy, space, limit))
     rng = np.random.default_rng(check_seed(seed))
     state = rng.choice(mdp.num_states, size=episodes, p=mdp.start)
     returns, steps = np.zeros(episodes), np.zeros(episodes, np.int64)
     ended = np.zeros(episodes, bool)
     going = np.arange(episodes)
     factor = 1.0
-    for _ in range(limit):
-        here = state[going]
+    for step in range(limit):
+        here, chain = state[going], chain_at(step)
         which = (rng.random(going.size)[:, None] >= chain.cumulated[here]).sum(axis=1)
         returns[going] += factor * chain.reward[here, which]
         steps[going] += 1
@@ -257,4 +284,4 @@ def success_within(
         if np.array_equal(ahead, success):
             break
         success = ahead
-    return _probability(space.at_start(chain, success))
+    return probability(space.at_start(chain, success))

@@ -32,8 +32,10 @@ from babyrobot_levels.analysis.solver.model import (
 from babyrobot_levels.analysis.solver.results import (
     Solution,
     check_discount,
+    check_within,
 )
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
+from babyrobot_levels.analysis.solver.within import solve_within
 from babyrobot_levels.library.catalogue import load
 
 TOLERANCE = 1e-9
@@ -43,20 +45,31 @@ MAX_ROUNDS = 1000
 """A bound that rounding cannot exceed: a policy that is no better repeats after a few rounds."""
 
 
-def solve(level: Any, discount: float | None = None, *, actions: str = "all") -> Solution:
+def solve(
+    level: Any,
+    discount: float | None = None,
+    *,
+    actions: str = "all",
+    within: int | str | None = None,
+) -> Solution:
     """Return the optimal values of a level and an optimal policy, exactly.
 
     Without a discount the return is the total reward. It is inf from where the robot can reach,
     with any probability, a loop of positive reward; else -inf from where every policy risks going
     on at a cost for ever: `explanation` of the result says so. Going on for ever with rewards of 0
-    adds nothing. A time limit (`max_steps`) is not part of the MDP and is ignored;
-    `success_within` counts steps.
+    adds nothing.
+
+    A time limit counts only where `within` asks for it: the state does not contain the time.
+    Within a limit, values are finite, and the optimal policy depends on the step: `policies` of
+    the result has one for each step.
 
     Args:
         level: a name, a path, a mapping or a `Level`.
         discount: above 0 and at most 1; by default, the level's.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
             Actions that a wall refuses can be taken too.
+        within: the number of steps after which episodes are truncated, or `"max_steps"` for the
+            level's own limit; None for no limit.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -70,7 +83,9 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
-    space = space_of(level, actions)
+    space, steps = space_of(level, actions), check_within(within, level.max_steps)
+    if steps is not None:
+        return solve_within(space, discount, steps)
     model, mdp = space.model(), space.mdp
     found = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
     ahead = action_values(model, found.values, discount)

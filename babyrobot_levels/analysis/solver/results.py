@@ -136,8 +136,9 @@ class Result:
 
     def _tag_policy(self) -> None:
         values = vars(self)
-        if "policy" in values:
-            values["policy"] = PolicyArray(values["policy"], values["actions"])
+        for name in ("policy", "policies"):
+            if values.get(name) is not None:
+                values[name] = PolicyArray(values[name], values["actions"])
 
 
 class StateResult(Result):
@@ -169,6 +170,8 @@ class StateResult(Result):
                 raise ValueError(f"heading must be {known}, not {heading!r}")
             index = (*index, SIDES.index(heading))
         parts = {name: array[index] for name, array in vars(self).items() if name in OVER_STATES}
+        if vars(self).get("policies") is not None:
+            parts["policies"] = vars(self)["policies"][:, *index]
         return replace(self, **parts)  # type: ignore[type-var]
 
 
@@ -202,6 +205,9 @@ class Evaluation(StateResult):
             which an episode may go on for ever, so that the sum of its rewards diverges.
         diverging_condition: what is held and on in that loop, as words: `while key is held`;
             empty where nothing can be, or where it changes.
+        within: the number of steps after which episodes are truncated; None for no limit. With a
+            limit, values are those with all of these steps left, `expected_steps` counts up to
+            the limit, and `exit_probability` is that of reaching an exit in time.
     """
 
     __module__ = "babyrobot_levels"
@@ -215,6 +221,7 @@ class Evaluation(StateResult):
     actions: str
     diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
     diverging_condition: str = field(default="", kw_only=True)
+    within: int | None = field(default=None, kw_only=True)
 
     @property
     def first_action(self) -> int:
@@ -248,14 +255,16 @@ class Evaluation(StateResult):
         return (
             f"the expected return is {self.expected_return}, because an episode may go on for ever "
             f"around {', '.join(cells)}{condition}, where {sums}; "
-            "a discount below 1, such as 0.99, makes it finite"
+            "a discount below 1, such as 0.99, or a limit of steps, such as within=200, makes it "
+            "finite"
         )
 
     def __repr__(self) -> str:
+        limit = "" if self.within is None else f" within={self.within}"
         return (
             f"<{type(self).__name__} expected_return={self.expected_return:.6g} "
             f"expected_steps={self.expected_steps:.6g} "
-            f"exit_probability={self.exit_probability:.6g} discount={self.discount:g}>"
+            f"exit_probability={self.exit_probability:.6g} discount={self.discount:g}{limit}>"
         )
 
 
@@ -275,6 +284,9 @@ class Solution(Evaluation):
         method: how it was found.
         iterations: how many policies were evaluated on the way.
         residual: the largest violation of Bellman's equation among finite values.
+        policies: within a limit of steps, an optimal action for each step and cell, int8
+            `[within, height, width]`, where number 0 is the first step; `policy` is that of the
+            first step. None without a limit, where the optimum does not depend on the time.
     """
 
     __module__ = "babyrobot_levels"
@@ -284,6 +296,7 @@ class Solution(Evaluation):
     method: str
     iterations: int
     residual: float
+    policies: Ints | None = field(default=None, kw_only=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,6 +351,11 @@ class Simulation(Result):
         )
 
 
+def probability(value: float) -> float:
+    """Return a probability without the rounding errors that put it beyond 0 or 1."""
+    return min(1.0, max(0.0, value))
+
+
 # -- arguments -----------------------------------------------------------------------------
 
 
@@ -375,6 +393,28 @@ def check_discount(discount: float | None, default: float) -> float:
         if 0 < discount <= 1:
             return float(discount)
     raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
+
+
+def check_within(within: int | str | None, max_steps: int | None) -> int | None:
+    """Return the number of steps after which episodes are truncated, None for no limit.
+
+    Args:
+        within: the number, or `"max_steps"` for that of the level; None for no limit.
+        max_steps: that of the level.
+
+    Raises:
+        ValueError: it is none of these, or the level has no `max_steps`.
+    """
+    if within is None:
+        return None
+    if within == "max_steps":
+        if max_steps is None:
+            raise ValueError("the level has no max_steps; give a number of steps, such as 200")
+        return max_steps
+    with suppress(TypeError):
+        if not isinstance(within, bool) and operator.index(within) >= 1:
+            return operator.index(within)
+    raise ValueError(f"within must be a number of steps from 1 on, or 'max_steps', not {within!r}")
 
 
 def check_seed(seed: int | None) -> int | None:

@@ -97,5 +97,5 @@ def test_quantiles_are_returns_that_are_possible() -> None:
 
 
 def test_no_steps_are_no_episode() -> None:
-    with pytest.raises(ValueError, match="within must be at least 1, not 0"):
+    with pytest.raises(ValueError, match="within must be a number of steps from 1 on"):
         return_distribution("default", "random", 0)

@@ -73,7 +73,7 @@ def test_no_policy_does_better() -> None:
     level = brl.load("ice-rink")
     for policy in ("random", brl.solve(level)):
         for steps in (3, 12, 40):
-            runs = brl.simulate(level, policy, 5_000, seed=1, max_steps=steps)
+            runs = brl.simulate(level, policy, 5_000, seed=1, within=steps)
             assert runs.mean <= best_return_within(level, steps) + 4 * runs.standard_error
 
 

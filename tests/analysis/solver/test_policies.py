@@ -179,7 +179,8 @@ def test_a_policy_that_never_ends_is_reported() -> None:
     assert str(caught[0].message) == (
         f"with this policy, the expected return is -inf, because an episode may go on for ever "
         f"around [{x}, {y}], where costs add up without bound; a discount below 1, such as 0.99, "
-        "makes it finite; if its action 0 is north, give actions='moves'"
+        "or a limit of steps, such as within=200, makes it finite; if its action 0 is north, "
+        "give actions='moves'"
     )
     assert caught[0].filename == __file__
     with pytest.warns(RuntimeWarning, match="makes it finite$"):

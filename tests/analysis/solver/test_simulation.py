@@ -31,7 +31,7 @@ LAKE = "frozen-lake"
 def test_means_are_what_evaluate_expects(name: str, policy: str, discount: float) -> None:
     given = solve(name, discount) if policy == "optimal" else policy
     expected = evaluate(name, given, discount)
-    runs = simulate(name, given, 4000, seed=1, discount=discount, max_steps=100_000)
+    runs = simulate(name, given, 4000, seed=1, discount=discount, within=100_000)
     assert runs.truncated == 0
     assert abs(runs.mean - expected.expected_return) <= 4 * runs.standard_error + 1e-9
     spread = runs.steps.std() / math.sqrt(runs.steps.size)
@@ -43,7 +43,7 @@ def test_means_are_what_evaluate_expects(name: str, policy: str, discount: float
 @given(worlds(5), st.sampled_from(["all", "moves"]))
 def test_discounted_means_on_random_levels(world: World, actions: str) -> None:
     level = level_of(world)
-    runs = simulate(level, "random", 500, discount=0.8, max_steps=150, actions=actions)
+    runs = simulate(level, "random", 500, discount=0.8, within=150, actions=actions)
     expected = evaluate(level, "random", 0.8, actions)
     # Six standard errors: hypothesis draws many levels, and other ones each time.
     assert abs(runs.mean - expected.expected_return) <= 6 * runs.standard_error + 0.02
@@ -61,23 +61,23 @@ def test_the_same_seed_gives_the_same_episodes() -> None:
 
 def test_episodes_are_cut_at_the_limit() -> None:
     level = world(rows=["S  E"])
-    assert simulate(level, "random", 100, max_steps=2).truncated == 100
+    assert simulate(level, "random", 100, within=2).truncated == 100
     # Who arrives with the last step has arrived.
     east = np.full((1, 4), 2)
-    runs = simulate(level, east, 10, max_steps=3)
+    runs = simulate(level, east, 10, within=3)
     assert (runs.truncated, runs.exit_rate, runs.mean, runs.standard_error) == (0, 1.0, -2.0, 0.0)
     assert (runs.steps == 3).all()
     runs = simulate({**level, "max_steps": 2}, east, 10)
     assert (runs.max_steps, runs.truncated, runs.exit_rate) == (2, 10, 0.0)
     assert runs.cut.all()
-    assert simulate({**level, "max_steps": 2}, east, 10, max_steps=3).truncated == 0
+    assert simulate({**level, "max_steps": 2}, east, 10, within=3).truncated == 0
     assert simulate(level, east).max_steps == 10_000
     assert math.isnan(simulate(level, east, 1).standard_error)
     assert "truncated=10" in repr(runs)
     with pytest.raises(ValueError, match="seed must be a whole number from 0 on"):
         simulate(level, east, seed="a")  # type: ignore[arg-type]
-    for wrong in ({"episodes": 0}, {"max_steps": 0}):
-        with pytest.raises(ValueError, match="at least 1"):
+    for wrong in ({"episodes": 0}, {"within": 0}):
+        with pytest.raises(ValueError, match=r"at least 1|from 1 on"):
             simulate(level, east, **wrong)  # type: ignore[arg-type]
 
 
@@ -85,7 +85,7 @@ def test_success_within_agrees_with_trial_runs() -> None:
     solution = solve(LAKE)
     for steps in (6, 20, 100):
         chance = success_within(LAKE, solution, steps)
-        runs = simulate(LAKE, solution, 20_000, seed=2, max_steps=steps)
+        runs = simulate(LAKE, solution, 20_000, seed=2, within=steps)
         assert abs(runs.exit_rate - chance) <= 4 * math.sqrt(chance * (1 - chance) / 20_000)
 
 

@@ -154,7 +154,7 @@ def test_an_exit_counts_when_what_it_needs_is_held() -> None:
 def test_means_are_what_evaluate_expects(name: str) -> None:
     for policy in ("random", solve(name)):
         expected = evaluate(name, policy, 0.95)
-        trials = simulate(name, policy, 2000, seed=1, discount=0.95, max_steps=20_000)
+        trials = simulate(name, policy, 2000, seed=1, discount=0.95, within=20_000)
         assert trials.truncated == 0
         assert abs(trials.mean - expected.expected_return) <= 5 * trials.standard_error + 1e-9
         chance = expected.exit_probability

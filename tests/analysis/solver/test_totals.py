@@ -36,7 +36,8 @@ def test_an_infinite_return_is_explained() -> None:
     assert solution.diverging_cells == ((0, 0),)
     assert solution.explanation == (
         "the expected return is -inf, because an episode may go on for ever around [0, 0], where "
-        "costs add up without bound; a discount below 1, such as 0.99, makes it finite"
+        "costs add up without bound; a discount below 1, such as 0.99, or a limit of steps, such "
+        "as within=200, makes it finite"
     )
     assert solve(shut, 0.99).explanation is None
     gold = world(rows=["S    E"], areas=[{"at": [3, 0], "reward": 5}])

@@ -1,0 +1,188 @@
+"""Episodes with a time limit: against recursion over outcomes, and against what is known."""
+
+from __future__ import annotations
+
+import random
+import re
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+import babyrobot_levels as brl
+
+ACTIONS = ("all", "moves", "turns")
+
+CHEST: dict[str, Any] = {
+    "version": 1,
+    "size": [6, 1],
+    "start": [2, 0],
+    "exit": [5, 0],
+    "areas": [{"at": [1, 0], "reward": 3, "ends": True}],
+    "rewards": {"step": -1, "exit": 10},
+}
+"""One step to a small reward, three to a large one."""
+
+
+def random_level(seed: int) -> dict[str, Any]:
+    """Return a small level with whatever a level may have."""
+    rng = random.Random(seed)
+    width, height = rng.randint(1, 4), rng.randint(2, 4)
+    cells = [[x, y] for y in range(height) for x in range(width)]
+    rng.shuffle(cells)
+    start, exit_, *others = cells
+    level: dict[str, Any] = {
+        "version": 1,
+        "size": [width, height],
+        "start": start,
+        "exit": exit_,
+        "rewards": {"step": rng.choice([-1, 0, -0.25]), "exit": rng.choice([0, 5, -2])},
+    }
+    if others:
+        level["areas"] = [{"at": others.pop(), "reward": rng.randint(-4, 4), "ends": seed % 2 == 1}]
+    if others:
+        size = rng.choice(["small", "large"])
+        level["puddles"] = [{"at": others.pop(), "size": size}]
+    if others and seed % 3 == 0:
+        level["warps"] = [{"at": others.pop(), "to": start}]
+    return level
+
+
+def worth(level: brl.Level, steps: int, actions: str, policy: Any = None) -> float:
+    """Return the best expected return, or that of a policy, by recursion over single outcomes.
+
+    Args:
+        level: the level.
+        steps: the limit.
+        actions: the set of actions.
+        policy: a function from state and steps so far to an action; None for the best one.
+    """
+    turns = actions == "turns"
+    mdp = level.compile().turning(level.heading) if turns else level.compile()
+    first = 1 if actions == "moves" else 0
+
+    @cache
+    def value(state: int, step: int) -> float:
+        if step == steps or mdp.is_terminal[state]:
+            return 0.0
+        taken = range(first, mdp.num_actions)
+        if policy is not None:
+            taken = range(chosen := first + policy(state, step), chosen + 1)
+        return max(
+            sum(
+                chance * (reward + (0.0 if ends else level_discount * value(following, step + 1)))
+                for chance, following, reward, ends in mdp.outcomes(state, action)
+            )
+            for action in taken
+        )
+
+    level_discount = level.discount
+    return float(sum(mdp.start[state] * value(state, 0) for state in mdp.start.nonzero()[0]))
+
+
+@pytest.mark.parametrize("actions", ACTIONS)
+@pytest.mark.parametrize("seed", range(70))
+def test_the_optimum_is_what_the_recursion_gives(seed: int, actions: str) -> None:
+    level = brl.Level.from_fields({**random_level(seed), "discount": 1.0 if seed % 4 else 0.9})
+    for steps in (1, 2, 6):
+        found = brl.solve(level, actions=actions, within=steps)
+        assert found.expected_return == pytest.approx(worth(level, steps, actions), abs=1e-12)
+        assert found.policies is not None
+        table = np.asarray(found.policies).reshape(steps, -1).tolist()
+        followed = worth(level, steps, actions, lambda state, step, table=table: table[step][state])
+        assert followed == pytest.approx(found.expected_return, abs=1e-12)
+        again = brl.evaluate(level, found, actions=actions)
+        assert again.within == steps
+        assert again.expected_return == pytest.approx(found.expected_return, abs=1e-12)
+        assert again.expected_steps == pytest.approx(found.expected_steps)
+        assert again.exit_probability == pytest.approx(found.exit_probability)
+
+
+@pytest.mark.parametrize("name", ["frozen-lake", "bat-cave", "first-key", "gridworld-3-5"])
+def test_any_policy_within_a_limit(name: str) -> None:
+    level = brl.load(name)
+    policy = brl.solve(level)
+    states = np.asarray(policy.policy).ravel()
+    found = brl.evaluate(level, policy, within=7)
+    expected = worth(level, 7, "all", lambda state, step: max(0, int(states[state])))
+    assert found.expected_return == pytest.approx(expected)
+    assert found.exit_probability == pytest.approx(brl.success_within(level, policy, 7))
+    assert found.expected_return <= brl.solve(level, within=7).expected_return + 1e-12
+
+
+def test_the_optimum_depends_on_the_time_that_is_left() -> None:
+    returns = [brl.solve(CHEST, within=steps).expected_return for steps in (1, 2, 3)]
+    assert returns == [3.0, 3.0, 8.0]
+    found = brl.solve(CHEST, within=3)
+    assert found.policies is not None
+    east, west = brl.Action.EAST, brl.Action.WEST
+    # At first to the east; a robot that is still at the start after a step goes west.
+    assert found.policies[:2, 0, 2].tolist() == [east, west]
+    assert found.policy[0, 2] == east
+    assert found.expected_steps == 3.0
+    assert found.method == "backward induction"
+
+
+def test_the_chance_to_cross_the_frozen_lake_in_time() -> None:
+    found = brl.solve("frozen-lake", within="max_steps")
+    assert found.within == 100
+    assert found.expected_return == pytest.approx(0.744190, abs=1e-6)
+    assert found.exit_probability == pytest.approx(found.expected_return)
+    stationary = brl.evaluate("frozen-lake", brl.solve("frozen-lake"), within="max_steps")
+    assert stationary.expected_return < found.expected_return
+    assert repr(found).endswith("discount=1 within=100>")
+
+
+def test_a_policy_that_never_ends_has_a_finite_worth_within_a_limit() -> None:
+    level = {"version": 1, "size": [2, 1], "start": [0, 0], "exit": [1, 0]}
+    stays = np.zeros((1, 2), np.int64)
+    assert brl.evaluate(level, stays, within=30).expected_return == -30.0
+    assert brl.evaluate(level, stays, within=30).exit_probability == 0.0
+
+
+def test_simulated_episodes_follow_a_policy_by_step() -> None:
+    level = brl.load("frozen-lake")
+    found = brl.solve(level, within=30)
+    runs = brl.simulate(level, found, 20_000, seed=1)
+    assert runs.max_steps == 30
+    assert runs.mean == pytest.approx(found.expected_return, abs=4 * runs.standard_error)
+    assert runs.steps.mean() == pytest.approx(found.expected_steps, rel=0.02)
+    by_hand = brl.evaluate(level, np.asarray(found.policies), within=30)
+    assert by_hand.expected_return == pytest.approx(found.expected_return)
+
+
+def test_the_part_of_a_configuration_keeps_the_steps() -> None:
+    found = brl.solve("first-key", within=9)
+    part = found.at(1)
+    assert part.policies is not None
+    assert found.policies is not None
+    assert part.policies.shape == (9, *part.policy.shape)
+    assert (part.policies == found.policies[:, 1]).all()
+
+
+@pytest.mark.parametrize(
+    ("within", "message"),
+    [
+        (0, "within must be a number of steps from 1 on, or 'max_steps', not 0"),
+        (2.5, "within must be a number of steps from 1 on, or 'max_steps', not 2.5"),
+        ("all", "within must be a number of steps from 1 on, or 'max_steps', not 'all'"),
+        (True, "within must be a number of steps from 1 on, or 'max_steps', not True"),
+        ("max_steps", "the level has no max_steps; give a number of steps, such as 200"),
+    ],
+)
+def test_limits_that_are_none(within: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=f"^{re.escape(message)}$"):
+        brl.solve(CHEST, within=within)
+
+
+def test_a_policy_of_another_limit_is_refused() -> None:
+    found = brl.solve(CHEST, within=4)
+    with pytest.raises(ValueError, match="episodes of 4 steps; give within=4"):
+        brl.evaluate(CHEST, found, within=5)
+
+
+def test_the_former_name_of_the_limit() -> None:
+    with pytest.warns(DeprecationWarning, match="max_steps is called within now"):
+        runs = brl.simulate(CHEST, "random", 10, max_steps=2)
+    assert runs.max_steps == 2
