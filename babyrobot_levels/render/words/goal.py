@@ -16,7 +16,7 @@ _MOST_NAMES = 3
 
 
 def goal_of(level: GridWorld) -> str:
-    """Return what there is to do as one sentence: `Fetch the key, then go to the exit.`
+    """Return what there is to do as one sentence, such as "Fetch the key, then go to the exit.".
 
     What has to be fetched or switched on is what is held or on in every episode that ends at an
     exit. An end that pays more than the exit, or than all others, is the one to reach.

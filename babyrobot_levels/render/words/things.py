@@ -27,7 +27,7 @@ def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
     acts = _acts(level)
     switches = {switch.name: switch for switch in level.switches}
     told = {(item.name,) for item in level.items if item.reward is not None} | {*acts}
-    for (shape, color), items in _by_look(level.items).items():
+    for (shape, _), items in _by_look(level.items).items():
         lone = [item for item in items if (item.name,) not in acts and item.reward is not None]
         if len(lone) > 1:
             pays = phrases.rewards(item.reward for item in lone if item.reward is not None)
@@ -43,8 +43,7 @@ def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
         when = ""
         if kind == "switch" and len(names) == 1:
             switch = switches[names[0]]
-            when = f"{'flips once, ' if switch.once else ''}{'on at first, ' if switch.on else ''}"
-            when += "while on "
+            when = f"{'flips once, ' * switch.once}{'on at first, ' * switch.on}while on: "
         yield f"{kind}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
     yield from _movers(level)
 
