@@ -50,8 +50,10 @@ SCRIPTS = (
     "link.js",
     "things.js",
     "game.js",
+    "result.js",
     "paint.js",
     "picture.js",
+    "trail.js",
     "page.js",
 )
 """The parts of the page's script, in the order of their dependencies."""
