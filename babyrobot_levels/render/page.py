@@ -51,7 +51,10 @@ SCRIPTS = (
     "things.js",
     "game.js",
     "paint.js",
+    "view.js",
+    "gestures.js",
     "picture.js",
+    "speech.js",
     "page.js",
 )
 """The parts of the page's script, in the order of their dependencies."""
