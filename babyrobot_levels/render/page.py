@@ -54,6 +54,7 @@ SCRIPTS = (
     "view.js",
     "gestures.js",
     "picture.js",
+    "legend.js",
     "speech.js",
     "page.js",
 )

@@ -3,6 +3,7 @@ const find = (id) => document.getElementById(id);
 const OWN = JSON.parse(find("data").textContent);
 const HELLO = "Move the robot to an exit.";
 const view = new View(find("stage"), find("map"));
+const legend = new Legend(view, find("rules"), find("cell"));
 
 let game = null;
 let picture = null;
@@ -16,6 +17,7 @@ function showLevel(data) {
   picture?.stop();
   game = new Game(data, data.turns?.on ?? false);
   picture = new Picture(game, svg, view);
+  legend.show(game);
   document.title = data.title;
   for (const name of ["title", "description"]) find(name).textContent = data[name];
   find("facts").replaceChildren(...data.facts.flatMap(factElements));
