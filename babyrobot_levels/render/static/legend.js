@@ -16,21 +16,23 @@ class Legend {
 
   /** Show the rules of a game. */
   show(game) {
-    const { rules = [], picture } = game.data;
+    const painter = new Painter(game.data.picture.palette);
     this.game = game;
+    this.all = (game.data.rules ?? []).map(([sample, words, runs]) =>
+      ({ sample: painter.layer(sample), words, cells: cellsOf(runs, game.cells) }));
     this.outlines = element("path", { id: "outlines" });
     this.view.svg.append(this.outlines);
-    this.rules.closest("details").hidden = rules.length === 0;
-    this.rules.replaceChildren(...rules.map((rule) => this.item(rule, new Painter(picture.palette))));
+    this.rules.closest("details").hidden = this.all.length === 0;
+    this.rules.replaceChildren(...this.all.map((rule) => this.item(rule)));
     this.leave();
   }
 
   /** Return a rule with its sample; those about cells show which, where they have the focus. */
-  item({ text: words, sample, cells }, painter) {
+  item({ words, sample, cells }) {
     const [item, line] = ["li", cells.length > 0 ? "button" : "span"].map((tag) =>
       document.createElement(tag));
     const icon = element("svg", { viewBox: `0 0 ${COMMON.cell} ${COMMON.cell}`, "aria-hidden": true },
-      ...painter.layer(sample));
+      ...sample);
     line.append(icon, words);
     for (const name of ["focus", "pointerenter"]) line.addEventListener(name, () => this.outline(cells));
     for (const name of ["blur", "pointerleave"]) line.addEventListener(name, () => this.outline([]));
@@ -51,9 +53,10 @@ class Legend {
       return;
     }
     const cell = y * data.width + x;
-    const isHere = (data.rules ?? []).map(({ cells }) => cells.includes(cell));
-    const told = (data.rules ?? []).filter((_, index) => isHere[index]).map((rule) => rule.text);
-    this.line.textContent = [`[${x}, ${y}]`, ...told].join(" \u00b7 ");
+    const isHere = this.all.map(({ cells }) => cells.includes(cell));
+    const told = this.all.filter((_, index) => isHere[index]).map(({ words }) => words);
+    const things = this.game.things.at(this.game.configuration, cell).map(({ name }) => name);
+    this.line.textContent = [`[${x}, ${y}]`, ...things, ...told].join(" \u00b7 ");
     this.line.hidden = false;
     const frame = stage.getBoundingClientRect();
     this.line.classList.toggle("high", clientY > frame.top + frame.height / 2);
@@ -76,4 +79,14 @@ class Legend {
     });
     this.outlines.setAttribute("d", squares.join(""));
   }
+}
+
+/** Return the cells of runs, each its first cell and its length. */
+function cellsOf(runs, count) {
+  const all = [];
+  for (let at = 0; at + 1 < runs.length; at += 2) {
+    const end = Math.min(count, runs[at] + runs[at + 1]);
+    for (let cell = runs[at]; cell < end; cell++) all.push(cell);
+  }
+  return all;
 }
