@@ -193,7 +193,8 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
 def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str, Any]:
     """Return the picture, what it shows of things and of a robot that turns, and the rules.
 
-    A rule is its sample, shapes of a cell in the picture's palette, and its text.
+    A rule is its sample, shapes of a cell in the picture's palette, its text, and the runs of cells
+    that it is about, each as its first cell and its length.
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
     cell; otherwise they are marks.
@@ -225,10 +226,22 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     if marks.packed:
         picture["marks"] = marks.packed
     data["rules"] = [
-        [pack(sample_shapes(level, rule.sample), palette), rule.text] for rule in rules_of(level)
+        [pack(sample_shapes(level, rule.sample), palette), rule.text, _runs(rule.cells)]
+        for rule in rules_of(level)
     ]
     picture["palette"] = palette.colors
     return data
+
+
+def _runs(cells: Sequence[int]) -> list[int]:
+    """Return ascending numbers as runs: the first number and the length of each."""
+    runs: list[int] = []
+    for cell in cells:
+        if runs and cell == runs[-2] + runs[-1]:
+            runs[-1] += 1
+        else:
+            runs += [cell, 1]
+    return runs
 
 
 def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> dict[str, Any]:

@@ -102,7 +102,10 @@ function checkTexts({ title, description, best, seed, facts, shown, robot, goal 
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   // The samples of rules are shapes, which are checked as they are painted.
-  for (const rule of list(rules, 20)) text(list(rule, 2, 2)[1]);
+  for (const [, words, runs] of list(rules, 20).map((rule) => list(rule, 3, 3))) {
+    text(words);
+    list(runs).forEach((number) => whole(number, 0, COMMON.max_cells));
+  }
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
   list(robot, COMMON.robot.length, COMMON.robot.length).forEach(color);
 }

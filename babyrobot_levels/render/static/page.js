@@ -2,6 +2,8 @@
 const find = (id) => document.getElementById(id);
 const OWN = JSON.parse(find("data").textContent);
 const GOAL = "Move the robot to an exit."; // Of links that do not say it.
+const view = new View(find("stage"), find("map"));
+const legend = new Legend(view, find("rules"), find("cell"));
 
 let game = null;
 let picture = null;
@@ -15,8 +17,9 @@ function showLevel(data) {
   watch(false);
   picture?.stop();
   game = new Game(data, data.turns?.on ?? false);
-  picture = new Picture(game, svg, find("stage"));
+  picture = new Picture(game, svg, view);
   trail = new Trail(game, svg);
+  legend.show(game);
   document.title = data.title;
   for (const name of ["title", "description"]) find(name).textContent = data[name];
   find("facts").replaceChildren(...data.facts.flatMap(factElements));
@@ -92,14 +95,35 @@ function show(message, kind = "") {
   const line = find("message");
   line.textContent = message;
   line.dataset.kind = kind;
+  speak(message);
   showHeld();
   showResult();
   showHint(-1);
-  for (const button of document.querySelectorAll("[data-action]")) {
-    if (button.parentElement.hidden) continue;
-    const isOpen = game.end === null && game.isPossible(Number(button.dataset.action));
-    button.classList.toggle("shut", !isOpen);
-  }
+  for (const button of document.querySelectorAll("[data-action]")) showButton(button);
+}
+
+/** Show on the button of an action whether that side is closed. */
+function showButton(button) {
+  const isShut = !button.closest("[hidden]") && !game.isPossible(Number(button.dataset.action));
+  const [name] = button.getAttribute("aria-label").split(",");
+  button.classList.toggle("shut", isShut);
+  button.setAttribute("aria-label", isShut ? `${name}, closed` : name);
+  button.setAttribute("aria-disabled", game.end !== null);
+}
+
+/** Tell screen readers what happened, and which sides are closed now. */
+function speak(message) {
+  const line = find("spoken");
+  const text = game.end === null ? `${message.replace(/[^.!?]$/, "$&.")} ${closedSides(game)}` : message;
+  // The same text again is only read out if it differs.
+  line.textContent = line.textContent === text ? `${text}\u00a0` : text;
+}
+
+/** Tell where the robot is, what is around it, and where the exits lie. */
+function lookAround() {
+  const text = surroundings(game);
+  find("message").textContent = find("spoken").textContent = text;
+  find("message").dataset.kind = "";
 }
 
 /** Show the card of the episode's result if it has ended. */
@@ -263,6 +287,10 @@ const CONTROLS = {
   values: () => toggle("values"),
   policy: () => toggle("policy"),
   turning: turn,
+  look: lookAround,
+  fit: () => view.fit(),
+  larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
+  smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
 };
 
 const KEYS = {
@@ -270,24 +298,32 @@ const KEYS = {
   w: "north", d: "east", s: "south", a: "west", " ": "stay",
   z: "undo", h: "hint", r: "retry", n: "new-luck",
   p: "watch", v: "values", b: "policy", t: "turning",
+  l: "look", 0: "fit", "+": "larger", "=": "larger", "-": "smaller",
 };
 
-/** What the keys of moves do while the robot turns; the others do nothing. */
+/** What the keys and swipes of moves do while the robot turns; the others do nothing. */
 const TURN_KEYS = { north: "forward", east: "right", west: "left" };
+
+function move(name) {
+  CONTROLS[game.isTurning ? TURN_KEYS[name] : name]?.();
+}
 
 document.addEventListener("keydown", (event) => {
   if (game === null || event.ctrlKey || event.metaKey || event.altKey) return;
   const { target } = event;
   if (target.matches("[type=text]")) return;
   if (event.key === " " && target.matches("button, input, summary")) return;
+  if (event.key.length === 1 && !find("shortcuts").checked) return;
   const control = KEYS[event.key.toLowerCase()];
   if (control === undefined) return;
   event.preventDefault();
   const isMove = MOVES.includes(control);
   // A key that is held down waits until the robot has arrived.
   if (event.repeat && (picture.running !== null || !isMove || control === "stay")) return;
-  CONTROLS[isMove && game.isTurning ? TURN_KEYS[control] : control]?.();
+  if (isMove) move(control);
+  else CONTROLS[control]();
 });
+listenToGestures(view, (side) => game !== null && move(SIDES[side]));
 for (const button of document.querySelectorAll("[data-control]")) {
   button.addEventListener("click", () => CONTROLS[button.dataset.control]());
 }
