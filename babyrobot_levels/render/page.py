@@ -50,12 +50,14 @@ SCRIPTS = (
     "link.js",
     "things.js",
     "game.js",
+    "result.js",
     "paint.js",
     "view.js",
     "gestures.js",
     "picture.js",
     "legend.js",
     "speech.js",
+    "trail.js",
     "page.js",
 )
 """The parts of the page's script, in the order of their dependencies."""

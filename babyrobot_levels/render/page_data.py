@@ -18,7 +18,14 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
-from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
+from babyrobot_levels.render.page_tables import (
+    CHEER,
+    EVENTS,
+    HEADING_POSES,
+    POSES,
+    good_ends,
+    rows_of,
+)
 from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
@@ -51,6 +58,9 @@ WatchedPolicy = Literal["best", "random"]
 _ROBOT_COLORS = ("robot", "puddle")
 """The colours of a theme in the robot's pictures: of its body, and of splashes."""
 
+MAX_QUANTILES = 101
+"""The most quantiles of returns on a page."""
+
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
 
@@ -68,12 +78,17 @@ class Guide:
         overlay: the values and optimal actions of the cells, which the page can show.
         expected_return: the policy's expected return from the starts; it may be infinite.
         turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
+        random_return: the expected return of random actions, if it is known.
+        quantiles: quantiles of the policy's return at evenly spaced probabilities, ascending, at
+            most `MAX_QUANTILES`; empty if they are unknown.
     """
 
     policy: Sequence[int]
     overlay: Overlay
     expected_return: float
     turning: Guide | None = None
+    random_return: float | None = None
+    quantiles: Sequence[float] = ()
 
 
 def without_panels(level: GridWorld) -> GridWorld:
@@ -125,8 +140,7 @@ def page_data(
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
-        "policy": list(guide.policy) if guide is not None else None,
-        "best": _best(guide),
+        **_answers(guide),
     }
 
 
@@ -235,8 +249,7 @@ def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> 
     data: dict[str, Any] = {
         "on": on,
         "heading": SIDES.index(level.heading),
-        "policy": list(guide.policy) if guide is not None else None,
-        "best": _best(guide),
+        **_answers(guide),
     }
     if guide is not None:
         overlays = (
@@ -248,10 +261,32 @@ def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> 
     return data
 
 
-def _best(guide: Guide | None) -> str:
-    if guide is None or not math.isfinite(guide.expected_return):
-        return ""
-    return number(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+def _answers(guide: Guide | None) -> dict[str, Any]:
+    """Return the optimal policy, and what is known about its return."""
+    if guide is None:
+        return {"policy": None, "best": ""}
+    data: dict[str, Any] = {"policy": list(guide.policy), "best": ""}
+    if math.isfinite(guide.expected_return):
+        data["best"] = _rounded(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+        random = guide.random_return
+        data["returns"] = {
+            "best": _brief(guide.expected_return),
+            "random": _brief(random) if random is not None and math.isfinite(random) else None,
+            "quantiles": list(map(_brief, guide.quantiles)),
+        }
+    return data
+
+
+def _rounded(value: float) -> str:
+    """Return a number with two decimals, or two digits where it is small."""
+    if abs(value) >= 0.1 or abs(value) < 1e-6:
+        return number(value)
+    return np.format_float_positional(value, 2, unique=False, fractional=False, trim="-")
+
+
+def _brief(value: float) -> float | int:
+    """Return a number with six digits."""
+    return _short(float(f"{value:.6g}"))
 
 
 def playable(level: GridWorld) -> dict[str, Any]:
@@ -282,6 +317,8 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "starts": mdp.start.nonzero()[0].tolist(),
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
+        "discount": _short(level.discount),
+        "good": good_ends(level),
         "rows": rows,
         "table": table,
         "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),

@@ -1,12 +1,13 @@
 // The page: shows and plays its own level, or the one after the `#` of its address.
 const find = (id) => document.getElementById(id);
 const OWN = JSON.parse(find("data").textContent);
-const HELLO = "Move the robot to an exit.";
+const GOAL = "Move the robot to an exit."; // Of links that do not say it.
 const view = new View(find("stage"), find("map"));
 const legend = new Legend(view, find("rules"), find("cell"));
 
 let game = null;
 let picture = null;
+let trail = null;
 let isWatching = false;
 let timer = null;
 
@@ -17,6 +18,7 @@ function showLevel(data) {
   picture?.stop();
   game = new Game(data, data.turns?.on ?? false);
   picture = new Picture(game, svg, view);
+  trail = new Trail(game, svg);
   legend.show(game);
   document.title = data.title;
   for (const name of ["title", "description"]) find(name).textContent = data[name];
@@ -26,17 +28,17 @@ function showLevel(data) {
   for (const name of ["values", "policy"]) {
     find(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
-  find("seed").value = data.seed;
   find("turning").hidden = data.turns === undefined;
+  const { discount = 1, goal = GOAL } = data;
+  find("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
   showActions();
-  picture.stand();
-  show(HELLO + game.things.needs(game.configuration));
+  showTrail();
+  begin(data.seed, goal + game.things.needs(game.configuration));
 }
 
 /** Show the controls of the robot's actions, and what is known about them. */
 function showActions() {
-  const { data, isTurning } = game;
-  const known = isTurning ? data.turns : data;
+  const { data, isTurning, known } = game;
   find("turning").setAttribute("aria-pressed", isTurning);
   for (const place of document.querySelectorAll("[data-mode]")) {
     place.hidden = (place.dataset.mode === "turns") !== isTurning;
@@ -45,6 +47,7 @@ function showActions() {
   find("watch").hidden = walker === null || (walker === "best" && known.policy === null);
   find("best").textContent = known.best;
   find("best").parentElement.hidden = known.best === "";
+  find("hint").hidden = known.policy === null;
   find("show-values").hidden = known.policy === null;
   find("show-policy").hidden = known.policy === null || isTurning;
 }
@@ -85,6 +88,7 @@ function notify(message) {
   find("notice").hidden = message === "";
 }
 
+/** Show the numbers of the episode, a message, and the result at the end. */
 function show(message, kind = "") {
   find("steps").textContent = game.steps;
   find("return").textContent = formatted(game.total);
@@ -93,6 +97,8 @@ function show(message, kind = "") {
   line.dataset.kind = kind;
   speak(message);
   showHeld();
+  showResult();
+  showHint(-1);
   for (const button of document.querySelectorAll("[data-action]")) showButton(button);
 }
 
@@ -118,6 +124,32 @@ function lookAround() {
   const text = surroundings(game);
   find("message").textContent = find("spoken").textContent = text;
   find("message").dataset.kind = "";
+}
+
+/** Show the card of the episode's result if it has ended. */
+function showResult() {
+  find("result").hidden = game.end === null;
+  if (game.end === null) return;
+  const stars = starsOf(game);
+  find("result-title").textContent = game.isGood ? "Well done" : "The end";
+  find("stars").hidden = find("result-help").parentElement.hidden = stars === null;
+  find("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
+  find("stars").setAttribute("aria-label", `${stars} of 3 stars`);
+  find("result-help").textContent = stars === null ? "" : ruleOf(game);
+  find("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));
+}
+
+/** Highlight an action in the picture and among the buttons; a negative one highlights none. */
+function showHint(action) {
+  trail.point(action);
+  for (const button of document.querySelectorAll("[data-action]")) {
+    button.classList.toggle("hinted", button.dataset.action === String(action));
+  }
+}
+
+/** Show or hide the trail, as its switch says. */
+function showTrail() {
+  trail.group.classList.toggle("hidden", !find("trail").checked);
 }
 
 /** Show what is held, and which switches are on. */
@@ -154,7 +186,7 @@ function watch(wanted) {
   clearTimeout(timer);
   find("watch").setAttribute("aria-pressed", wanted);
   if (!wanted) return;
-  if (game.end !== null) begin();
+  if (game.end !== null) begin(game.nextSeed);
   takeAdvice();
 }
 
@@ -167,23 +199,51 @@ function takeAdvice() {
 
 function take(action) {
   if (game.end !== null) {
-    show(`${game.describeEnd()} Restart to play again.`, game.end);
+    show(`${game.describeEnd()} Retry or take new luck to play again.`, game.end);
     return;
   }
+  trail.stand();
   const step = game.step(action);
   const isEnd = game.end !== null;
   show(isEnd ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
     isEnd ? game.end : step.event);
   picture.go(step, () => {
+    trail.stand();
     if (isWatching) timer = setTimeout(takeAdvice, picture.calm.matches ? 400 : 90);
   });
 }
 
-function begin(seed = null) {
-  if (seed === null) game.reset();
-  else game.seed(seed);
+/** Begin the episode of a seed. */
+function begin(seed, message = `An episode begins with seed ${seed}.`) {
+  game.begin(seed);
+  find("seed").value = seed;
+  stand(message);
+}
+
+/** Show the state of the game without a move. */
+function stand(message) {
   picture.stand();
-  show("A new episode begins.");
+  trail.stand();
+  show(message);
+}
+
+function undo() {
+  watch(false);
+  if (game.past.length === 0) {
+    show("There is no action to undo.");
+    return;
+  }
+  game.undo();
+  stand(`Undone: back at [${game.place(game.state).join(", ")}] after ` +
+    `${game.steps} step${game.steps === 1 ? "" : "s"}.`);
+}
+
+function hint() {
+  if (find("hint").hidden) return;
+  watch(false);
+  const action = game.hint();
+  show(action < 0 ? "There is no hint: the episode has ended." : game.describeHint(action));
+  showHint(action);
 }
 
 function toggle(name) {
@@ -195,13 +255,13 @@ function toggle(name) {
   picture.marks.stand();
 }
 
-/** Let the robot turn, or move to all sides again: from the first episode of the seed. */
+/** Let the robot turn, or move to all sides again: from the start. */
 function turn() {
   if (find("turning").hidden) return;
   watch(false);
   game.isTurning = !game.isTurning;
   showActions();
-  begin(find("seed").checkValidity() ? find("seed").value : game.data.seed);
+  begin(game.seed);
 }
 
 function byHand(action) {
@@ -209,20 +269,29 @@ function byHand(action) {
   take(action);
 }
 
+function restart(seed) {
+  watch(false);
+  begin(seed);
+}
+
 const MOVES = ["stay", ...SIDES.slice(1)];
 const TURNS = ["left", "right", "forward"];
 const CONTROLS = {
   ...Object.fromEntries([MOVES, TURNS].flatMap((names) =>
     names.map((name, action) => [name, () => byHand(action)]))),
-  restart: () => {
-    watch(false);
-    begin();
-  },
+  undo,
+  hint,
+  retry: () => restart(game.seed),
+  "new-luck": () => restart(game.nextSeed),
   watch: () => find("watch").hidden || watch(!isWatching),
   values: () => toggle("values"),
   policy: () => toggle("policy"),
   turning: turn,
   look: lookAround,
+  close: () => {
+    find("result").hidden = true;
+    find("stage").focus();
+  },
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
@@ -231,7 +300,8 @@ const CONTROLS = {
 const KEYS = {
   arrowup: "north", arrowright: "east", arrowdown: "south", arrowleft: "west",
   w: "north", d: "east", s: "south", a: "west", " ": "stay",
-  r: "restart", p: "watch", v: "values", b: "policy", t: "turning",
+  z: "undo", h: "hint", r: "retry", n: "new-luck",
+  p: "watch", v: "values", b: "policy", t: "turning",
   l: "look", 0: "fit", "+": "larger", "=": "larger", "-": "smaller",
 };
 
@@ -244,8 +314,9 @@ function move(name) {
 
 document.addEventListener("keydown", (event) => {
   if (game === null || event.ctrlKey || event.metaKey || event.altKey) return;
-  if (event.target.matches("input")) return;
-  if (event.key === " " && event.target.matches("button, summary")) return;
+  const { target } = event;
+  if (target.matches("[type=text]")) return;
+  if (event.key === " " && target.matches("button, input, summary")) return;
   if (event.key.length === 1 && !find("shortcuts").checked) return;
   const control = KEYS[event.key.toLowerCase()];
   if (control === undefined) return;
@@ -262,8 +333,8 @@ for (const button of document.querySelectorAll("[data-control]")) {
 }
 find("seed").addEventListener("change", ({ target }) => {
   if (!target.checkValidity() || target.value === "") return;
-  watch(false);
-  begin(target.value);
+  restart(target.value);
 });
+find("trail").addEventListener("change", showTrail);
 addEventListener("hashchange", showAddressed);
 showAddressed();

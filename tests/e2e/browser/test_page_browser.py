@@ -80,7 +80,7 @@ def test_buttons_of_closed_sides_say_so(ground: Playground) -> None:
     assert ground.page.locator("[data-control=east]").evaluate(thick) == ["east", "1px"]
 
 
-def test_the_exit_ends_it_and_restart_begins_again(ground: Playground) -> None:
+def test_the_exit_ends_it_and_retry_begins_again(ground: Playground) -> None:
     ground.open(WORLD)
     ground.press("s", "s", "d", "d", "d")
     assert (ground.state, ground.kind) == (11, "exit")
@@ -91,7 +91,7 @@ def test_the_exit_ends_it_and_restart_begins_again(ground: Playground) -> None:
     assert (ground.state, ground.number("steps"), ground.number("return")) == (0, 0, 0)
     ground.press("d")
     assert ground.state == 1
-    ground.page.get_by_role("button", name="Restart").click()
+    ground.page.get_by_role("button", name="Retry").click()
     assert ground.state == 0
 
 
@@ -146,8 +146,9 @@ def test_a_seed_and_the_same_actions_give_the_environments_episode(
         if terminated or truncated:
             episodes += 1
             total = 0.0
-            state, _ = env.reset()
-            ground.press("r")
+            seed += 1
+            state, _ = env.reset(seed=seed)
+            ground.press("n")
             assert ground.state == state
     assert skids > 10
     assert episodes > 0
@@ -319,7 +320,7 @@ def test_a_finger_plays_it(browser: Browser, tmp_path: Path) -> None:
     ground.open(WORLD)
     ground.page.get_by_role("button", name="East", exact=True).tap()
     assert ground.state == 1
-    for name in ("North", "East", "South", "West", "Stay", "Restart"):
+    for name in ("North", "East", "South", "West", "Stay", "Undo", "Retry", "New luck"):
         box = ground.page.get_by_role("button", name=re.compile(f"^{name}")).bounding_box()
         assert box is not None
         assert min(box["width"], box["height"]) >= 44
