@@ -104,7 +104,7 @@ function show(message, kind = "") {
 
 /** Show on the button of an action whether that side is closed. */
 function showButton(button) {
-  const isShut = !button.closest("[hidden]") && !game.isPossible(Number(button.dataset.action));
+  const isShut = game.end === null && !game.isPossible(Number(button.dataset.action));
   const [name] = button.getAttribute("aria-label").split(",");
   button.classList.toggle("shut", isShut);
   button.setAttribute("aria-label", isShut ? `${name}, closed` : name);
