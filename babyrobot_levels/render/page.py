@@ -55,9 +55,9 @@ SCRIPTS = (
     "view.js",
     "gestures.js",
     "picture.js",
+    "trail.js",
     "legend.js",
     "speech.js",
-    "trail.js",
     "page.js",
 )
 """The parts of the page's script, in the order of their dependencies."""

@@ -29,11 +29,11 @@ function showLevel(data) {
     find(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
   }
   find("turning").hidden = data.turns === undefined;
-  const { discount = 1, goal = GOAL } = data;
+  const { discount = 1, goal } = data;
   find("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
   showActions();
   showTrail();
-  begin(data.seed, goal + game.things.needs(game.configuration));
+  begin(data.seed, goal ?? GOAL + game.things.needs(game.configuration));
 }
 
 /** Show the controls of the robot's actions, and what is known about them. */
