@@ -104,7 +104,7 @@ function show(message, kind = "") {
 
 /** Show on the button of an action whether that side is closed. */
 function showButton(button) {
-  const isShut = !button.closest("[hidden]") && !game.isPossible(Number(button.dataset.action));
+  const isShut = game.end === null && !game.isPossible(Number(button.dataset.action));
   const [name] = button.getAttribute("aria-label").split(",");
   button.classList.toggle("shut", isShut);
   button.setAttribute("aria-label", isShut ? `${name}, closed` : name);
@@ -288,6 +288,10 @@ const CONTROLS = {
   policy: () => toggle("policy"),
   turning: turn,
   look: lookAround,
+  close: () => {
+    find("result").hidden = true;
+    find("stage").focus();
+  },
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),

@@ -24,12 +24,18 @@ function levelPicture(data) {
   },
   element("title", {}, title),
   element("defs", {}, ...sprites(robot), ...things.definitions),
-  element("g", { id: "ground" }, ...layer("base"), ...layer("grid")),
+  element("g", { id: "ground", class: isDark(palette[0]) ? "dark" : undefined }, ...layer("base"), ...layer("grid")),
   things.still,
   element("g", hidden("policy"), ...layer("policy")),
   element("g", hidden("values"), ...layer("values")),
   element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
   things.moving);
+}
+
+/** Return whether a colour, such as that of the cells, is dark. */
+function isDark(given) {
+  const [red, green, blue] = given.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+  return 0.3 * red + 0.6 * green + 0.1 * blue < 100;
 }
 
 /** Return the robot's symbols for all poses and phases, in the colours of a level. */
