@@ -1,0 +1,1 @@
+"""Scores of agents against the exact optimum of each level."""

@@ -1,0 +1,217 @@
+"""Agents in all forms that scoring takes, as functions from observations to probabilities.
+
+An agent without memory answers an observation always alike, so what it does in every state of a
+level is a table, from which its worth follows exactly. Only agents with memory have to be played.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+class Chooser(Protocol):
+    """An agent without memory, for many observations at once."""
+
+    def __call__(self, observations: Any, masks: NDArray[np.int8]) -> Floats:
+        """Return the probability of each action, `[observations, actions]`.
+
+        Args:
+            observations: stacked along the first axis; a dict of such arrays for a `Dict` space.
+            masks: which actions do not only bump into a wall, `[observations, actions]`.
+        """
+
+
+class Player(Protocol):
+    """An agent with memory: it is told when an episode begins."""
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+
+    def act(self, observation: Any, mask: NDArray[np.int8]) -> int:
+        """Return the action for the next observation of an episode."""
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """A policy by states, as `brl.evaluate` takes it: it needs no observations.
+
+    Attributes:
+        policy: the policy of a level, or a mapping from names or digests of levels to policies.
+    """
+
+    policy: Any
+
+    def of(self, name: str | None, digest: str) -> Any:
+        """Return the policy of a level.
+
+        Raises:
+            ValueError: the mapping has none.
+        """
+        if not isinstance(self.policy, Mapping):
+            return self.policy
+        for key in (digest, name):
+            if key in self.policy:
+                return self.policy[key]
+        raise ValueError(f"the agent has no policy for the level {name or digest!r}")
+
+
+Agent = Table | Chooser | Player
+
+
+def read_agent(
+    agent: Any, num_actions: int, *, deterministic: bool = True, batched: bool = False
+) -> Agent:
+    """Return an agent in one of three forms.
+
+    Args:
+        agent: as `brl.score` takes it.
+        num_actions: the number of actions.
+        deterministic: whether a model takes its most likely action, or samples.
+        batched: whether a function takes many observations at once.
+
+    Raises:
+        TypeError: it is none that scoring knows.
+    """
+    if isinstance(agent, str | Mapping | np.ndarray | list | tuple) or hasattr(
+        agent, "first_action"
+    ):
+        return Table(agent)
+    if hasattr(agent, "forward_inference"):
+        return _rllib_module(agent, num_actions, deterministic)
+    if hasattr(agent, "predict") and hasattr(agent, "policy"):
+        return _stable_baselines(agent, num_actions, deterministic)
+    if hasattr(agent, "reset") and hasattr(agent, "act"):
+        player: Player = agent
+        return player
+    if callable(agent):
+        return _function(agent, num_actions, batched)
+    raise TypeError(
+        f"{type(agent).__name__} is no agent: give a policy, a function from observations to "
+        "actions, a model of Stable-Baselines3 or RLlib, or an object with `reset` and `act`"
+    )
+
+
+# -- functions -----------------------------------------------------------------------------------
+
+
+def _function(function: Callable[..., Any], num_actions: int, batched: bool) -> Chooser:
+    def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
+        if batched:
+            return as_probabilities(function(observations), num_actions, len(masks))
+        answers = [function(_one(observations, index)) for index in range(len(masks))]
+        return as_probabilities(np.array(answers), num_actions, len(masks))
+
+    return choose
+
+
+def _one(observations: Any, index: int) -> Any:
+    """Return one of stacked observations; a number for a `Discrete` space."""
+    if isinstance(observations, dict):
+        return {name: _one(each, index) for name, each in observations.items()}
+    return observations[index]
+
+
+def as_probabilities(answers: Any, num_actions: int, count: int) -> Floats:
+    """Return an agent's answers as probabilities, `[observations, actions]`.
+
+    Args:
+        answers: actions `[observations]`, or probabilities `[observations, actions]`.
+        num_actions: the number of actions.
+        count: the number of observations.
+
+    Raises:
+        ValueError: they are neither.
+    """
+    table = np.asarray(answers)
+    if table.shape == (count, num_actions) and table.dtype.kind in "fiu":
+        return table.astype(np.float64)
+    if table.shape == (count, 1):
+        table = table[:, 0]
+    is_action = table.shape == (count,) and table.dtype.kind in "iub"
+    if not is_action or (count and not 0 <= int(table.min()) <= int(table.max()) < num_actions):
+        raise ValueError(
+            f"an agent's answer must be an action from 0 to {num_actions - 1}, or {num_actions} "
+            f"probabilities, not {_shown(table)}"
+        )
+    return np.eye(num_actions)[table.astype(np.intp)]
+
+
+def _shown(table: NDArray[Any]) -> str:
+    return repr(table[0].tolist()) if table.ndim and table.size else repr(table.tolist())
+
+
+# -- models of libraries -------------------------------------------------------------------------
+
+
+def _stable_baselines(model: Any, num_actions: int, deterministic: bool) -> Agent:
+    """Return a model of Stable-Baselines3 or sb3-contrib."""
+    if hasattr(model.policy, "lstm_actor"):
+        return _Recurrent(model, deterministic)
+    has_masks = "action_masks" in model.predict.__code__.co_varnames
+
+    def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
+        more = {"action_masks": masks.astype(bool)} if has_masks else {}
+        if deterministic or not hasattr(model.policy, "get_distribution"):
+            actions, _ = model.predict(observations, deterministic=True, **more)
+            return as_probabilities(actions, num_actions, len(masks))
+        tensors, _ = model.policy.obs_to_tensor(observations)
+        distribution = model.policy.get_distribution(tensors, **more).distribution
+        return np.asarray(distribution.probs.detach().cpu().numpy(), np.float64)
+
+    return choose
+
+
+class _Recurrent:
+    """A model of sb3-contrib with memory."""
+
+    def __init__(self, model: Any, deterministic: bool) -> None:
+        self._model, self._deterministic = model, deterministic
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the episode before."""
+        self._state: Any = None
+        self._begins = True
+
+    def act(self, observation: Any, mask: NDArray[np.int8]) -> int:
+        """Return the action for the next observation of an episode."""
+        action, self._state = self._model.predict(
+            observation,
+            state=self._state,
+            episode_start=np.array([self._begins]),
+            deterministic=self._deterministic,
+        )
+        self._begins = False
+        return int(action)
+
+
+def _rllib_module(module: Any, num_actions: int, deterministic: bool) -> Chooser:
+    """Return an `RLModule` of RLlib, whose outputs are the logits of the actions.
+
+    Raises:
+        TypeError: it has memory.
+    """
+    if module.is_stateful():
+        raise TypeError(
+            "an RLModule with memory has to be played: give an object with `reset` and `act`"
+        )
+    import torch
+
+    def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
+        given = torch.as_tensor(observations, dtype=torch.float32)
+        batch: dict[str, Any] = {"obs": given}
+        with torch.no_grad():
+            logits = module.forward_inference(batch)["action_dist_inputs"]
+            if deterministic:
+                actions = logits.argmax(dim=1).numpy()
+                return as_probabilities(actions, num_actions, len(masks))
+            return np.asarray(logits.softmax(dim=1).double().numpy(), np.float64)
+
+    return choose
