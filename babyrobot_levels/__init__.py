@@ -68,6 +68,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Things as Things
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
+    from babyrobot_levels.scoring.results import LevelScore as LevelScore
+    from babyrobot_levels.scoring.results import Scores as Scores
+    from babyrobot_levels.scoring.score import score as score
     from babyrobot_levels.text.diagnostics import Diagnostic as Diagnostic
     from babyrobot_levels.text.diagnostics import Severity as Severity
     from babyrobot_levels.text.errors import BabyRobotError as BabyRobotError
@@ -94,12 +97,14 @@ _HOMES = {
     "LevelError": "text.errors",
     "LevelInfo": "library.catalogue",
     "LevelNotFoundError": "text.errors",
+    "LevelScore": "scoring.results",
     "LevelVectorEnv": "envs.vector.env",
     "Mdp": "mdp.tables",
     "Metrics": "analysis.metrics",
     "PrioritizedSampler": "envs.samplers",
     "Rollout": "envs.engine.rollout",
     "Sampler": "envs.samplers",
+    "Scores": "scoring.results",
     "Severity": "text.diagnostics",
     "Simulation": "analysis.solver.results",
     "Solution": "analysis.solver.results",
@@ -131,6 +136,7 @@ _HOMES = {
     "register_babyrobot": "convert.registration",
     "rollout": "envs.engine.rollout",
     "sarsa": "analysis.learning.episodes",
+    "score": "scoring.score",
     "simulate": "analysis.solver.evaluation",
     "solve": "analysis.solver.optimum",
     "success_within": "analysis.solver.evaluation",

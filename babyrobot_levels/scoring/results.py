@@ -1,0 +1,185 @@
+"""Scores: of an agent in each level, and over all levels."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any, overload
+
+import numpy as np
+
+from babyrobot_levels.text.files import write_text
+
+SOLVED = 0.95
+"""From this share of the optimum on, a level counts as solved."""
+
+WORST = 0.1
+"""The share of the levels that the worst tenth is made of."""
+
+
+@dataclass(frozen=True, slots=True)
+class LevelScore:
+    """The score of an agent in one level.
+
+    Attributes:
+        level: the level's name, or its digest if it has none.
+        digest: the level's digest.
+        expected_return: the expected return of the agent.
+        optimum: that of an optimal policy.
+        random: that of the random policy.
+        share: how much of the way from the random policy to the optimum the agent covers:
+            `(expected_return - random) / (optimum - random)`; nan where the random policy is
+            optimal.
+        regret: `optimum - expected_return`.
+        success: the probability of reaching an exit.
+        steps: the expected number of steps.
+        within: the number of steps after which episodes are truncated; None for no limit.
+        discount: the factor by which each further reward counts less.
+        episodes: 0 if the score is exact; else the number of episodes that were played.
+        low: the lower end of the 95 % confidence interval of the expected return; equal to it if
+            the score is exact.
+        high: the upper end.
+    """
+
+    level: str
+    digest: str
+    expected_return: float
+    optimum: float
+    random: float
+    share: float
+    regret: float
+    success: float
+    steps: float
+    within: int | None
+    discount: float
+    episodes: int
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """The scores of all levels in a few numbers. Levels without a share are left out.
+
+    Attributes:
+        levels: the number of levels.
+        mean: the mean of the shares.
+        median: the median of the shares.
+        iqm: the interquartile mean: that of the middle half of the shares.
+        worst_tenth: the mean of the lowest tenth of the shares (CVaR), at least one.
+        solved: how many of the levels are solved, 0 to 1: those with a share of 0.95 or more.
+        regret: the mean of the regrets of all levels.
+        success: the mean of the chances to reach an exit of all levels.
+    """
+
+    levels: int
+    mean: float
+    median: float
+    iqm: float
+    worst_tenth: float
+    solved: float
+    regret: float
+    success: float
+
+
+class Scores(Sequence[LevelScore]):
+    """The scores of an agent in several levels, in their order."""
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(self, scores: Sequence[LevelScore]) -> None:
+        self._scores = tuple(scores)
+
+    def __len__(self) -> int:
+        return len(self._scores)
+
+    @overload
+    def __getitem__(self, index: int) -> LevelScore: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Scores: ...
+
+    def __getitem__(self, index: int | slice) -> LevelScore | Scores:
+        found = self._scores[index]
+        return Scores(found) if isinstance(found, tuple) else found
+
+    def __iter__(self) -> Iterator[LevelScore]:
+        return iter(self._scores)
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether all scores are exact, and none is from episodes that were played."""
+        return not any(score.episodes for score in self)
+
+    @property
+    def summary(self) -> Summary:
+        """The scores of all levels in a few numbers."""
+        shares = np.sort([score.share for score in self if not math.isnan(score.share)])
+        count = shares.size
+        if not count:
+            shares = np.array([math.nan])
+        middle = shares[count // 4 : count - count // 4]
+        return Summary(
+            len(self),
+            float(shares.mean()),
+            float(np.median(shares)),
+            float(middle.mean()) if middle.size else math.nan,
+            float(shares[: max(1, math.ceil(WORST * count))].mean()),
+            float((shares >= SOLVED).mean()) if count else math.nan,
+            _mean([score.regret for score in self]),
+            _mean([score.success for score in self]),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as a mapping that JSON can hold; null for nan."""
+        return {
+            "summary": _plain(asdict(self.summary)),
+            "levels": [_plain(asdict(score)) for score in self],
+        }
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return everything as JSON, and write it to a file if a path is given."""
+        return _written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
+
+    def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return a table with a row for each level, and write it to a file if a path is given."""
+        out = io.StringIO()
+        rows = csv.writer(out, lineterminator="\n")
+        rows.writerow([field.name for field in fields(LevelScore)])
+        rows.writerows(_plain(asdict(score)).values() for score in self)
+        return _written(out.getvalue(), path)
+
+    def __repr__(self) -> str:
+        summary = self.summary
+        return (
+            f"<Scores of {len(self)} levels: mean={summary.mean:.4g} iqm={summary.iqm:.4g} "
+            f"worst_tenth={summary.worst_tenth:.4g} solved={summary.solved:.4g} "
+            f"{'exact' if self.is_exact else 'estimated'}>"
+        )
+
+
+def _mean(numbers: Sequence[float]) -> float:
+    return float(np.mean(numbers)) if numbers else math.nan
+
+
+def _plain(data: dict[str, Any]) -> dict[str, Any]:
+    """Return a mapping with None for nan, and texts for infinities."""
+    return {name: _number(value) for name, value in data.items()}
+
+
+def _number(value: Any) -> Any:
+    if not isinstance(value, float) or math.isfinite(value):
+        return value
+    return None if math.isnan(value) else "inf" if value > 0 else "-inf"
+
+
+def _written(text: str, path: str | os.PathLike[str] | None) -> str:
+    if path is not None:
+        write_text(Path(path), text)
+    return text

@@ -1,0 +1,295 @@
+"""Scoring: the expected return of an agent in each level, beside the optimum and chance."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
+from babyrobot_levels.analysis.solver.many import Worth, best_returns_within, worth_within
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.policies import read_policy
+from babyrobot_levels.analysis.solver.results import check_discount, check_within
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
+from babyrobot_levels.envs.action_sets import ACTION_SETS
+from babyrobot_levels.envs.arguments import check_choice, checked_observation
+from babyrobot_levels.envs.observations import Observation, make_observer
+from babyrobot_levels.envs.observations.extent import Extent
+from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.envs.suite import suite_extent
+from babyrobot_levels.generate.suites import Suite, load_suite
+from babyrobot_levels.library.catalogue import load, suite_path
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.scoring.agents import Chooser, Floats, Player, Table, read_agent
+from babyrobot_levels.scoring.results import LevelScore, Scores
+from babyrobot_levels.scoring.tables import policy_of
+
+_CONFIDENCE = 1.959964
+"""The deviations from the mean of a 95 % confidence interval."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """A level with the conditions of its episodes."""
+
+    level: Level
+    space: StateSpace
+    limit: int | None
+    discount: float
+
+
+def score(
+    agent: Any,
+    levels: Any,
+    *,
+    split: str | None = None,
+    within: int | str | None = None,
+    discount: float | None = None,
+    observation: str | Sequence[str] = "position",
+    actions: str = "all",
+    deterministic: bool = True,
+    batched: bool = False,
+    episodes: int = 1000,
+    seed: int = 0,
+    **options: Any,
+) -> Scores:
+    """Return the scores of an agent: its expected return in each level, beside the best one.
+
+    An agent without memory is turned into a table of what it does in each state, from which its
+    expected return follows exactly, whatever it observes. One with memory plays episodes.
+
+    Args:
+        agent: one of
+
+            - a policy, as `brl.evaluate` takes it (`"random"`, a `Solution`, an array), or a
+              mapping from names or digests of levels to policies;
+            - a function from an observation to an action, or to the probabilities of all actions;
+              with `batched`, from many observations `[n, …]` at once (of JAX, for example);
+            - a model of Stable-Baselines3 or sb3-contrib, or an `RLModule` of RLlib;
+            - an object with memory: `reset()` begins an episode, and `act(observation, mask)`
+              returns an action.
+        levels: a level, a suite, or several levels: names, paths, mappings, `Level`s.
+        split: the part of a suite that is scored.
+        within: the number of steps after which episodes are truncated, or `"max_steps"`; by
+            default that of each level, none where it has none.
+        discount: above 0 and at most 1; by default, that of each level.
+        observation: what the agent observes, as in environments; `options` are those of it
+            (`view_radius`, `channels_last`, …).
+        actions: the set of actions, as in environments.
+        deterministic: whether a model takes its most likely action instead of sampling.
+        batched: whether a function takes many observations at once.
+        episodes: the number of episodes in each level, for agents with memory.
+        seed: their seed.
+        options: the other options of the observation.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: a level is not valid, or its maze has no seed yet.
+        ValueError: another argument has an invalid value, or there is no limit and the optimum of
+            a level is infinite.
+        TypeError: the agent is none that scoring knows.
+    """
+    check_choice("actions", actions, ACTION_SETS)
+    chosen = checked_observation(observation, **options)
+    own = {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
+    members, extent = _levels(levels, split, turns=ACTION_SETS[actions].turns)
+    problems = [_problem(level, within, discount, own) for level in members]
+    taken = read_agent(
+        agent, ACTION_SETS[actions].num_actions, deterministic=deterministic, batched=batched
+    )
+    best = _best(problems)
+    chance = _worth(problems, [_read("random", problem) for problem in problems])
+    spread = np.zeros(len(problems))
+    if isinstance(taken, Table) or not hasattr(taken, "act"):
+        policies = [_policy(taken, problem, chosen, extent) for problem in problems]
+        worth, played = _worth(problems, policies), 0
+    else:
+        worth, spread = _played(taken, problems, chosen, extent, actions, episodes, seed)
+        played = episodes
+    return Scores(
+        [
+            _row(problem, worth, chance, best, spread, number, played)
+            for number, problem in enumerate(problems)
+        ]
+    )
+
+
+def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level], Extent]:
+    """Return the levels that are scored, and the extent of their observations."""
+    if isinstance(levels, str) and suite_path(levels) is not None:
+        levels = load_suite(levels)
+    if isinstance(levels, Suite):
+        part = levels if split is None else levels.split(split)
+        return list(part), suite_extent(levels, turns=turns)
+    if split is not None:
+        raise ValueError("split is a part of a suite; these are levels")
+    if not isinstance(levels, list | tuple):
+        levels = [levels]
+    found = [load(level) for level in levels]
+    if not found:
+        raise ValueError("there are no levels to score")
+    return found, Extent.of(found, turns=turns)
+
+
+def _problem(
+    level: Level, within: int | str | None, discount: float | None, actions: str
+) -> _Problem:
+    limit = level.max_steps if within is None else check_within(within, level.max_steps)
+    return _Problem(
+        level, space_of(level, actions), limit, check_discount(discount, level.discount)
+    )
+
+
+def _read(policy: Any, problem: _Problem) -> Floats:
+    space = problem.space
+    return read_policy(policy, space.mdp, space.actions, problem.level.things())
+
+
+def _policy(
+    agent: Table | Chooser, problem: _Problem, observation: Observation, extent: Extent
+) -> Floats:
+    observer = make_observer(problem.level, observation, extent)
+    return policy_of(agent, problem.space, observer)
+
+
+def _limited(problems: Sequence[_Problem]) -> list[int]:
+    return [number for number, each in enumerate(problems) if each.limit is not None]
+
+
+def _best(problems: Sequence[_Problem]) -> Floats:
+    """Return the optimal expected returns.
+
+    Raises:
+        ValueError: one of them is infinite.
+    """
+    found, limited = np.zeros(len(problems)), _limited(problems)
+    found[limited] = best_returns_within(*_arguments(problems, limited))
+    for number, each in enumerate(problems):
+        if each.limit is None:
+            solution = solve(each.level, each.discount, actions=each.space.actions)
+            found[number] = solution.expected_return
+            if not math.isfinite(solution.expected_return):
+                name = each.level.name or each.level.digest
+                raise ValueError(f"{name} has no score: {solution.explanation}")
+    return found
+
+
+def _worth(problems: Sequence[_Problem], policies: Sequence[Floats]) -> Worth:
+    """Return what policies are worth, each in its level."""
+    found, limited = np.zeros((3, len(problems))), _limited(problems)
+    worth = worth_within(*_arguments(problems, limited), [policies[number] for number in limited])
+    found[:, limited] = worth.returns, worth.success, worth.steps
+    for number, each in enumerate(problems):
+        if each.limit is None:
+            alone = evaluation_of(each.level, policies[number], each.discount, each.space.actions)
+            found[:, number] = (
+                alone.expected_return,
+                alone.exit_probability,
+                alone.expected_steps,
+            )
+    return Worth(*found)
+
+
+def _arguments(
+    problems: Sequence[_Problem], numbers: Sequence[int]
+) -> tuple[list[StateSpace], list[int], list[float]]:
+    chosen = [problems[number] for number in numbers]
+    return (
+        [each.space for each in chosen],
+        [each.limit or 0 for each in chosen],
+        [each.discount for each in chosen],
+    )
+
+
+def _played(
+    agent: Player,
+    problems: Sequence[_Problem],
+    observation: Observation,
+    extent: Extent,
+    actions: str,
+    episodes: int,
+    seed: int,
+) -> tuple[Worth, Floats]:
+    """Return what an agent with memory earned on average, and the half width of the interval."""
+    rows, spread = np.zeros((3, len(problems))), np.zeros(len(problems))
+    for number, problem in enumerate(problems):
+        env = _ScoredEnv(problem.level, observation, extent, actions)
+        # Seeded once: all episodes of a level are from one stream of random numbers.
+        seeds = [seed, *[None] * (episodes - 1)]
+        runs = np.array([_episode(agent, env, problem, each) for each in seeds])
+        rows[:, number] = runs.mean(axis=0)
+        if episodes > 1:
+            spread[number] = _CONFIDENCE * runs[:, 0].std(ddof=1) / math.sqrt(episodes)
+    return Worth(*rows), spread
+
+
+class _ScoredEnv(LevelEnv):
+    """A level's environment whose observations have the space of all levels that are scored."""
+
+    def __init__(self, level: Level, observation: Observation, extent: Extent, actions: str):
+        self._shared = observation, extent
+        super().__init__(level, actions=actions)
+        self._observation = observation
+        self._enter(level)
+        self.observation_space = self._observer.space
+
+    @property
+    def state(self) -> int:
+        """The current state."""
+        return self._state
+
+    def _extent(self) -> Extent:
+        return self._shared[1]
+
+
+def _episode(
+    agent: Player, env: _ScoredEnv, problem: _Problem, seed: int | None
+) -> tuple[float, float, float]:
+    """Play an episode; return its return, whether it reached an exit, and its steps."""
+    observation, info = env.reset(seed=seed)
+    agent.reset()
+    total, factor, steps = 0.0, 1.0, 0
+    for steps in range(1, (problem.limit or MAX_STEPS) + 1):
+        action = agent.act(observation, info["action_mask"])
+        observation, reward, terminated, _, info = env.step(action)
+        total += factor * reward
+        factor *= problem.discount
+        if terminated:
+            return total, float(problem.space.exits[env.state]), steps
+    return total, 0.0, steps
+
+
+def _row(
+    problem: _Problem,
+    worth: Worth,
+    chance: Worth,
+    best: Floats,
+    spread: Floats,
+    number: int,
+    episodes: int,
+) -> LevelScore:
+    earned, optimum = float(worth.returns[number]), float(best[number])
+    by_chance = float(chance.returns[number])
+    way = optimum - by_chance
+    scale = max(1.0, abs(optimum), abs(by_chance) if math.isfinite(by_chance) else 1.0)
+    share = math.nan if way <= 1e-9 * scale else 1.0 - (optimum - earned) / way
+    return LevelScore(
+        level=problem.level.name or problem.level.digest,
+        digest=problem.level.digest,
+        expected_return=earned,
+        optimum=optimum,
+        random=by_chance,
+        share=share,
+        regret=optimum - earned,
+        success=float(worth.success[number]),
+        steps=float(worth.steps[number]),
+        within=problem.limit,
+        discount=problem.discount,
+        episodes=episodes,
+        low=earned - float(spread[number]),
+        high=earned + float(spread[number]),
+    )

@@ -1,0 +1,52 @@
+"""Agents without memory as tables: what they do in every state of a level."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from gymnasium import spaces
+
+from babyrobot_levels.analysis.solver.policies import read_policy
+from babyrobot_levels.analysis.solver.space import StateSpace
+from babyrobot_levels.envs.observations import Observer
+from babyrobot_levels.scoring.agents import Chooser, Floats, Table
+
+BATCH = 4096
+"""The most observations that an agent is asked about at once."""
+
+
+def policy_of(agent: Table | Chooser, space: StateSpace, observer: Observer) -> Floats:
+    """Return what an agent does in each state, as probabilities `[states, actions]`.
+
+    Args:
+        agent: an agent without memory.
+        space: the states of the level.
+        observer: makes the observations of the level.
+
+    Raises:
+        ValueError: its answers are no actions, or no probabilities that add up to 1.
+    """
+    if isinstance(agent, Table):
+        policy = agent.of(space.level.name, space.level.digest)
+        return read_policy(policy, space.mdp, space.actions, space.level.things())
+    mdp, first = space.mdp, space.first_action
+    states = np.flatnonzero(~mdp.is_terminal & ~space.without_value)
+    table = np.zeros((mdp.num_states, mdp.num_actions - first))
+    # Where no episode comes, any action will do.
+    table[:, 0] = 1.0
+    for begin in range(0, states.size, BATCH):
+        part = states[begin : begin + BATCH]
+        seen = stacked(observer.space, [observer.at(state)() for state in part.tolist()])
+        table[part] = agent(seen, mdp.action_mask[part, first:].astype(np.int8))
+    return read_policy(table, mdp, space.actions, space.level.things())
+
+
+def stacked(space: spaces.Space[Any], observations: list[Any]) -> Any:
+    """Return observations along a new first axis; of a `Dict` space, a dict of such arrays."""
+    if isinstance(space, spaces.Dict):
+        return {
+            name: stacked(part, [each[name] for each in observations])
+            for name, part in space.items()
+        }
+    return np.stack(observations)

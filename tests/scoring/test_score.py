@@ -1,0 +1,204 @@
+"""Scores of agents: exact where an agent has no memory, and within an interval where it has."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+import babyrobot_levels as brl
+
+NAMES = ["frozen-lake", "first-key", "four-rooms", "treasure-chests"]
+
+
+def test_the_optimal_policy_has_no_regret_in_any_level_of_the_gallery() -> None:
+    levels = [brl.load(info.name) for info in brl.levels()]
+    levels = [level for level in levels if not level.has_random_maze]
+    policies = {level.digest: brl.solve(level, within="max_steps") for level in levels}
+    for level in levels:
+        # What is optimal at each step depends on the time: such a policy is evaluated by step.
+        found = brl.evaluate(level, policies[level.digest])
+        best = brl.score("random", level)[0].optimum
+        assert abs(best - found.expected_return) <= 1e-12 * max(1.0, abs(best))
+
+
+def test_chance_has_a_share_of_zero() -> None:
+    scores = brl.score("random", NAMES)
+    assert [score.level for score in scores] == NAMES
+    assert scores.is_exact
+    for score in scores:
+        assert score.share == pytest.approx(0.0)
+        assert score.expected_return == score.low == score.high == score.random
+        assert score.regret == pytest.approx(score.optimum - score.random)
+        within = brl.evaluate(score.level, "random", within="max_steps")
+        assert score.expected_return == pytest.approx(within.expected_return)
+        assert score.success == pytest.approx(within.exit_probability)
+        assert score.steps == pytest.approx(within.expected_steps)
+
+
+def test_a_policy_by_level() -> None:
+    policies = {name: brl.solve(name) for name in NAMES}
+    scores = brl.score(policies, NAMES)
+    assert scores[1].share == pytest.approx(1.0)
+    assert scores[1].regret == pytest.approx(0.0, abs=1e-12)
+    # The best policy without a limit is not the best one within 100 steps.
+    assert 0.99 < scores[0].share < 1.0
+    by_digest = {brl.load(name).digest: policy for name, policy in policies.items()}
+    assert [score.share for score in brl.score(by_digest, NAMES)] == [s.share for s in scores]
+    with pytest.raises(ValueError, match="no policy for the level 'maze'"):
+        brl.score(policies, "maze")
+
+
+@pytest.mark.parametrize(
+    ("observation", "read"),
+    [
+        ("position", lambda seen: (int(seen[0]), int(seen[1]))),
+        ("index", lambda seen: (int(seen) % 4, int(seen) // 4)),
+        ("walls", lambda seen: (int(seen[0]), int(seen[1]))),
+        (("position", "view"), lambda seen: tuple(map(int, seen["position"]))),
+    ],
+)
+def test_a_function_of_observations(observation: Any, read: Any) -> None:
+    solution = brl.solve("frozen-lake")
+
+    def agent(seen: Any) -> int:
+        x, y = read(seen)
+        return int(solution.policy[y, x])
+
+    score = brl.score(agent, "frozen-lake", observation=observation)[0]
+    expected = brl.evaluate("frozen-lake", solution, within="max_steps")
+    assert score.expected_return == pytest.approx(expected.expected_return, abs=1e-12)
+
+
+def test_a_function_of_many_observations_may_give_probabilities() -> None:
+    def agent(seen: Any) -> Any:
+        assert seen.ndim == 4
+        return np.full((len(seen), 4), 0.25)
+
+    score = brl.score(agent, "final-maze", observation="view", actions="moves", batched=True)[0]
+    expected = brl.evaluate("final-maze", "uniform", actions="moves", within="max_steps")
+    assert score.expected_return == pytest.approx(expected.expected_return)
+
+
+class Turner:
+    """Walks along a wall on its left; what it did last is its memory."""
+
+    def reset(self) -> None:
+        self.heading = 1
+
+    def act(self, observation: Any, mask: Any) -> int:
+        for turn in (-1, 0, 1, 2):
+            heading = (self.heading + turn) % 4
+            if mask[heading]:
+                break
+        self.heading = heading
+        return heading
+
+
+def test_an_agent_with_memory_plays_episodes() -> None:
+    scores = brl.score(Turner(), ["maze", "final-maze"], actions="moves", episodes=200, seed=3)
+    maze, wet = scores
+    assert not scores.is_exact
+    assert maze.episodes == 200
+    assert maze.low == maze.expected_return == maze.high
+    assert maze.success == 1.0
+    assert wet.low < wet.expected_return < wet.high
+    again = brl.score(Turner(), ["maze", "final-maze"], actions="moves", episodes=200, seed=3)
+    assert again[1] == wet
+
+
+def test_the_interval_of_an_agent_that_is_played_holds_its_worth() -> None:
+    solution = brl.solve("frozen-lake")
+
+    class Follower:
+        def reset(self) -> None:
+            pass
+
+        def act(self, observation: Any, mask: Any) -> int:
+            return int(solution.policy[observation[1], observation[0]])
+
+    played = brl.score(Follower(), "frozen-lake", episodes=2000, seed=1)[0]
+    exact = brl.score(solution, "frozen-lake")[0]
+    assert played.low <= exact.expected_return <= played.high
+    assert played.high - played.low < 0.05
+    assert played.success == pytest.approx(exact.success, abs=0.05)
+    assert played.steps == pytest.approx(exact.steps, rel=0.1)
+
+
+def test_parts_of_suites_share_the_space_of_the_suite() -> None:
+    suite = brl.load_suite("classics")
+    shapes = set()
+
+    def agent(seen: Any) -> int:
+        shapes.add(seen.shape)
+        return 0
+
+    brl.score(agent, suite[:2], observation="planes")
+    assert len(shapes) == 1
+
+
+def test_a_summary_in_the_terms_of_the_field() -> None:
+    scores = brl.score({name: brl.solve(name) for name in NAMES}, NAMES)
+    shares = sorted(score.share for score in scores)
+    summary = scores.summary
+    assert summary.levels == 4
+    assert summary.mean == pytest.approx(sum(shares) / 4)
+    assert summary.median == pytest.approx((shares[1] + shares[2]) / 2)
+    assert summary.iqm == pytest.approx((shares[1] + shares[2]) / 2)
+    assert summary.worst_tenth == shares[0]
+    assert summary.solved == 1.0
+    assert repr(scores).startswith("<Scores of 4 levels: mean=0.99")
+
+
+def test_levels_in_which_chance_is_optimal_have_no_share() -> None:
+    level = {"version": 1, "size": [2, 1], "start": [0, 0], "max_steps": 5, "rewards": {"step": 0}}
+    scores = brl.score("random", [level, "maze"])
+    assert math.isnan(scores[0].share)
+    assert scores.summary.mean == pytest.approx(0.0)
+    assert json.loads(scores.to_json())["levels"][0]["share"] is None
+
+
+def test_scores_are_tables_for_other_programs(tmp_path: Any) -> None:
+    scores = brl.score("random", NAMES)
+    path = tmp_path / "scores.csv"
+    assert scores.to_csv(path) == path.read_text("utf-8")
+    rows = list(csv.DictReader(io.StringIO(path.read_text("utf-8"))))
+    assert [row["level"] for row in rows] == NAMES
+    assert float(rows[0]["optimum"]) == scores[0].optimum
+    data = json.loads(scores.to_json())
+    assert data["levels"][1]["expected_return"] == scores[1].expected_return
+    assert data["summary"]["levels"] == 4
+
+
+@pytest.mark.parametrize(
+    ("agent", "message"),
+    [
+        (lambda seen: 7, "an action from 0 to 4, or 5 probabilities, not 7"),
+        (lambda seen: "north", "an action from 0 to 4, or 5 probabilities, not 'north'"),
+        (lambda seen: [0.5, 0.5, 0.5, 0.0, 0.0], "add up to 1"),
+    ],
+)
+def test_answers_that_are_no_actions(agent: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        brl.score(agent, "maze")
+
+
+def test_what_is_no_agent() -> None:
+    with pytest.raises(TypeError, match="int is no agent"):
+        brl.score(3, "maze")
+    with pytest.raises(ValueError, match="split is a part of a suite"):
+        brl.score("random", "maze", split="test")
+    with pytest.raises(ValueError, match="there are no levels to score"):
+        brl.score("random", [])
+
+
+def test_without_a_limit_an_infinite_optimum_is_explained() -> None:
+    wall = {"at": [0, 0], "side": "E"}
+    level = {"version": 1, "name": "pit", "size": [2, 1], "start": [0, 0], "walls": [wall]}
+    with pytest.raises(ValueError, match=r"pit has no score: .*within=200"):
+        brl.score("random", level)
