@@ -246,10 +246,15 @@ def all_overlays(level: Level, solution: Solution, *, values: bool, policy: bool
     make = partial(overlay_of, solution, values=values, policy=policy)
     if not level.has_things:
         return make()
+    import numpy as np
+
+    shown = solution.values[(solution.policy >= 0) & np.isfinite(solution.values)]
+    extent = (float(shown.min()), float(shown.max())) if shown.size else None
 
     @lru_cache(maxsize=64)
     def part(configuration: int | None, heading: int | None) -> Overlay:
-        return make(configuration=shown_configuration(level, configuration))
+        overlay = make(configuration=shown_configuration(level, configuration))
+        return replace(overlay, extent=extent)
 
     return replace(part(None, None), parts=part)
 
