@@ -7,8 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
+from babyrobot_levels.render.scene.marks import mark_shapes, sheen_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
@@ -152,9 +154,12 @@ def grid_shapes(
     level: GridWorld, layout: Layout, slots: Slots, *, coordinates: bool
 ) -> Iterator[Shape]:
     """Yield what lies on the ground, and the walls: all that a heat map does not cover."""
+    effects = effects_of(level)
+    yield from sheen_shapes(effects.skids, layout, slots)
     yield from puddle_shapes(level, layout)
     yield from wind_shapes(level, layout, slots)
     yield from warp_shapes(level, layout, slots)
+    yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
     yield from end_texts(level, layout, slots)
     yield from wall_shapes(level, layout)
     yield from label_shapes(level, slots)
