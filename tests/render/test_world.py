@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,7 @@ from babyrobot_levels.render.scene.effects import End, effects_of
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.shapes import Path, Shape, Text
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape, Text
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""
@@ -286,3 +287,42 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
     ]
     assert points
     assert not [(x, y) for x, y in points if 24 < x < 40 and 24 < y < 40]
+
+
+# -- warps ---------------------------------------------------------------------------------
+
+
+def shaft(world: Any) -> list[tuple[float, float]]:
+    """Return the line of the only arrow."""
+    color = world.resolved_theme.colors.arrows
+    shapes = build_base(world).shapes
+    (path,) = [s for s in shapes if isinstance(s, Path) and s.stroke == color]
+    ((points, _),) = polylines(path.commands)
+    return points
+
+
+@pytest.mark.parametrize(
+    ("at", "to"), [([1, 0], [1, 4]), ([3, 4], [3, 0]), ([0, 4], [4, 4]), ([4, 4], [0, 1])]
+)
+@pytest.mark.parametrize("text", ["A", "label"])
+def test_arrows_of_warps_go_around_the_labels_of_their_targets(
+    at: list[int], to: list[int], text: str
+) -> None:
+    label = {"at": to, "label": text, "color": "gold"}
+    world = level(warps=[{"at": at, "to": to}], areas=[label], exit="none", start=[2, 2])
+    (name,) = [s for s in build_base(world).shapes if isinstance(s, Text) and s.text == text]
+    half = name.size * 0.3 * len(text)
+    for x, y in shaft(world):
+        assert not (abs(x - name.x) < half and name.y - name.size < y < name.y)
+        assert MARGIN < x < MARGIN + 5 * CELL
+        assert MARGIN < y < MARGIN + 5 * CELL
+
+
+def test_a_ring_has_room_for_the_sign_of_its_reward() -> None:
+    warp = {"at": [1, 1], "to": [3, 3], "when": "leave", "reward": 5}
+    world = level(warps=[warp])
+    *_, inner = [s for s in build_base(world).shapes if isinstance(s, Ellipse) and s.rx == s.ry]
+    (line,) = [s for s in build_base(world).shapes if isinstance(s, Path) and s.stroke == INK]
+    points = [point for part, _ in polylines(line.commands) for point in part]
+    reach = max(math.dist(point, (inner.x, inner.y)) for point in points) + line.width / 2
+    assert reach <= inner.rx

@@ -154,11 +154,11 @@ def grid_shapes(
     level: GridWorld, layout: Layout, slots: Slots, *, coordinates: bool
 ) -> Iterator[Shape]:
     """Yield what lies on the ground, and the walls: all that a heat map does not cover."""
-    effects = effects_of(level)
+    effects, color = effects_of(level), level.resolved_theme.colors.arrows
     yield from sheen_shapes(effects.skids, layout, slots)
     yield from puddle_shapes(level, layout)
-    yield from wind_shapes(level, layout, slots)
-    yield from warp_shapes(level, layout, slots)
+    yield from wind_shapes(effects.winds, slots, color)
+    yield from warp_shapes(level, layout, slots, effects)
     yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
     yield from end_texts(level, layout, slots)
     yield from wall_shapes(level, layout)
