@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
@@ -30,6 +30,8 @@ from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
+
+World = TypeVar("World", bound="GridWorld")
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
@@ -91,6 +93,11 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {states:,} states is too large for a page; "
             f"the limit is {MAX_STATES:,} states"
         )
+    return bare(level)
+
+
+def bare(level: World) -> World:
+    """Return the level without the panels and the compass."""
     display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
 
