@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.effects import effects_of
-from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
+from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.marks import mark_shapes, sheen_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -108,7 +108,7 @@ def build_layers(
     coordinates = level.display.coordinates and not overlay.has_colors
     layers: dict[str, tuple[Shape, ...]] = {
         "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
-        "grid": tuple(grid_shapes(level, layout, slots, coordinates=coordinates)),
+        "grid": (*floor_shapes(level, layout), *sign_shapes(level, layout, slots, coordinates)),
         "robot": (),
     }
     pose = pose.turned(heading)
@@ -150,18 +150,23 @@ def _base_shapes(
         yield from compass_shapes(level, layout)
 
 
-def grid_shapes(
-    level: GridWorld, layout: Layout, slots: Slots, *, coordinates: bool
+def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield lines, puddles and walls, which a heat map does not cover."""
+    yield from line_shapes(level, layout)
+    yield from puddle_shapes(level, layout)
+    yield from wall_shapes(level, layout)
+
+
+def sign_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what lies on the ground, and the walls: all that a heat map does not cover."""
+    """Yield what the level tells of its cells: what they do, wind, warps, and texts."""
     effects, color = effects_of(level), level.resolved_theme.colors.arrows
     yield from sheen_shapes(effects.skids, layout, slots)
-    yield from puddle_shapes(level, layout)
     yield from wind_shapes(effects.winds, slots, color)
     yield from warp_shapes(level, layout, slots, effects)
     yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
     yield from end_texts(level, layout, slots)
-    yield from wall_shapes(level, layout)
     yield from label_shapes(level, slots)
     if coordinates:
         yield from coordinate_texts(level, layout, slots)

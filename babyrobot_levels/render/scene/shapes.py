@@ -103,7 +103,9 @@ def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shap
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
-def scaled(shapes: Iterable[Shape], scale: float, x: float, y: float) -> Iterator[Shape]:
+def scaled(
+    shapes: Iterable[Shape], scale: float, x: float = 0.0, y: float = 0.0
+) -> Iterator[Shape]:
     """Yield shapes as they are smaller or larger: so many times, from the fixed point (x, y)."""
 
     def at(across: float, down: float) -> Point:
@@ -136,9 +138,9 @@ def scaled(shapes: Iterable[Shape], scale: float, x: float, y: float) -> Iterato
                     )
                     for letter, places in shape.commands
                 )
-                dash = (
-                    None if shape.dash is None else (scale * shape.dash[0], scale * shape.dash[1])
-                )
+                dash = shape.dash
+                if dash is not None:
+                    dash = scale * dash[0], scale * dash[1]
                 yield replace(shape, commands=commands, width=scale * shape.width, dash=dash)
 
 

@@ -74,8 +74,15 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
 
 def coordinate_texts(
     level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
-) -> Iterator[Text]:
-    """Yield the coordinates of each free cell, at its left; see `end_texts`."""
+) -> Iterator[Shape]:
+    """Yield the coordinates of each free cell, at its left.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: what stands where in them.
+        tiles: the colours of a heat map.
+    """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
@@ -83,7 +90,14 @@ def coordinate_texts(
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
-            fill = fills.get((x, y), colors.arrows)
-            fill = ink_on(tiles[x, y]) if (x, y) in tiles else fill
             text = f"{x},{y}"
+            if slots.is_small((x, y)) and (x, y) in fills:
+                width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
+                ground = colors.start if (x, y) in level.starts else colors.exit
+                yield Rect(box.left - 3, box.top, width + 6, box.height + 2, ground, radius=3.0)
+                fill = fills[x, y]
+            elif (x, y) in tiles:
+                fill = ink_on(tiles[x, y])
+            else:
+                fill = fills.get((x, y), colors.arrows)
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)
