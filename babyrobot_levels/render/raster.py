@@ -91,7 +91,7 @@ def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image
         )
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
-    painter = _Painter(image, scene, samples)
+    painter = Painter(image, scene, samples)
     for shape in scene.shapes:
         painter.paint(shape)
     return image.reduce(samples) if samples > 1 else image
@@ -102,7 +102,7 @@ def _default_size(scene: Scene) -> tuple[int, int]:
     return max(1, round(scale * scene.width)), max(1, round(scale * scene.height))
 
 
-class _Painter:
+class Painter:
     """Paints shapes on an image that is `samples` times as large as the picture will be."""
 
     def __init__(self, image: Image.Image, scene: Scene, samples: int) -> None:

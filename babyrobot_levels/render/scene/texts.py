@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.colors import ink_on, plate_for
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import (
     CELL,
     CHARACTER_WIDTH,
@@ -23,14 +25,14 @@ _LABEL_SIZES = (12.0, 10.5, 9.0)
 
 def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
     """Yield START and EXIT at the bottom of their cells, where the robot does not hide them."""
-    colors, display = level.resolved_theme.colors, level.display
+    colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
     for word, cells, shown, fill in (
         ("START", level.starts, display.start_text, colors.start_text),
         ("EXIT", exits, display.exit_text, colors.exit_text),
     ):
         for cell in cells if shown else ():
-            yield end_text(word, layout, cell, fill)
+            yield end_text(word, layout, cell, ink_on([grounds[cell]], fill))
 
 
 def end_text(word: str, layout: Layout, cell: tuple[int, int], fill: str) -> Text:
@@ -53,7 +55,8 @@ def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
         # Coordinates are at the upper edge.
         top += area.size[1] * CELL - height - 4 if level.display.coordinates else 4
-        yield Rect(x - width / 2, top, width, height, colors.text_bg, radius=height / 2)
+        plate = plate_for(colors.text_fg, colors.text_bg)
+        yield Rect(x - width / 2, top, width, height, plate, radius=height / 2)
         yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
 
 
@@ -79,8 +82,9 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
         x, y = layout.corner(note.x + 0.5, note.y + 0.5)
         # A note that would stick out of the grid is moved inwards.
         left = min(max(x - width / 2, left_edge), right_edge - width)
-        yield Rect(left, y - height / 2, width, height, colors.text_bg, radius=height / 2)
         fill = colors.text_fg if note.color is None else note.color
+        plate = plate_for(fill, colors.text_bg)
+        yield Rect(left, y - height / 2, width, height, plate, radius=height / 2)
         yield Text(left + width / 2, y + 0.342 * size, text, size, fill, bold=True)
 
 
@@ -96,13 +100,12 @@ def coordinate_texts(
             the top.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    fills = dict.fromkeys(level.starts, colors.start_text)
+    grounds, fills = CellGrounds(level), dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             left, top = layout.corner(x, y)
             baseline = top + (tops[x, y] if tops else 4.0) + 10
-            fill = fills.get((x, y), colors.arrows)
-            text = f"{x},{y}"
-            yield Text(left + 6, baseline, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)
+            fill = ink_on([grounds[x, y]], fills.get((x, y), colors.arrows))
+            yield Text(left + 6, baseline, f"{x},{y}", _COORDINATE_SIZE, fill, "start")

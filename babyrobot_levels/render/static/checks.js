@@ -98,7 +98,7 @@ function checkTexts({ title, description, best, seed, facts, shown, robot }) {
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
-  list(robot, COMMON.robot.length, COMMON.robot.length).forEach(color);
+  list(robot, COMMON.robot.length, 2).forEach(color);
 }
 
 /** Rows: outcome distributions, whose probabilities add up to 1. */
