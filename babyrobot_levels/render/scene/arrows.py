@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.moves import shifts
 from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
-from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.cell_grounds import Cell, CellGrounds
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
@@ -59,6 +59,20 @@ def warp_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             yield Ellipse(*centre, _RING + _HALO, _RING + _HALO, rim.color, rim.opacity)
             for radius, fill in ((_RING, colors.arrows), (6.0, rim.color), (3.0, colors.arrows)):
                 yield Ellipse(*centre, radius, radius, fill)
+
+
+def crossed_cells(level: GridWorld, layout: Layout) -> set[Cell]:
+    """Return the cells that the arrows of warps cross."""
+    centres = [
+        [layout.corner(x + 0.5, y + 0.5) for x, y in (warp.at, warp.to)]
+        for warp in level.warps
+        if not isinstance(warp.to, str) and warp.to != warp.at
+    ]
+    return {
+        layout.cell(point)
+        for start, end in centres
+        for point in _places(_arrow(start, end, 0.0)[0])
+    }
 
 
 class _Rim(NamedTuple):

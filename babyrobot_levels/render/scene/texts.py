@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.colors import ink_on, plate_for
+from babyrobot_levels.render.scene.arrows import crossed_cells
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import (
     CELL,
@@ -90,8 +91,8 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
 
 def coordinate_texts(
     level: GridWorld, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
-) -> Iterator[Text]:
-    """Yield the coordinates of each free cell, at its left.
+) -> Iterator[Shape]:
+    """Yield the coordinates of each free cell, at its left; arrows of warps are cut off there.
 
     Args:
         level: the level.
@@ -100,7 +101,8 @@ def coordinate_texts(
             the top.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    grounds, fills = CellGrounds(level), dict.fromkeys(level.starts, colors.start_text)
+    crossed, grounds = crossed_cells(level, layout), CellGrounds(level)
+    fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
@@ -108,4 +110,8 @@ def coordinate_texts(
             left, top = layout.corner(x, y)
             baseline = top + (tops[x, y] if tops else 4.0) + 10
             fill = ink_on([grounds[x, y]], fills.get((x, y), colors.arrows))
-            yield Text(left + 6, baseline, f"{x},{y}", _COORDINATE_SIZE, fill, "start")
+            text = f"{x},{y}"
+            if (x, y) in crossed:
+                width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH + 2
+                yield Rect(left + 5, baseline - 9, width, 11, grounds[x, y], radius=3)
+            yield Text(left + 6, baseline, text, _COORDINATE_SIZE, fill, "start")
