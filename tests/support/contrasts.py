@@ -14,10 +14,22 @@ from numpy.typing import NDArray
 from PIL import Image
 from scipy import ndimage
 
-from babyrobot_levels.render.colors import GRAPHICS, TEXT, rgba
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import GridWorld
+from babyrobot_levels.render.colors import GRAPHICS, TEXT, ink_on, rgba
 from babyrobot_levels.render.raster import Painter
-from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.shapes import Scene, Shape, Text
+from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.ground import flag_shapes, pad_shapes, puddle_shapes
+from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.panels import compass_shapes
+from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.situation import situation_of
+from babyrobot_levels.render.scene.things import moving_pieces, pieces
+from babyrobot_levels.render.scene.tones import toned
+from babyrobot_levels.render.scene.walls import wall_shapes
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -43,19 +55,61 @@ _FAINT_TEXT = 0.1
 """The share of what is below a text that may be too much like it: lines that cross it."""
 
 
-def faint_parts(
-    scene: Scene, roles: Mapping[Shape, str], counted: Bools, background: str = "white"
-) -> Iterator[tuple[str, float]]:
-    """Yield what does not stand out: what it is, and a contrast that is too small.
+def faint_parts(level: Level, overlay: Overlay | None = None) -> list[tuple[str, float]]:
+    """Return what of a level's picture does not stand out: what it is, and its contrast.
 
-    Args:
-        scene: the picture.
-        roles: what its figures are: consecutive shapes of one role are one figure. Other shapes
-            are ground.
-        counted: the pixels beside figures that count, `[height, width]`.
-        background: what is below the picture.
+    Grid lines, the ground itself, the robot and what is not held yet are left out.
     """
-    image = _sheet(scene, background)
+    layout = layout_of(level, overlay=overlay)
+    scene = build_scene(level, overlay=overlay)
+    colors = level.resolved_theme.colors
+    roles = {
+        shape: role
+        for role, shapes in _figures(level, layout)
+        for shape in toned(shapes, colors)
+        # The plates of texts.
+        if not isinstance(shape, Rect | Text)
+    }
+    assert roles.keys() <= {*scene.shapes}
+    return [*_faint(scene, roles, _counted(level, layout))]
+
+
+def _figures(level: GridWorld, layout: Layout) -> Iterator[tuple[str, Iterable[Shape]]]:
+    """Yield the shapes that tell something, by what they are."""
+    colors, grounds = level.resolved_theme.colors, CellGrounds(level)
+    yield "puddle", puddle_shapes(level, layout)
+    yield "wind", wind_shapes(level, layout)
+    yield "warp", warp_shapes(level, layout)
+    yield "wall", wall_shapes(level, layout)
+    yield "compass", [*compass_shapes(level, layout)][1:]
+    for cell in level.starts:
+        # Around the pad itself is only a glow.
+        yield "pad", [*pad_shapes(layout, cell, ink_on([grounds[cell]], colors.start_text))][1:]
+    for cell in level.exits if level.exit_one_of is None else ():
+        yield "flag", flag_shapes(layout, cell, ink_on([grounds[cell]], colors.exit_text))
+    situation = situation_of(level, None)
+    movers = moving_pieces(level, layout, situation, level.starts[0])
+    for piece in (*pieces(level, layout, situation), *(piece for _, piece in movers)):
+        is_missing = piece.name[0] == "held" and not piece.name[-1]
+        if not is_missing:
+            yield " ".join(map(str, piece.name[:2])), piece.shapes
+
+
+def _counted(level: GridWorld, layout: Layout) -> Bools:
+    """Return the pixels beside which figures are seen: free cells, and the compass."""
+    counted = np.zeros((round(layout.height), round(layout.width)), np.bool_)
+    blocked, side = level.grid().blocked_cells, int(CELL)
+    for x, y in layout.cells():
+        if not blocked[y * layout.columns + x]:
+            left, top = map(int, layout.corner(x, y))
+            counted[top : top + side, left : left + side] = True
+    counted[8 : int(COMPASS) - 8, int(layout.left_width) + 8 :] = True
+    return counted
+
+
+def _faint(scene: Scene, roles: Mapping[Shape, str], counted: Bools) -> Iterator[tuple[str, float]]:
+    """Yield what does not stand out; consecutive shapes of one role are one figure."""
+    image = _sheet(scene, "#ffffff")
     painter = Painter(image, scene, 1)
     for role, shapes in groupby(scene.shapes, lambda shape: roles.get(shape, "")):
         figure, before = tuple(shapes), _luminance(image) if role else None

@@ -154,7 +154,7 @@ def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             color = mover.color or default_color("wanderer", colors)
             (left, top), (width, height) = mover.within.at, mover.within.size
             x, y = layout.corner(left, top)
-            box = x + 5, y + 5, width * CELL - 10, height * CELL - 10
+            box = x + 7, y + 7, width * CELL - 14, height * CELL - 14
             yield Rect(*box, color, radius=12, opacity=_REGION)
             cells = ((left + dx, top + dy) for dx in range(width) for dy in range(height))
             # Its edge lies half inside.

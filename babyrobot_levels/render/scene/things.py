@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WHITE = "#ffffff"
-_TILE = 4.5
+_TILE = 5.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""
 
 Box = tuple[float, float, float, float]
