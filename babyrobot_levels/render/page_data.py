@@ -27,8 +27,11 @@ from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
+from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
+from babyrobot_levels.render.words.goal import goal_of
+from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -123,6 +126,7 @@ def page_data(
         **playable(level),
         "robot": [hexadecimal(color) for color in _robot_colors(colors)],
         **_picture(level, guide, turns=turns),
+        "goal": goal_of(level),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -186,7 +190,9 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
 
 
 def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str, Any]:
-    """Return the picture, what it shows of things, and what of a robot that turns.
+    """Return the picture, what it shows of things and of a robot that turns, and the rules.
+
+    A rule is its sample, shapes of a cell in the picture's palette, and its text.
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
     cell; otherwise they are marks.
@@ -217,6 +223,9 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         data["turns"] = _turns(level, guide.turning if guide is not None else None, marks, on=turns)
     if marks.packed:
         picture["marks"] = marks.packed
+    data["rules"] = [
+        [pack(sample_shapes(level, rule.sample), palette), rule.text] for rule in rules_of(level)
+    ]
     picture["palette"] = palette.colors
     return data
 

@@ -103,6 +103,29 @@ def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shap
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
+def scaled(shapes: Iterable[Shape], scale: float) -> Iterator[Shape]:
+    """Yield shapes in another size, scaled around the upper left corner of the picture."""
+    for shape in shapes:
+        match shape:
+            case Rect():
+                size = {"width": scale * shape.width, "height": scale * shape.height}
+                more = {**size, "radius": scale * shape.radius}
+            case Ellipse():
+                more = {"rx": scale * shape.rx, "ry": scale * shape.ry}
+            case Text():
+                more = {"size": scale * shape.size}
+            case Path():
+                commands = tuple(
+                    (letter, tuple(scale * number for number in numbers))
+                    for letter, numbers in shape.commands
+                )
+                dash = shape.dash and (scale * shape.dash[0], scale * shape.dash[1])
+                width = scale * shape.width
+                yield replace(shape, commands=commands, width=width, dash=dash)
+                continue
+        yield replace(shape, x=scale * shape.x, y=scale * shape.y, **more)
+
+
 Point = tuple[float, float]
 
 QUARTER = 0.5523

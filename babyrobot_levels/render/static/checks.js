@@ -93,10 +93,12 @@ function checkThings({ things = [], picture }, cells) {
   return configurations;
 }
 
-function checkTexts({ title, description, best, seed, facts, shown, robot }) {
-  for (const value of [title, description, best, seed]) text(value);
+function checkTexts({ title, description, best, seed, facts, shown, robot, goal = "", rules = [] }) {
+  for (const value of [title, description, best, seed, goal]) text(value);
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
+  // The samples of rules are shapes, which are checked as they are painted.
+  for (const rule of list(rules, 20)) text(list(rule, 2, 2)[1]);
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
   list(robot, COMMON.robot.length, 2).forEach(color);
 }
