@@ -7,7 +7,7 @@ one: the page's script plays and paints either, and knows nothing else about lev
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -21,13 +21,15 @@ from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
 from babyrobot_levels.render.page_things import things_data
-from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.shapes import Shape
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.goal import goal_of
@@ -45,8 +47,8 @@ MAX_STATES = 200_000
 MAX_NUMBERS = 2_000_000
 """The most numbers of the distinct rows of a page's tables."""
 
-LAYERS = {"base": "base", "grid": "grid", "policy": "underlay", "values": "overlay"}
-"""The layers of a page's picture and their names in a scene; the robot is not one of them."""
+LAYERS = {"heat": "heat", "policy": "underlay", "values": "overlay"}
+"""The layers of a page's picture that show answers, and their names in a scene."""
 
 WatchedPolicy = Literal["best", "random"]
 
@@ -195,32 +197,49 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     A rule is its sample, shapes of a cell in the picture's palette, and its text.
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
-    cell; otherwise they are marks.
+    cell; otherwise they are marks. What the level tells of its cells is there twice: as it is seen
+    alone, and beside answers.
     """
     may_turn = turns or "heading" in level.model_fields_set
     has_marks = level.has_things or may_turn
-    overlay = guide.overlay if guide is not None and not has_marks else None
-    layers = build_layers(level, robot=False, overlay=overlay)
-    layout, palette = layout_of(level), Palette(is_gray=is_gray(level.resolved_theme.colors))
+    overlay = guide.overlay.at() if guide is not None else Overlay()
+    layout = layout_of(level, overlay=overlay)
+    palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
+    alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
+    own = level.display.coordinates
+    bare = build_layers(level, robot=False, layout=layout)
+    shapes: dict[str, Iterable[Shape]] = {
+        "base": bare["base"].shapes,
+        "grid": floor_shapes(level, layout),
+        "signs": sign_shapes(level, layout, alone, own),
+    }
+    if guide is not None:
+        shapes["beside"] = sign_shapes(level, layout, beside, own)
+    if guide is not None and not has_marks:
+        layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
+        shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
     picture: dict[str, Any] = {
         "width": round(layout.width),
         # Without the strip for what is held, which the page has outside of the picture.
         "height": round(layout.top_height),
-        "layers": {
-            name: pack(layers[layer].shapes, palette, layout.margin)
-            for name, layer in LAYERS.items()
-        },
+        "layers": {name: pack(each, palette, layout.margin) for name, each in shapes.items()},
     }
     data: dict[str, Any] = {"picture": picture}
     if level.has_things:
         data["things"], picture["looks"] = things_data(level, layout, palette)
-    marks = Marks(level, layout, palette)
-    count = level.compile().num_configurations
-    if has_marks and guide is not None:
-        overlays = [guide.overlay.at(number) for number in range(count)]
-        data["marks"] = {"values": marks.values(overlays), "policy": marks.actions(overlays)}
+    turning = guide.turning if guide is not None and may_turn else None
+    moves, turned = (
+        [*_overlays(level, guide)] if guide is not None and has_marks else [],
+        [*_overlays(level, turning, turns=True)] if turning is not None else [],
+    )
+    marks = Marks(level, layout, palette, beside, [*moves, *turned])
+    if moves:
+        data["marks"] = marks.values(moves) | {"policy": marks.actions(moves)}
+        picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
     if may_turn:
-        data["turns"] = _turns(level, guide.turning if guide is not None else None, marks, on=turns)
+        data["turns"] = _turns(level, turning, on=turns)
+        if turned:
+            data["turns"]["marks"] = marks.values(turned)
     if marks.packed:
         picture["marks"] = marks.packed
     data["rules"] = [
@@ -230,22 +249,21 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     return data
 
 
-def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> dict[str, Any]:
+def _overlays(level: GridWorld, guide: Guide, *, turns: bool = False) -> Iterator[Overlay]:
+    """Yield what a guide shows in each configuration, and in each heading of one that turns."""
+    for configuration in range(level.compile().num_configurations):
+        for heading in range(HEADINGS) if turns else (None,):
+            yield guide.overlay.at(configuration, heading)
+
+
+def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]:
     """Return what a page knows about the robot that turns, and whether it does so at first."""
-    data: dict[str, Any] = {
+    return {
         "on": on,
         "heading": SIDES.index(level.heading),
         "policy": list(guide.policy) if guide is not None else None,
         "best": _best(guide),
     }
-    if guide is not None:
-        overlays = (
-            guide.overlay.at(number, heading)
-            for number in range(level.compile().num_configurations)
-            for heading in range(HEADINGS)
-        )
-        data["marks"] = {"values": marks.values(overlays)}
-    return data
 
 
 def _best(guide: Guide | None) -> str:

@@ -79,7 +79,7 @@ GROUNDS = ("black", "white", "#777777", "orange", "navy", "rgba(0, 0, 0, 0.5)", 
 
 
 @pytest.mark.parametrize("ground", GROUNDS)
-@pytest.mark.parametrize("ink", ["black", "white", "#808080", "gold"])
+@pytest.mark.parametrize("ink", ["black", "white", "silver", "gold"])
 def test_any_colours_can_be_combined(ground: str, ink: str) -> None:
     names = ("base", "start", "exit", "text_bg", "puddle", "blocked")
     inks = ("start_text", "exit_text", "text_fg", "walls", "border", "arrows")

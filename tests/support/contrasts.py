@@ -27,6 +27,7 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text
 from babyrobot_levels.render.scene.situation import situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.scene.walls import wall_shapes
@@ -65,7 +66,7 @@ def faint_parts(level: Level, overlay: Overlay | None = None) -> list[tuple[str,
     colors = level.resolved_theme.colors
     roles = {
         shape: role
-        for role, shapes in _figures(level, layout)
+        for role, shapes in _figures(level, layout, overlay or Overlay())
         for shape in toned(shapes, colors)
         # The plates of texts.
         if not isinstance(shape, Rect | Text)
@@ -74,12 +75,15 @@ def faint_parts(level: Level, overlay: Overlay | None = None) -> list[tuple[str,
     return [*_faint(scene, roles, _counted(level, layout))]
 
 
-def _figures(level: GridWorld, layout: Layout) -> Iterator[tuple[str, Iterable[Shape]]]:
+def _figures(
+    level: GridWorld, layout: Layout, overlay: Overlay
+) -> Iterator[tuple[str, Iterable[Shape]]]:
     """Yield the shapes that tell something, by what they are."""
+    slots = Slots(level, layout, overlay)
     colors, grounds = level.resolved_theme.colors, CellGrounds(level)
     yield "puddle", puddle_shapes(level, layout)
-    yield "wind", wind_shapes(level, layout)
-    yield "warp", warp_shapes(level, layout)
+    yield "wind", wind_shapes(level, layout, slots)
+    yield "warp", warp_shapes(level, layout, slots)
     yield "wall", wall_shapes(level, layout)
     yield "compass", [*compass_shapes(level, layout)][1:]
     for cell in level.starts:
@@ -88,8 +92,9 @@ def _figures(level: GridWorld, layout: Layout) -> Iterator[tuple[str, Iterable[S
     for cell in level.exits if level.exit_one_of is None else ():
         yield "flag", flag_shapes(layout, cell, ink_on([grounds[cell]], colors.exit_text))
     situation = situation_of(level, None)
-    movers = moving_pieces(level, layout, situation, level.starts[0])
-    for piece in (*pieces(level, layout, situation), *(piece for _, piece in movers)):
+    crowded = overlay.fills_cells
+    movers = moving_pieces(level, layout, situation, level.starts[0], crowded=crowded)
+    for piece in (*pieces(level, layout, situation, slots), *(piece for _, piece in movers)):
         is_missing = piece.name[0] == "held" and not piece.name[-1]
         if not is_missing:
             yield " ".join(map(str, piece.name[:2])), piece.shapes

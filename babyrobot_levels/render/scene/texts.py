@@ -8,24 +8,22 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.render.colors import ink_on, plate_for
 from babyrobot_levels.render.scene.arrows import crossed_cells
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
-from babyrobot_levels.render.scene.layout import (
-    CELL,
-    CHARACTER_WIDTH,
-    Layout,
-)
+from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
+from babyrobot_levels.render.scene.slots import Cell, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_END_SIZE = 11.0
+_END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5
-_LABEL_SIZES = (12.0, 10.5, 9.0)
+
+NO_TILES: Mapping[Cell, str] = {}
 
 
-def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
-    """Yield START and EXIT at the bottom of their cells, where the robot does not hide them."""
+def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
+    """Yield START and EXIT: at the foot of their cells, or beside answers at the top."""
     colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
     for word, cells, shown, fill in (
@@ -33,41 +31,31 @@ def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
         ("EXIT", exits, display.exit_text, colors.exit_text),
     ):
         for cell in cells if shown else ():
-            yield end_text(word, layout, cell, ink_on([grounds[cell]], fill))
+            ink, ground = ink_on([grounds[cell]], fill), grounds[cell]
+            box = slots.plan(cell).word
+            if box is None:
+                continue
+            box = box.moved(*layout.corner(*cell))
+            if slots.is_small(cell):
+                yield Rect(box.left, box.top, box.width, box.height, ground, radius=3.0)
+                yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, ink, bold=True)
+            else:
+                yield Text(box.centre[0], box.bottom, word, _END_SIZE, ink, bold=True)
 
 
-def end_text(word: str, layout: Layout, cell: tuple[int, int], fill: str) -> Text:
-    """Return a word at the bottom of a cell."""
+def end_text(word: str, layout: Layout, cell: Cell, fill: str) -> Text:
+    """Return a word at the foot of a cell."""
     centre, foot = layout.corner(cell[0] + 0.5, cell[1] + 1)
     return Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
-def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    """Yield the labels of areas at an edge, on a background that keeps them readable."""
+def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
+    """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
-    for area in level.areas:
-        label = " ".join((area.label or "").split())
-        if not label:
-            continue
-        room = area.size[0] * CELL - 16
-        size, text = fit(label, room)
-        width = len(text) * size * CHARACTER_WIDTH + size
-        height = 1.35 * size
-        x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
-        # Coordinates are at the upper edge.
-        top += area.size[1] * CELL - height - 4 if level.display.coordinates else 4
-        plate = plate_for(colors.text_fg, colors.text_bg)
-        yield Rect(x - width / 2, top, width, height, plate, radius=height / 2)
-        yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
-
-
-def fit(text: str, room: float) -> tuple[float, str]:
-    """Return the largest font size at which a text fits; a text that never fits is shortened."""
-    for size in _LABEL_SIZES:
-        if len(text) * size * CHARACTER_WIDTH <= room:
-            return size, text
-    count = max(1, int(room / (_LABEL_SIZES[-1] * CHARACTER_WIDTH)) - 1)
-    return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
+    plate = plate_for(colors.text_fg, colors.text_bg)
+    for box, size, text in slots.labels:
+        yield Rect(*box[:2], box.width, box.height, plate, radius=box.height / 2)
+        yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 
 
 def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
@@ -90,15 +78,15 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
 
 
 def coordinate_texts(
-    level: GridWorld, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
+    level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
 ) -> Iterator[Shape]:
     """Yield the coordinates of each free cell, at its left; arrows of warps are cut off there.
 
     Args:
         level: the level.
         layout: where its cells are.
-        tops: where the text begins in each cell, in pixels below its upper edge; by default, at
-            the top.
+        slots: what stands where in them.
+        tiles: the colours of the cells of a heat map.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     crossed, grounds = crossed_cells(level, layout), CellGrounds(level)
@@ -107,11 +95,10 @@ def coordinate_texts(
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
-            left, top = layout.corner(x, y)
-            baseline = top + (tops[x, y] if tops else 4.0) + 10
-            fill = ink_on([grounds[x, y]], fills.get((x, y), colors.arrows))
-            text = f"{x},{y}"
+            box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
+            text, ground = f"{x},{y}", tiles.get((x, y), grounds[x, y])
+            fill = ink_on([ground], fills.get((x, y), colors.arrows))
             if (x, y) in crossed:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH + 2
-                yield Rect(left + 5, baseline - 9, width, 11, grounds[x, y], radius=3)
-            yield Text(left + 6, baseline, text, _COORDINATE_SIZE, fill, "start")
+                yield Rect(box.left - 1, box.bottom - 9, width, 11, ground, radius=3)
+            yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")

@@ -152,13 +152,15 @@ function checkAdvice({ policy, walker, marks, turns, picture }, states) {
   need(walker === null || walker === "random" || (walker === "best" && policy !== null));
   checkNumbers(policy, states, 4);
   const last = list(picture?.marks ?? []).length - 1;
-  for (const name of ["values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
+  for (const name of ["heat", "values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
   if (turns === undefined) return;
   need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");
   whole(turns.heading, 0, 3);
   text(turns.best);
   checkNumbers(turns.policy, 4 * states, 2);
-  checkNumbers(turns.marks?.values ?? null, 4 * states, last);
+  for (const name of ["heat", "values"]) {
+    checkNumbers(turns.marks?.[name] ?? null, 4 * states, last);
+  }
 }
 
 function checkNumbers(numbers, count, most) {

@@ -167,7 +167,9 @@ function toggle(name) {
   if (button.hidden) return;
   const isShown = button.getAttribute("aria-pressed") !== "true";
   button.setAttribute("aria-pressed", isShown);
-  find(name).classList.toggle("hidden", !isShown);
+  for (const layer of name === "values" ? ["heat", name] : [name]) {
+    find(layer).classList.toggle("hidden", !isShown);
+  }
   picture.marks.stand();
 }
 

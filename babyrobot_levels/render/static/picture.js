@@ -12,9 +12,11 @@ function levelPicture(data) {
   const [width, height] = [whole(picture.width, 1, 1e7), whole(picture.height, 1, 1e7)];
   list(palette, 100000).forEach(color);
   const painter = new Painter(palette);
-  const layer = (name) => painter.layer(layers[name]);
+  // Parts of links that were made before have fewer layers.
+  const layer = (name) => painter.layer(layers[name] ?? []);
   const things = thingElements(data, painter);
-  const hidden = (name) => ({ id: name, class: shown.includes(name) ? undefined : "hidden" });
+  const answer = (id, name = id) =>
+    element("g", { id, class: shown.includes(name) ? undefined : "hidden" }, ...layer(id));
   return element("svg", {
     viewBox: `0 0 ${width} ${height}`,
     width,
@@ -26,10 +28,13 @@ function levelPicture(data) {
   element("title", {}, title),
   element("defs", {}, ...sprites(robot), ...things.definitions),
   ...layer("base"),
+  answer("heat", "values"),
   ...layer("grid"),
+  element("g", { id: "signs" }, ...layer("signs")),
+  element("g", { id: "beside" }, ...layer("beside")),
   things.still,
-  element("g", hidden("policy"), ...layer("policy")),
-  element("g", hidden("values"), ...layer("values")),
+  answer("policy"),
+  answer("values"),
   element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
   things.moving);
 }
