@@ -39,6 +39,7 @@ from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
 
 if TYPE_CHECKING:
@@ -111,7 +112,8 @@ def to_html(
     }
     style = _static("page.css")
     script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
-    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.resolved_theme, 0, 0)))
+    theme = level.resolved_theme
+    icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
         title=escaped(title_of(level)),
         description=escaped(data["description"]),

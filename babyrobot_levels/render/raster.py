@@ -120,7 +120,7 @@ def _paint(
         )
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
-    painter = _Painter(image, scene, samples)
+    painter = Painter(image, scene, samples)
     for count, shape in enumerate(scene.shapes, 1):
         painter.paint(shape)
         if progress is not None and count % _REPORTED == 0:
@@ -133,7 +133,7 @@ def _default_size(scene: Scene) -> tuple[int, int]:
     return max(1, round(scale * scene.width)), max(1, round(scale * scene.height))
 
 
-class _Painter:
+class Painter:
     """Paints shapes on an image that is `samples` times as large as the picture will be."""
 
     def __init__(self, image: Image.Image, scene: Scene, samples: int) -> None:

@@ -29,6 +29,7 @@ from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted
 from babyrobot_levels.render.scene.situation import Cell, Place, place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.text import TextPainter
 
 if TYPE_CHECKING:
@@ -215,11 +216,8 @@ class LevelView:
         if self._overlay is not None and self._overlay.parts is not None:
             part = self._overlay.at(place.configuration, pose.heading)
             layers |= overlay_shapes(level, part, layout, self._slots)._asdict()
-        changed = {
-            name: self._scene(shapes)
-            for name, shapes in layers.items()
-            if shapes != self._layers[name].shapes
-        }
+        scenes = {name: self._scene(shapes) for name, shapes in layers.items()}
+        changed = {name: scene for name, scene in scenes.items() if scene != self._layers[name]}
         return {**changed, "robot": self._robot(place.y, place.x, pose)}
 
     def _gliding(self, place: Place, pose: Pose) -> Iterator[dict[str, Scene]]:
@@ -271,7 +269,8 @@ class LevelView:
 
     def _scene(self, shapes: Iterable[Shape]) -> Scene:
         """Return a layer with these shapes."""
-        return replace(self._layers["robot"], shapes=tuple(shapes))
+        shapes = toned(shapes, self._level.resolved_theme.colors)
+        return replace(self._layers["robot"], shapes=shapes)
 
     @property
     def _is_watched(self) -> bool:

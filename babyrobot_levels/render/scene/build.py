@@ -19,6 +19,7 @@ from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 if TYPE_CHECKING:
@@ -128,7 +129,11 @@ def build_layers(
     part = overlay.at(configuration, pose.heading)
     layers |= overlay_shapes(level, part, layout, slots)._asdict()
     title = level.title or level.name or "Level"
-    return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
+    colors = level.resolved_theme.colors
+    return {
+        name: Scene(layout.width, layout.height, toned(layers[name], colors), title)
+        for name in LAYERS
+    }
 
 
 def build_base(

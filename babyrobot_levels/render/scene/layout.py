@@ -144,6 +144,11 @@ class Layout:
         """Return the top-left corner of a cell; halves give its centre."""
         return self.margin + x * CELL, self.margin + y * CELL
 
+    def cell(self, point: tuple[float, float]) -> tuple[int, int]:
+        """Return the cell in which a point of the picture lies."""
+        x, y = (int((place - self.margin) // CELL) for place in point)
+        return x, y
+
     def cells(self) -> Iterator[tuple[int, int]]:
         """Yield all cells, row by row."""
         return ((x, y) for y in range(self.rows) for x in range(self.columns))

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.looks import Panel
+from babyrobot_levels.language.looks import Colors, Panel
 from babyrobot_levels.mdp.actions import DELTAS
+from babyrobot_levels.render.colors import ink_on, mixed, plate_for
 from babyrobot_levels.render.scene.layout import (
     COMPASS,
     LINE,
@@ -55,9 +56,10 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     colors = level.resolved_theme.colors
     x = layout.left_width + layout.side / 2
     y = COMPASS / 2
-    yield Ellipse(x, y, 31, 31, colors.text_bg)
+    yield Ellipse(x, y, 31, 31, plate_for(colors.text_fg, colors.text_bg))
     for down, fill in ((-1, _NEEDLE), (1, colors.text_fg)):
-        yield Path(polygon([(x - 5, y), (x, y + 16 * down), (x + 5, y)]), fill=fill)
+        half = polygon([(x - 5, y), (x, y + 16 * down), (x + 5, y)])
+        yield Path(half, fill=fill, stroke=colors.text_fg, width=1.2)
     for action, (dx, dy) in DELTAS.items():
         letter = action.name[0]
         yield Text(x + 23.5 * dx, y + 23.5 * dy + 3.8, letter, 11, colors.text_fg, bold=True)
@@ -65,7 +67,7 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 
 def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:
     """Yield the lines of the panels; long ones are wrapped, those that do not fit left out."""
-    display, color = level.display, level.resolved_theme.colors.text_fg
+    display, colors = level.display, level.resolved_theme.colors
     top = COMPASS if display.compass else 0.0
     slots = layout.slots
     if layout.side:
@@ -73,19 +75,20 @@ def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[
         yield from _lines(
             overlay.side_panel,
             (layout.left_width, top, layout.side, foot - top),
-            _text_color(display.side_panel, color),
+            _text_color(display.side_panel, colors),
         )
     if layout.bottom:
         yield from _lines(
             overlay.bottom_panel,
             (0.0, layout.top_height, bottom_room(layout), layout.bottom),
-            _text_color(display.bottom_panel, color),
+            _text_color(display.bottom_panel, colors),
         )
 
 
-def _text_color(panel: str | float | Panel, color: str) -> str:
+def _text_color(panel: str | float | Panel, colors: Colors) -> str:
     own = panel.text_color if isinstance(panel, Panel) else None
-    return color if own is None else own
+    ground = mixed(_ground(panel, colors.text_bg), "#ffffff")
+    return ink_on([ground], colors.text_fg if own is None else own)
 
 
 def _lines(

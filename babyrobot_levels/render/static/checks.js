@@ -107,7 +107,7 @@ function checkTexts({ title, description, best, seed, facts, shown, robot, goal 
     list(runs).forEach((number) => whole(number, 0, COMMON.max_cells));
   }
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
-  list(robot, COMMON.robot.length, COMMON.robot.length).forEach(color);
+  list(robot, COMMON.robot.length, 2).forEach(color);
 }
 
 /** Rows: outcome distributions, whose probabilities add up to 1. */
