@@ -11,7 +11,12 @@ from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
+from babyrobot_levels.render.scene.panels import (
+    compass_shapes,
+    panel_shapes,
+    rules_shapes,
+    strip_shapes,
+)
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
@@ -86,7 +91,7 @@ def build_layers(
 
     All are as large as the picture. What changes from step to step has layers of its own:
 
-    - `base`: the ground, puddles, panels and the compass;
+    - `base`: the ground, puddles, panels, the compass and the rules;
     - `grid`: walls, and the arrows and texts of the level itself;
     - `things`: items, switches, doors, drawn and locked exits, and what is held;
     - `underlay`: the part of an overlay that is below the robot;
@@ -141,6 +146,7 @@ def _base_shapes(
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
         yield from compass_shapes(level, layout)
+        yield from rules_shapes(level, overlay, layout)
 
 
 def _grid_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:

@@ -44,6 +44,9 @@ class Overlay:
         side_panel: lines for the panel beside the grid. A level without one gets one.
         bottom_panel: lines for the panel below the grid, likewise.
         precision: the largest number of decimals.
+        rules: whether the rules of the level are shown: in a panel of the level in which they have
+            room, else in a box of their own below the picture. Without it, only panels show them
+            that have nothing else to show.
         parts: the overlay of a configuration and heading (each None if none is at hand), where
             they differ; it takes the place of this one.
     """
@@ -57,6 +60,7 @@ class Overlay:
     side_panel: Sequence[str] = ()
     bottom_panel: Sequence[str] = ()
     precision: int = 2
+    rules: bool = False
     parts: Callable[[int | None, int | None], Overlay] | None = None
 
     @property
