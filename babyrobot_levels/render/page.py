@@ -18,6 +18,7 @@ import hashlib
 import json
 import zlib
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -39,7 +40,16 @@ from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
+from babyrobot_levels.render.svg import (
+    FONT,
+    elements,
+    escaped,
+    label_elements,
+    labelled,
+    number,
+    to_svg,
+)
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -132,13 +142,13 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
     """Return the picture that is shown without JavaScript."""
     overlay = guide.overlay if guide is not None else None
     layers = build_layers(level, robot=False, overlay=overlay)
-    scene = layers["base"]
+    scene = replace(layers["base"], description=describe(level, robot=False))
     names = ["base", "grid", "things", *(LAYERS[name] for name in shown), "movers"]
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
-        f'width="{number(scene.width)}" height="{number(scene.height)}" role="img" '
+        f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',
-        f"<title>{escaped(scene.title)}</title>",
+        label_elements(scene),
         *(elements(layers[name].shapes) for name in names),
         "</svg>",
     ]

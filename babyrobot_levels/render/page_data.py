@@ -28,6 +28,7 @@ from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.svg import number
+from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
 from babyrobot_levels.render.words.rules import rules_of
 
@@ -122,6 +123,7 @@ def page_data(
         "robot": [hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS],
         **_picture(level, guide, turns=turns),
         "goal": goal_of(level),
+        "alt": describe(level),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
