@@ -31,6 +31,7 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.text import TextPainter
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
@@ -144,7 +145,9 @@ class LevelView:
             return in_words(self._level)
         shapes = tuple(shape for layer in self._layers.values() for shape in layer.shapes)
         text = TextPainter(self._level, overlay=self._overlay).lines(self._state)
-        bundle = picture_mimebundle(replace(self._layers["base"], shapes=shapes), "\n".join(text))
+        description = describe(self._level, self._state)
+        scene = replace(self._layers["base"], shapes=shapes, description=description)
+        bundle = picture_mimebundle(scene, "\n".join(text))
         if self._frontend is Frontend.CANVAS:
             bundle[SVG] = bundle[SVG].replace("<svg ", f'<svg class="{self._name}" ', 1)
         return bundle
