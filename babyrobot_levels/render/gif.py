@@ -190,6 +190,7 @@ class _Painter:
     ) -> None:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
+        self._small = overlay is not None and overlay.is_crowded
         self._grounds: Grounds | None = None
         if level.has_things:
             self._grounds = Grounds(level, layout, self._size, overlay=overlay)
@@ -248,7 +249,8 @@ class _Painter:
 
     def _robot(self, pose: Pose) -> Translucent:
         if pose not in self._robots:
-            shapes = robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose)
+            theme = self._level.resolved_theme
+            shapes = robot_shapes(theme, 0.0, 0.0, pose, small=self._small)
             self._robots[pose] = self._picture(shapes)
         return self._robots[pose]
 

@@ -20,6 +20,7 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
+from babyrobot_levels.render.scene.slots import ICON, Box, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -33,7 +34,7 @@ _MAX_CHEVRONS = 3
 Dash = tuple[float, float] | None
 
 
-def warp_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+def warp_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield the warps: an arrow from a ring to a cell, or a turning one for the start.
 
     A warp that acts on entering is drawn solid, one that acts on leaving dashed.
@@ -41,13 +42,13 @@ def warp_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     colors = level.resolved_theme.colors
     rings = {warp.at for warp in level.warps}
     for warp in level.warps:
-        centre = layout.corner(warp.at[0] + 0.5, warp.at[1] + 0.5)
+        centre = slots.icon(warp.at).centre
         dash = (6.0, 4.0) if warp.when == "leave" else None
         if isinstance(warp.to, str):
             yield from _turning_arrow(centre, colors, dash)
         else:
             if warp.to != warp.at:
-                target = layout.corner(warp.to[0] + 0.5, warp.to[1] + 0.5)
+                target = slots.icon(warp.to).centre
                 gap = _RING + 3 if warp.to in rings else 0.0
                 yield from _arrow(centre, target, gap, colors, dash)
             for radius, fill in ((_RING, colors.arrows), (6.0, colors.base), (3.0, colors.arrows)):
@@ -105,7 +106,7 @@ def _halo(shaft: tuple[Command, ...], head: tuple[Command, ...], color: str) -> 
     yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)
 
 
-def wind_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+def wind_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield chevrons where the wind blows: one for each cell that it pushes, at most three."""
     if level.wind is None:
         return
@@ -117,7 +118,7 @@ def wind_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         for y in range(layout.rows)
         for x in range(layout.columns)
         if (east[y] or south[x]) and (x, y) not in still and not blocked[y * layout.columns + x]
-        for command in _chevrons(layout.corner(x + 0.5, y + 0.5), east[y], south[x])
+        for command in _chevrons(slots.icon((x, y)), east[y], south[x])
     ]
     if commands:
         yield Path(
@@ -129,16 +130,18 @@ def wind_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         )
 
 
-def _chevrons(centre: Point, east: int, south: int) -> Iterator[Command]:
+def _chevrons(box: Box, east: int, south: int) -> Iterator[Command]:
+    centre, scale = box.centre, min(1.0, 1.3 * box.width / ICON)
     strength = math.hypot(east, south)
     along_x, along_y = east / strength, south / strength
     count = min(max(abs(east), abs(south)), _MAX_CHEVRONS)
     for index in range(count):
         middle = 11 * (index - (count - 1) / 2)
+        points = ((middle - 3, -7), (middle + 3, 0), (middle - 3, 7))
         yield from polyline(
             (
-                centre[0] + along * along_x - across * along_y,
-                centre[1] + along * along_y + across * along_x,
+                centre[0] + scale * (along * along_x - across * along_y),
+                centre[1] + scale * (along * along_y + across * along_x),
             )
-            for along, across in ((middle - 3, -7), (middle + 3, 0), (middle - 3, 7))
+            for along, across in points
         )

@@ -40,8 +40,7 @@ def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         if area.color is not None:
             yield _cells(layout, area.at, area.size, area.color)
     yield from _blocked(layout, blocked, colors.blocked)
-    if lines := tuple(_line_commands(layout, blocked)):
-        yield Path(lines, stroke=colors.lines, width=_LINE_WIDTH, dash=(_DASH, _DASH))
+    yield from line_shapes(level, layout)
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
         yield from _pad(layout, cell, colors.start_text)
@@ -49,6 +48,13 @@ def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     for cell in level.exits if level.exit_one_of is None else ():
         yield _cells(layout, cell, (1, 1), colors.exit)
         yield from flag_shapes(layout, cell, colors.exit_text)
+
+
+def line_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the lines between the cells."""
+    blocked, color = level.grid().blocked_cells, level.resolved_theme.colors.lines
+    if lines := tuple(_line_commands(layout, blocked)):
+        yield Path(lines, stroke=color, width=_LINE_WIDTH, dash=(_DASH, _DASH))
 
 
 def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str) -> Rect:

@@ -27,8 +27,11 @@ COMPASS = 72.0
 STRIP = 42.0
 """The height of the strip below the grid that shows what is held, where there is no panel."""
 
+LEGEND = 28.0
+"""The height of the legend of a heat map below the grid."""
 
-class Slots(NamedTuple):
+
+class HeldSlots(NamedTuple):
     """Where what is held is shown: squares in rows.
 
     Attributes:
@@ -74,6 +77,7 @@ class Layout:
         items: the number of items that can be held.
         held_in: where what is held is shown: in a panel, or in a strip below the grid.
         strip: the height of that strip, 0 for none.
+        legend: the height of the legend of a heat map below the grid, 0 for none.
     """
 
     columns: int
@@ -84,6 +88,7 @@ class Layout:
     items: int = 0
     held_in: Literal["side", "bottom", "strip"] = "strip"
     strip: float = 0.0
+    legend: float = 0.0
 
     @property
     def grid_width(self) -> float:
@@ -102,8 +107,8 @@ class Layout:
 
     @property
     def top_height(self) -> float:
-        """The height of the grid with its margins."""
-        return self.grid_height + 2 * self.margin
+        """The height of the grid with its margins, and of the legend below it."""
+        return self.grid_height + 2 * self.margin + self.legend
 
     @property
     def width(self) -> float:
@@ -116,7 +121,7 @@ class Layout:
         return self.top_height + self.bottom + self.strip
 
     @property
-    def slots(self) -> Slots | None:
+    def slots(self) -> HeldSlots | None:
         """Where what is held is shown; None for a level without items."""
         if not self.items:
             return None
@@ -124,16 +129,16 @@ class Layout:
             room = max(8.0, self.side - 2 * PANEL_EDGE), self.top_height / 2
             side, columns, rows = _squares(self.items, *room, _SLOT)
             left = self.left_width + (self.side - columns * side) / 2
-            return Slots(left, self.top_height - rows * side - 4, side, columns, rows)
+            return HeldSlots(left, self.top_height - rows * side - 4, side, columns, rows)
         if self.held_in == "bottom":
             room = self.width / 2, max(8.0, self.bottom - 4)
             side, columns, rows = _squares(self.items, *room, _SLOT)
             left = self.width - columns * side - 4
             top = self.top_height + (self.bottom - rows * side) / 2
-            return Slots(left, top, side, columns, rows)
+            return HeldSlots(left, top, side, columns, rows)
         side, columns, rows = _squares(self.items, self.grid_width, self.strip, self.strip)
         top = self.top_height + (self.strip - rows * side) / 2
-        return Slots(self.margin, top, side, columns, rows)
+        return HeldSlots(self.margin, top, side, columns, rows)
 
     def corner(self, x: float, y: float) -> tuple[float, float]:
         """Return the top-left corner of a cell; halves give its centre."""
@@ -176,7 +181,8 @@ def layout_of(
         bottom = height_of(wrapped(overlay.bottom_panel, bottom_room(layout)))
         bottom = max(bottom, layout.bottom) if items and held_in == "bottom" else bottom
     strip = STRIP if items and held_in == "strip" else 0.0
-    return Layout(columns, rows, margin, side, bottom, items, held_in, strip)
+    legend = LEGEND if overlay is not None and overlay.has_colors else 0.0
+    return Layout(columns, rows, margin, side, bottom, items, held_in, strip, legend)
 
 
 def bottom_room(layout: Layout) -> float:
@@ -229,3 +235,15 @@ def wrapped(texts: Sequence[str], width: float) -> list[str]:
 def height_of(lines: Sequence[str]) -> float:
     """Return the height of a panel for the lines."""
     return 2 * PANEL_EDGE + LINE * len(lines)
+
+
+_FIT_SIZES = (12.0, 10.5, 9.0)
+
+
+def fit(text: str, room: float) -> tuple[float, str]:
+    """Return the largest font size at which a text fits; a text that never fits is shortened."""
+    for size in _FIT_SIZES:
+        if len(text) * size * CHARACTER_WIDTH <= room:
+            return size, text
+    count = max(1, int(room / (_FIT_SIZES[-1] * CHARACTER_WIDTH)) - 1)
+    return _FIT_SIZES[-1], text[:count].rstrip() + "…"

@@ -21,7 +21,10 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
     rounded,
+    scaled,
+    shifted,
 )
+from babyrobot_levels.render.scene.slots import ROBOT_CORNER, SMALL_ROBOT
 
 _OUTLINE = "#232c38"
 _VISOR = "#17202b"
@@ -39,7 +42,9 @@ _HOP = 2.0
 _SLIP = 15.0
 
 
-def robot_shapes(theme: Theme, left: float, top: float, pose: Pose = STANDING) -> tuple[Shape, ...]:
+def robot_shapes(
+    theme: Theme, left: float, top: float, pose: Pose = STANDING, *, small: bool = False
+) -> tuple[Shape, ...]:
     """Return the robot.
 
     Args:
@@ -47,8 +52,13 @@ def robot_shapes(theme: Theme, left: float, top: float, pose: Pose = STANDING) -
         left: the left edge of the robot's cell in pixels.
         top: the upper edge of the cell.
         pose: the robot's pose.
+        small: whether it is in a corner of the cell, beside arrows or values of actions.
     """
-    return tuple(_shapes(theme.colors, left, top, pose))
+    shapes = _shapes(theme.colors, left, top, pose)
+    if small:
+        right, down = ROBOT_CORNER
+        shapes = shifted(scaled(shapes, SMALL_ROBOT, left, top), right, down)
+    return tuple(shapes)
 
 
 def _shapes(colors: Colors, left: float, top: float, pose: Pose) -> Iterator[Shape]:

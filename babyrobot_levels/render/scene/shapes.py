@@ -103,6 +103,45 @@ def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shap
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
+def scaled(shapes: Iterable[Shape], scale: float, x: float, y: float) -> Iterator[Shape]:
+    """Yield shapes as they are smaller or larger: so many times, from the fixed point (x, y)."""
+
+    def at(across: float, down: float) -> Point:
+        return x + scale * (across - x), y + scale * (down - y)
+
+    for shape in shapes:
+        match shape:
+            case Rect():
+                left, top = at(shape.x, shape.y)
+                width, height, radius = (
+                    scale * length for length in (shape.width, shape.height, shape.radius)
+                )
+                yield replace(shape, x=left, y=top, width=width, height=height, radius=radius)
+            case Ellipse():
+                middle = at(shape.x, shape.y)
+                yield replace(
+                    shape, x=middle[0], y=middle[1], rx=scale * shape.rx, ry=scale * shape.ry
+                )
+            case Text():
+                start = at(shape.x, shape.y)
+                yield replace(shape, x=start[0], y=start[1], size=scale * shape.size)
+            case Path():
+                commands = tuple(
+                    (
+                        letter,
+                        tuple(
+                            (y if index % 2 else x) + scale * (place - (y if index % 2 else x))
+                            for index, place in enumerate(places)
+                        ),
+                    )
+                    for letter, places in shape.commands
+                )
+                dash = (
+                    None if shape.dash is None else (scale * shape.dash[0], scale * shape.dash[1])
+                )
+                yield replace(shape, commands=commands, width=scale * shape.width, dash=dash)
+
+
 Point = tuple[float, float]
 
 QUARTER = 0.5523

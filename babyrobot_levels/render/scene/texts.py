@@ -5,65 +5,53 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.layout import (
-    CELL,
-    CHARACTER_WIDTH,
-    Layout,
-)
+from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
+from babyrobot_levels.render.scene.scale import ink_on
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
+from babyrobot_levels.render.scene.slots import Cell, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_END_SIZE = 11.0
+_END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5
-_LABEL_SIZES = (12.0, 10.5, 9.0)
+
+NO_TILES: Mapping[Cell, str] = {}
 
 
-def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
-    """Yield START and EXIT at the bottom of their cells, where the robot does not hide them."""
+def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
+    """Yield START and EXIT: at the foot of their cells, or beside answers at the top."""
     colors, display = level.resolved_theme.colors, level.display
     exits = level.exits if level.exit_one_of is None else ()
-    for word, cells, shown, fill in (
-        ("START", level.starts, display.start_text, colors.start_text),
-        ("EXIT", exits, display.exit_text, colors.exit_text),
+    for word, cells, shown, fill, ground in (
+        ("START", level.starts, display.start_text, colors.start_text, colors.start),
+        ("EXIT", exits, display.exit_text, colors.exit_text, colors.exit),
     ):
         for cell in cells if shown else ():
-            yield end_text(word, layout, cell, fill)
+            box = slots.plan(cell).word
+            if box is None:
+                continue
+            box = box.moved(*layout.corner(*cell))
+            if slots.is_small(cell):
+                yield Rect(box.left, box.top, box.width, box.height, ground, radius=3.0)
+                yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, fill, bold=True)
+            else:
+                yield Text(box.centre[0], box.bottom, word, _END_SIZE, fill, bold=True)
 
 
-def end_text(word: str, layout: Layout, cell: tuple[int, int], fill: str) -> Text:
-    """Return a word at the bottom of a cell."""
+def end_text(word: str, layout: Layout, cell: Cell, fill: str) -> Text:
+    """Return a word at the foot of a cell."""
     centre, foot = layout.corner(cell[0] + 0.5, cell[1] + 1)
     return Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
-def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    """Yield the labels of areas at an edge, on a background that keeps them readable."""
+def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
+    """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
-    for area in level.areas:
-        label = " ".join((area.label or "").split())
-        if not label:
-            continue
-        room = area.size[0] * CELL - 16
-        size, text = fit(label, room)
-        width = len(text) * size * CHARACTER_WIDTH + size
-        height = 1.35 * size
-        x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
-        # Coordinates are at the upper edge.
-        top += area.size[1] * CELL - height - 4 if level.display.coordinates else 4
-        yield Rect(x - width / 2, top, width, height, colors.text_bg, radius=height / 2)
-        yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
-
-
-def fit(text: str, room: float) -> tuple[float, str]:
-    """Return the largest font size at which a text fits; a text that never fits is shortened."""
-    for size in _LABEL_SIZES:
-        if len(text) * size * CHARACTER_WIDTH <= room:
-            return size, text
-    count = max(1, int(room / (_LABEL_SIZES[-1] * CHARACTER_WIDTH)) - 1)
-    return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
+    for box, size, text in slots.labels:
+        yield Rect(*box[:2], box.width, box.height, colors.text_bg, radius=box.height / 2)
+        yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 
 
 def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
@@ -85,24 +73,17 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
 
 
 def coordinate_texts(
-    level: GridWorld, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
+    level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
 ) -> Iterator[Text]:
-    """Yield the coordinates of each free cell, at its left.
-
-    Args:
-        level: the level.
-        layout: where its cells are.
-        tops: where the text begins in each cell, in pixels below its upper edge; by default, at
-            the top.
-    """
+    """Yield the coordinates of each free cell, at its left; see `end_texts`."""
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
-            left, top = layout.corner(x, y)
-            baseline = top + (tops[x, y] if tops else 4.0) + 10
+            box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
             fill = fills.get((x, y), colors.arrows)
+            fill = ink_on(tiles[x, y]) if (x, y) in tiles else fill
             text = f"{x},{y}"
-            yield Text(left + 6, baseline, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)
+            yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)

@@ -19,7 +19,7 @@ from babyrobot_levels.render.scene.icons import (
     mixed,
     padlock_shapes,
 )
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.movers import mover_shapes, mover_spots, track_shapes
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
@@ -32,7 +32,8 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
 )
 from babyrobot_levels.render.scene.situation import Cell, Situation
-from babyrobot_levels.render.scene.texts import end_text, fit
+from babyrobot_levels.render.scene.slots import ICON, Slots
+from babyrobot_levels.render.scene.texts import end_text
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -65,7 +66,7 @@ class Piece:
         return tuple(self.draw())
 
 
-def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[Piece]:
+def pieces(level: GridWorld, layout: Layout, situation: Situation, slots: Slots) -> Iterator[Piece]:
     """Yield everything but movers that may differ between configurations, from the bottom up.
 
     A door that is open, and a square for what is not held, are pieces as well; an item that does
@@ -84,7 +85,7 @@ def pieces(level: GridWorld, layout: Layout, situation: Situation) -> Iterator[P
     for number, cells in enumerate(situation.items):
         for cell in cells:
             faint = len(cells) > 1
-            draw = partial(_item, level, layout, number, cell, faint)
+            draw = partial(_item, level, layout, number, cell, faint, slots)
             yield Piece(("item", number, cell, faint), _cell_box(layout, cell), draw)
     for number, closed in enumerate(situation.doors):
         door = level.doors[number]
@@ -109,14 +110,19 @@ def _centre(layout: Layout, cell: Cell) -> Point:
 
 
 def _item(
-    level: GridWorld, layout: Layout, number: int, cell: Cell, faint: bool
+    level: GridWorld, layout: Layout, number: int, cell: Cell, faint: bool, slots: Slots
 ) -> Iterator[Shape]:
     item, colors = level.items[number], level.resolved_theme.colors
     color = item.color or default_color(item.picture, colors)
+    ground = colors.base if faint else None
+    if slots.is_crowded:
+        box = slots.icon(cell)
+        yield from item_shapes(item.picture, color, Spot(*box.centre, box.width / ICON, ground))
+        return
     x, y = _centre(layout, cell)
     # A label needs room below.
     y -= 5 if item.label else 0
-    yield from item_shapes(item.picture, color, Spot(x, y, 1.0, colors.base if faint else None))
+    yield from item_shapes(item.picture, color, Spot(x, y, 1.0, ground))
     if faint:
         yield from _question_mark(x + 14, y + 13)
     yield from thing_label(level, layout, cell, item.label)
