@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.raster import Translucent
+    from babyrobot_levels.render.raster import Progress, Translucent
 
 MAX_SIDE = 800
 """The largest width and height of an animation without a given scale."""
@@ -85,6 +85,7 @@ def to_gif(
     *,
     overlay: Overlay | None = None,
     scale: float | None = None,
+    progress: Progress | None = None,
 ) -> bytes:
     """Return an episode as a GIF file in an endless loop; the same arguments give the same bytes.
 
@@ -97,6 +98,7 @@ def to_gif(
         overlay: what is shown over the cells, below the robot.
         scale: the size; 1 is 64 pixels a cell. None takes the largest up to 1 that keeps width
             and height within 800 pixels.
+        progress: told how many of how many steps are painted.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
@@ -120,6 +122,8 @@ def to_gif(
     for shot in _shots(level, steps, between):
         patches = (*painter.figures(shot), *painter.panels(shot.steps, shot.total, shot.start))
         frames.append(Frame(patches, shot.time))
+        if progress is not None:
+            progress(shot.steps, len(steps))
     return encoded(painter.ground, frames)
 
 

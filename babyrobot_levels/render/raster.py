@@ -42,11 +42,17 @@ _MAX_SAMPLES = 4
 _SMALLEST_TEXT = 5.0
 """Texts with fewer pixels are left out: they would not be readable."""
 
+_REPORTED = 256
+"""The number of shapes from one report of progress to the next."""
+
 _MAX_PARTS = 64
 """The most lines that a curve becomes."""
 
 Box = tuple[float, float, float, float]
 Ink = int | tuple[int, ...]
+Progress = Callable[[int, int], None]
+"""Is told, now and then, how much of how much is done."""
+
 Polyline = tuple[list[Point], bool]
 """Points, and whether the last is joined to the first."""
 
@@ -69,18 +75,34 @@ def to_rgb(
 
 
 def to_png(
-    scene: Scene, size: tuple[int, int] | None = None, *, colors: int | None = None
+    scene: Scene,
+    size: tuple[int, int] | None = None,
+    *,
+    colors: int | None = None,
+    progress: Progress | None = None,
 ) -> bytes:
-    """Return the scene as a PNG file; see `to_rgb`. `colors` is the largest number of colours."""
+    """Return the scene as a PNG file; see `to_rgb`.
+
+    Args:
+        scene: the scene.
+        size: width and height in pixels.
+        colors: the largest number of colours.
+        progress: told, now and then, how many of how many shapes are painted.
+    """
     buffer = io.BytesIO()
-    image = _paint(scene, size, "white")
+    image = _paint(scene, size, "white", progress)
     if colors is not None:
         image = image.quantize(colors)
     image.save(buffer, "PNG", compress_level=4 if colors is None else 9)
     return buffer.getvalue()
 
 
-def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image.Image:
+def _paint(
+    scene: Scene,
+    size: tuple[int, int] | None,
+    background: str,
+    progress: Progress | None = None,
+) -> Image.Image:
     width, height = size or _default_size(scene)
     if min(width, height) < 1:
         raise ValueError(f"invalid picture size: {width} x {height} pixels")
@@ -92,8 +114,10 @@ def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
     painter = _Painter(image, scene, samples)
-    for shape in scene.shapes:
+    for count, shape in enumerate(scene.shapes, 1):
         painter.paint(shape)
+        if progress is not None and count % _REPORTED == 0:
+            progress(count, len(scene.shapes))
     return image.reduce(samples) if samples > 1 else image
 
 

@@ -16,8 +16,8 @@ from PIL import Image, ImageSequence
 from support.places import DOCS
 from support.sessions import Result, environment, run_here
 
+from babyrobot_levels.analysis.pictures import MAX_STEPS
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.cli.pictures import MAX_STEPS
 from babyrobot_levels.cli.written import marked
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.gif import Step, to_gif

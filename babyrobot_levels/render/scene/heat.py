@@ -164,16 +164,8 @@ class Heat:
                 yield from number_shapes(0.0, Form(0, form.size), zero, ink, bold=False)
 
     def _bar(self, left: float, top: float, length: float) -> Iterator[Shape]:
-        scale = self.scale
         step = length / STEPS
-        for index in range(STEPS):
-            # Of a logarithmic scale, equal lengths are equal colours all the same.
-            share = (index + 0.5) / STEPS
-            color = (
-                scale.colors[round(STEPS * share)]
-                if scale.is_logarithmic
-                else scale.color(scale.low + share * (scale.high - scale.low))
-            )
+        for index, color in enumerate(self.scale.strip(STEPS)):
             yield Rect(left + index * step, top, length - index * step, _BAR, color)
 
 

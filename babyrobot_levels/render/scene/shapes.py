@@ -103,7 +103,9 @@ def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shap
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
-def scaled(shapes: Iterable[Shape], scale: float, x: float, y: float) -> Iterator[Shape]:
+def scaled(
+    shapes: Iterable[Shape], scale: float, x: float = 0.0, y: float = 0.0
+) -> Iterator[Shape]:
     """Yield shapes as they are smaller or larger: so many times, from the fixed point (x, y)."""
 
     def at(across: float, down: float) -> Point:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.render.colors import mixed
 from babyrobot_levels.render.scene.ground import flag_shapes
 from babyrobot_levels.render.scene.icons import (
     INK,
@@ -16,7 +17,6 @@ from babyrobot_levels.render.scene.icons import (
     Spot,
     default_color,
     item_shapes,
-    mixed,
     padlock_shapes,
 )
 from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
