@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
@@ -20,7 +21,7 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import ICON, Box, Cell, Label, Slots
+from babyrobot_levels.render.scene.slots import ICON, Box, Cell, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -45,9 +46,6 @@ _AWAY = 4.0
 _FARTHEST = 2 * CELL
 """How far an arrow may bow beyond its ends, in pixels."""
 
-_STEPS = 24
-"""How many parts of an arrow are looked at."""
-
 _MAX_CHEVRONS = 3
 
 Dash = tuple[float, float] | None
@@ -70,7 +68,6 @@ def warp_shapes(
     """
     color = level.resolved_theme.colors.arrows
     rim = rim_on([color])
-    rings = {warp.at for warp in level.warps}
     for warp in level.warps:
         box = slots.icon(warp.at)
         centre, size = box.centre, _scale(box)
@@ -79,10 +76,7 @@ def warp_shapes(
             yield from _outlined(*_turning_arrow(centre, size), color, rim, dash)
             continue
         if warp.to != warp.at:
-            target = slots.icon(warp.to)
-            gap = _RING * _scale(target) + 4 if warp.to in rings else 0.0
-            parts = _arrow(centre, target.centre, gap, layout, slots.labels)
-            yield from _outlined(*parts, color, rim, dash)
+            yield from _outlined(*_arrow(level, layout, slots, warp), color, rim, dash)
         has_sign = warp.at in effects.pays or warp.at in effects.costs
         for number, radius in enumerate(_SIGN_RING if has_sign else _DOT_RING):
             fill = color if number % 2 else rim
@@ -107,23 +101,27 @@ def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
     return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
 
 
-def _arrow(
-    start: Point, end: Point, gap: float, layout: Layout, labels: Sequence[Label]
-) -> tuple[Commands, Commands]:
-    """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible.
+def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells that the arrows of warps cross."""
+    return {
+        layout.cell(point)
+        for warp in level.warps
+        if not isinstance(warp.to, str) and warp.to != warp.at
+        for point in _points(_arrow(level, layout, slots, warp)[0])
+    }
 
-    Args:
-        start: where it begins.
-        end: where it points to.
-        gap: the distance in pixels from its tip to `end`.
-        layout: where the grid is.
-        labels: the labels of areas.
-    """
+
+def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[Commands, Commands]:
+    """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
+    start, target = slots.icon(warp.at).centre, slots.icon(warp.to)
+    end = target.centre
+    has_ring = any(other.at == warp.to for other in level.warps)
+    gap = _RING * _scale(target) + 4 if has_ring else 0.0
     left, right = sorted((start[0], end[0]))
     top, bottom = sorted((start[1], end[1]))
     near = [
         Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
-        for box, _, _ in labels
+        for box, _, _ in slots.labels
         if left - _FARTHEST < box.right
         and box.left < right + _FARTHEST
         and top - _FARTHEST < box.bottom
@@ -154,7 +152,15 @@ def _is_in(point: Point, box: Box) -> bool:
 def _bowed(
     start: Point, end: Point, gap: float, bow: float, reach: float
 ) -> tuple[Commands, Commands]:
-    """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side."""
+    """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side.
+
+    Args:
+        start: where it begins.
+        end: where it points to.
+        gap: the distance in pixels from its tip to `end`.
+        bow: how far it bows.
+        reach: from how far it arrives.
+    """
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     away = max(-CELL, min(bow * length, CELL))
@@ -182,10 +188,11 @@ def _bowed(
 
 
 def _points(shaft: Commands) -> Iterator[Point]:
-    """Yield points of a cubic Bézier curve."""
+    """Yield points along a shaft, less than half a cell apart."""
     (_, (x0, y0)), (_, (x1, y1, x2, y2, x3, y3)) = shaft
-    for step in range(_STEPS + 1):
-        t = step / _STEPS
+    count = math.ceil(4 * math.dist((x0, y0), (x3, y3)) / CELL)
+    for step in range(count + 1):
+        t = step / count
         u = 1 - t
         a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
         yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
@@ -193,8 +200,8 @@ def _points(shaft: Commands) -> Iterator[Point]:
 
 def _outlined(shaft: Commands, head: Commands, color: str, rim: str, dash: Dash) -> Iterator[Shape]:
     """Yield an arrow with the rim that sets it off on puddles and areas."""
-    yield Path(shaft, stroke=rim, width=_WIDTH + 2 * _RIM, opacity=0.7)
-    yield Path(head, stroke=rim, width=2 * _RIM, opacity=0.7)
+    yield Path(shaft, stroke=rim, width=_WIDTH + 2 * _RIM)
+    yield Path(head, stroke=rim, width=2 * _RIM)
     yield Path(shaft, stroke=color, width=_WIDTH, dash=dash)
     yield Path(head, fill=color)
 
@@ -214,8 +221,8 @@ def wind_shapes(winds: Mapping[Cell, tuple[int, int]], slots: Slots, color: str)
         commands += _chevrons(box.centre, _scale(box), east, south)
     for size, commands in by_size.items():
         lines, width = tuple(commands), 3.4 * size
-        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round", opacity=0.4)
-        yield Path(lines, stroke=color, width=width, cap="round", opacity=0.9)
+        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round")
+        yield Path(lines, stroke=color, width=width, cap="round")
 
 
 def _chevrons(centre: Point, size: float, east: int, south: int) -> Iterator[Command]:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.icons import INK, RIM, Commands, Spot
 from babyrobot_levels.render.scene.layout import Layout
@@ -19,6 +21,9 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.scene.slots import Cell, Slots
 
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
 Figure = Callable[[Spot], Iterable[Path]]
 
 _WOOD, _METAL = "#b8742f", "#ffd23f"
@@ -28,6 +33,16 @@ _DEPTH, _WALL = "#0b0f16", "#5b7ea6"
 
 _SIZES = (0.75, 0.9, 1.0)
 """The sizes of marks by strength, as shares of the largest."""
+
+
+def effect_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, effects: Effects
+) -> Iterator[Shape]:
+    """Yield what the cells of a level do: glints, wind, warps, and marks."""
+    yield from sheen_shapes(effects.skids, layout, slots)
+    yield from wind_shapes(effects.winds, slots, level.resolved_theme.colors.arrows)
+    yield from warp_shapes(level, layout, slots, effects)
+    yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
 
 
 def mark_shapes(effects: Effects, slots: Slots, taken: Container[Cell]) -> Iterator[Shape]:
