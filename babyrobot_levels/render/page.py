@@ -26,7 +26,6 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.language.share_code import PLAY_MARK, VERSION, encode
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.render.page_data import (
-    LAYERS,
     Guide,
     TooLargeError,
     WatchedPolicy,
@@ -38,6 +37,7 @@ from babyrobot_levels.render.page_data import (
 )
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import (
@@ -60,8 +60,14 @@ SCRIPTS = (
     "link.js",
     "things.js",
     "game.js",
+    "result.js",
     "paint.js",
+    "view.js",
+    "gestures.js",
     "picture.js",
+    "trail.js",
+    "legend.js",
+    "speech.js",
     "page.js",
 )
 """The parts of the page's script, in the order of their dependencies."""
@@ -140,16 +146,21 @@ def embedded_json(data: Any) -> str:
 
 def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
     """Return the picture that is shown without JavaScript."""
-    overlay = guide.overlay if guide is not None else None
+    overlay = Overlay()
+    if guide is not None:
+        answers = guide.overlay.at()
+        overlay = Overlay(
+            values=answers.values if "values" in shown else None,
+            actions=answers.actions if "policy" in shown else None,
+        )
     layers = build_layers(level, robot=False, overlay=overlay)
     scene = replace(layers["base"], description=describe(level, robot=False))
-    names = ["base", "grid", "things", *(LAYERS[name] for name in shown), "movers"]
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
         f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',
         label_elements(scene),
-        *(elements(layers[name].shapes) for name in names),
+        *(elements(layers[name].shapes) for name in layers if name != "text"),
         "</svg>",
     ]
     return "\n".join(part for part in parts if part)

@@ -7,7 +7,7 @@ one: the page's script plays and paints either, and knows nothing else about lev
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,15 +18,24 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
-from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
+from babyrobot_levels.render.page_tables import (
+    CHEER,
+    EVENTS,
+    HEADING_POSES,
+    POSES,
+    good_ends,
+    rows_of,
+)
 from babyrobot_levels.render.page_things import things_data
-from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.shapes import Shape
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
@@ -44,13 +53,16 @@ MAX_STATES = 200_000
 MAX_NUMBERS = 2_000_000
 """The most numbers of the distinct rows of a page's tables."""
 
-LAYERS = {"base": "base", "grid": "grid", "policy": "underlay", "values": "overlay"}
-"""The layers of a page's picture and their names in a scene; the robot is not one of them."""
+LAYERS = {"heat": "heat", "policy": "underlay", "values": "overlay"}
+"""The layers of a page's picture that show answers, and their names in a scene."""
 
 WatchedPolicy = Literal["best", "random"]
 
 _ROBOT_COLORS = ("robot", "puddle")
 """The colours of a theme in the robot's pictures: of its body, and of splashes."""
+
+MAX_QUANTILES = 101
+"""The most quantiles of returns on a page."""
 
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
@@ -69,12 +81,17 @@ class Guide:
         overlay: the values and optimal actions of the cells, which the page can show.
         expected_return: the policy's expected return from the starts; it may be infinite.
         turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
+        random_return: the expected return of random actions, if it is known.
+        quantiles: quantiles of the policy's return at evenly spaced probabilities, ascending, at
+            most `MAX_QUANTILES`; empty if they are unknown.
     """
 
     policy: Sequence[int]
     overlay: Overlay
     expected_return: float
     turning: Guide | None = None
+    random_return: float | None = None
+    quantiles: Sequence[float] = ()
 
 
 def without_panels(level: GridWorld) -> GridWorld:
@@ -127,8 +144,7 @@ def page_data(
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
-        "policy": list(guide.policy) if guide is not None else None,
-        "best": _best(guide),
+        **_answers(guide),
     }
 
 
@@ -181,66 +197,115 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
 def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str, Any]:
     """Return the picture, what it shows of things and of a robot that turns, and the rules.
 
-    A rule is its sample, shapes of a cell in the picture's palette, and its text.
+    A rule is its sample, shapes of a cell in the picture's palette, its text, and the runs of cells
+    that it is about, each as its first cell and its length.
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
-    cell; otherwise they are marks.
+    cell; otherwise they are marks. What the level tells of its cells is there twice: as it is seen
+    alone, and beside answers.
     """
     may_turn = turns or "heading" in level.model_fields_set
     has_marks = level.has_things or may_turn
-    overlay = guide.overlay if guide is not None and not has_marks else None
-    layers = build_layers(level, robot=False, overlay=overlay)
-    layout, palette = layout_of(level), Palette()
+    overlay = guide.overlay.at() if guide is not None else Overlay()
+    layout, palette = layout_of(level, overlay=overlay), Palette()
+    alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
+    own = level.display.coordinates
+    bare = build_layers(level, robot=False, layout=layout)
+    shapes: dict[str, Iterable[Shape]] = {
+        "base": bare["base"].shapes,
+        "grid": floor_shapes(level, layout),
+        "signs": sign_shapes(level, layout, alone, own),
+    }
+    if guide is not None:
+        shapes["beside"] = sign_shapes(level, layout, beside, own)
+    if guide is not None and not has_marks:
+        layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
+        shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
     picture: dict[str, Any] = {
         "width": round(layout.width),
         # Without the strip for what is held, which the page has outside of the picture.
         "height": round(layout.top_height),
-        "layers": {
-            name: pack(layers[layer].shapes, palette, layout.margin)
-            for name, layer in LAYERS.items()
-        },
+        "layers": {name: pack(each, palette, layout.margin) for name, each in shapes.items()},
     }
     data: dict[str, Any] = {"picture": picture}
     if level.has_things:
         data["things"], picture["looks"] = things_data(level, layout, palette)
-    marks = Marks(level, layout, palette)
-    count = level.compile().num_configurations
-    if has_marks and guide is not None:
-        overlays = [guide.overlay.at(number) for number in range(count)]
-        data["marks"] = {"values": marks.values(overlays), "policy": marks.actions(overlays)}
+    turning = guide.turning if guide is not None and may_turn else None
+    moves, turned = (
+        [*_overlays(level, guide)] if guide is not None and has_marks else [],
+        [*_overlays(level, turning, turns=True)] if turning is not None else [],
+    )
+    marks = Marks(level, layout, palette, beside, [*moves, *turned])
+    if moves:
+        data["marks"] = marks.values(moves) | {"policy": marks.actions(moves)}
+        picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
     if may_turn:
-        data["turns"] = _turns(level, guide.turning if guide is not None else None, marks, on=turns)
+        data["turns"] = _turns(level, turning, on=turns)
+        if turned:
+            data["turns"]["marks"] = marks.values(turned)
     if marks.packed:
         picture["marks"] = marks.packed
     data["rules"] = [
-        [pack(sample_shapes(level, rule.sample), palette), rule.text] for rule in rules_of(level)
+        [pack(sample_shapes(level, rule.sample), palette), rule.text, _runs(rule.cells)]
+        for rule in rules_of(level)
     ]
     picture["palette"] = palette.colors
     return data
 
 
-def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> dict[str, Any]:
+def _runs(cells: Sequence[int]) -> list[int]:
+    """Return ascending numbers as runs: the first number and the length of each."""
+    runs: list[int] = []
+    for cell in cells:
+        if runs and cell == runs[-2] + runs[-1]:
+            runs[-1] += 1
+        else:
+            runs += [cell, 1]
+    return runs
+
+
+def _overlays(level: GridWorld, guide: Guide, *, turns: bool = False) -> Iterator[Overlay]:
+    """Yield what a guide shows in each configuration, and in each heading of one that turns."""
+    for configuration in range(level.compile().num_configurations):
+        for heading in range(HEADINGS) if turns else (None,):
+            yield guide.overlay.at(configuration, heading)
+
+
+def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]:
     """Return what a page knows about the robot that turns, and whether it does so at first."""
-    data: dict[str, Any] = {
+    return {
         "on": on,
         "heading": SIDES.index(level.heading),
-        "policy": list(guide.policy) if guide is not None else None,
-        "best": _best(guide),
+        **_answers(guide),
     }
-    if guide is not None:
-        overlays = (
-            guide.overlay.at(number, heading)
-            for number in range(level.compile().num_configurations)
-            for heading in range(HEADINGS)
-        )
-        data["marks"] = {"values": marks.values(overlays)}
+
+
+def _answers(guide: Guide | None) -> dict[str, Any]:
+    """Return the optimal policy, and what is known about its return."""
+    if guide is None:
+        return {"policy": None, "best": ""}
+    data: dict[str, Any] = {"policy": list(guide.policy), "best": ""}
+    if math.isfinite(guide.expected_return):
+        data["best"] = _rounded(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+        random = guide.random_return
+        data["returns"] = {
+            "best": _brief(guide.expected_return),
+            "random": _brief(random) if random is not None and math.isfinite(random) else None,
+            "quantiles": list(map(_brief, guide.quantiles)),
+        }
     return data
 
 
-def _best(guide: Guide | None) -> str:
-    if guide is None or not math.isfinite(guide.expected_return):
-        return ""
-    return number(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+def _rounded(value: float) -> str:
+    """Return a number with two decimals, or two digits where it is small."""
+    if abs(value) >= 0.1 or abs(value) < 1e-6:
+        return number(value)
+    return np.format_float_positional(value, 2, unique=False, fractional=False, trim="-")
+
+
+def _brief(value: float) -> float | int:
+    """Return a number with six digits."""
+    return _short(float(f"{value:.6g}"))
 
 
 def playable(level: GridWorld) -> dict[str, Any]:
@@ -271,6 +336,8 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "starts": mdp.start.nonzero()[0].tolist(),
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
+        "discount": _short(level.discount),
+        "good": good_ends(level),
         "rows": rows,
         "table": table,
         "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),

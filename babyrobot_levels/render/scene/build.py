@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
+from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
@@ -113,7 +113,7 @@ def build_layers(
     coordinates = level.display.coordinates and not overlay.has_colors
     layers: dict[str, tuple[Shape, ...]] = {
         "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
-        "grid": tuple(grid_shapes(level, layout, slots, coordinates=coordinates)),
+        "grid": (*floor_shapes(level, layout), *sign_shapes(level, layout, slots, coordinates)),
         "robot": (),
     }
     pose = pose.turned(heading)
@@ -156,15 +156,20 @@ def _base_shapes(
         yield from rules_shapes(level, overlay, layout)
 
 
-def grid_shapes(
-    level: GridWorld, layout: Layout, slots: Slots, *, coordinates: bool
-) -> Iterator[Shape]:
-    """Yield what lies on the ground, and the walls: all that a heat map does not cover."""
+def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield lines, puddles and walls, which a heat map does not cover."""
+    yield from line_shapes(level, layout)
     yield from puddle_shapes(level, layout)
+    yield from wall_shapes(level, layout)
+
+
+def sign_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
+) -> Iterator[Shape]:
+    """Yield what the level tells of its cells: wind, warps, and texts."""
     yield from wind_shapes(level, layout, slots)
     yield from warp_shapes(level, layout, slots)
     yield from end_texts(level, layout, slots)
-    yield from wall_shapes(level, layout)
     yield from label_shapes(level, slots)
     if coordinates:
         yield from coordinate_texts(level, layout, slots)

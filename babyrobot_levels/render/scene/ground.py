@@ -40,7 +40,6 @@ def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         if area.color is not None:
             yield _cells(layout, area.at, area.size, area.color)
     yield from _blocked(layout, blocked, colors.blocked)
-    yield from line_shapes(level, layout)
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
         yield from _pad(layout, cell, colors.start_text)

@@ -142,9 +142,9 @@ def scaled(
                     )
                     for letter, places in shape.commands
                 )
-                dash = (
-                    None if shape.dash is None else (scale * shape.dash[0], scale * shape.dash[1])
-                )
+                dash = shape.dash
+                if dash is not None:
+                    dash = scale * dash[0], scale * dash[1]
                 yield replace(shape, commands=commands, width=scale * shape.width, dash=dash)
 
 

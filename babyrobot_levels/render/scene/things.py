@@ -66,11 +66,19 @@ class Piece:
         return tuple(self.draw())
 
 
-def pieces(level: GridWorld, layout: Layout, situation: Situation, slots: Slots) -> Iterator[Piece]:
+def pieces(
+    level: GridWorld, layout: Layout, situation: Situation, slots: Slots | None = None
+) -> Iterator[Piece]:
     """Yield everything but movers that may differ between configurations, from the bottom up.
 
     A door that is open, and a square for what is not held, are pieces as well; an item that does
     not lie anywhere is none.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        situation: what is where.
+        slots: what stands where in the cells, if they show answers.
     """
     if not level.has_things:
         return
@@ -110,12 +118,12 @@ def _centre(layout: Layout, cell: Cell) -> Point:
 
 
 def _item(
-    level: GridWorld, layout: Layout, number: int, cell: Cell, faint: bool, slots: Slots
+    level: GridWorld, layout: Layout, number: int, cell: Cell, faint: bool, slots: Slots | None
 ) -> Iterator[Shape]:
     item, colors = level.items[number], level.resolved_theme.colors
     color = item.color or default_color(item.picture, colors)
     ground = colors.base if faint else None
-    if slots.is_crowded:
+    if slots is not None and slots.is_crowded:
         box = slots.icon(cell)
         yield from item_shapes(item.picture, color, Spot(*box.centre, box.width / ICON, ground))
         return

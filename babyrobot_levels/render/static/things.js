@@ -34,6 +34,12 @@ class Things {
       cells[values[configuration]]);
   }
 
+  /** Return the items, switches and movers in a cell. */
+  at(configuration, cell) {
+    return this.all.filter(({ cells, values }) =>
+      cells !== undefined && cells[values[configuration]].includes(cell));
+  }
+
   /** Describe what the exits need while they are locked. */
   needs(configuration) {
     const [exit] = this.of("exit");
@@ -148,7 +154,7 @@ class MarksLayer {
   constructor(game, svg) {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];
-    this.layers = ["values", "policy"].map((name) => svg.querySelector(`#${name}`));
+    this.layers = ["heat", "values", "policy"].map((name) => svg.querySelector(`#${name}`));
     this.shown = this.layers.map(() => []);
   }
 
