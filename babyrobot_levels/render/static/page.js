@@ -104,6 +104,7 @@ function show(message, kind = "") {
 
 /** Show on the button of an action whether that side is closed. */
 function showButton(button) {
+  if (button.closest("[hidden]")) return;
   const isShut = game.end === null && !game.isPossible(Number(button.dataset.action));
   const [name] = button.getAttribute("aria-label").split(",");
   button.classList.toggle("shut", isShut);
