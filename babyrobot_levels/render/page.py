@@ -18,6 +18,7 @@ import hashlib
 import json
 import zlib
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -39,7 +40,17 @@ from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
+from babyrobot_levels.render.scene.tones import toned
+from babyrobot_levels.render.svg import (
+    FONT,
+    elements,
+    escaped,
+    label_elements,
+    labelled,
+    number,
+    to_svg,
+)
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -111,7 +122,8 @@ def to_html(
     }
     style = _static("page.css")
     script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
-    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.resolved_theme, 0, 0)))
+    theme = level.resolved_theme
+    icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
         title=escaped(title_of(level)),
         description=escaped(data["description"]),
@@ -144,12 +156,12 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
             actions=answers.actions if "policy" in shown else None,
         )
     layers = build_layers(level, robot=False, overlay=overlay)
-    scene = layers["base"]
+    scene = replace(layers["base"], description=describe(level, robot=False))
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
-        f'width="{number(scene.width)}" height="{number(scene.height)}" role="img" '
+        f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',
-        f"<title>{escaped(scene.title)}</title>",
+        label_elements(scene),
         *(elements(layers[name].shapes) for name in layers if name != "text"),
         "</svg>",
     ]

@@ -16,6 +16,7 @@ import numpy as np
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.render.colors import gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -32,11 +33,13 @@ from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
-from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
+from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
 from babyrobot_levels.render.words.rules import rules_of
 
@@ -64,6 +67,9 @@ _ROBOT_COLORS = ("robot", "puddle")
 
 MAX_QUANTILES = 101
 """The most quantiles of returns on a page."""
+
+_OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
+"""The colours that it has in any theme but those of greys."""
 
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
@@ -143,9 +149,10 @@ def page_data(
         "description": (level.description or "").strip(),
         "facts": list(facts(level)),
         **playable(level),
-        "robot": [hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS],
+        "robot": [hexadecimal(color) for color in _robot_colors(colors)],
         **_picture(level, guide, turns=turns),
         "goal": goal_of(level),
+        "alt": describe(level),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -155,7 +162,8 @@ def page_data(
 
 def common_data() -> dict[str, Any]:
     """Return what is the same for all levels: the robot's pictures, and the meaning of codes."""
-    palette = Palette(_ROBOT_COLORS)
+    names = (*_ROBOT_COLORS, *_OWN_COLORS)
+    palette = Palette(names)
     theme = Theme.model_construct(colors=Colors.model_construct(robot="robot", puddle="puddle"))
     sprites = [
         [
@@ -173,10 +181,17 @@ def common_data() -> dict[str, Any]:
         "max_states": MAX_STATES,
         "headings": HEADING_POSES,
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
-        "robot": _ROBOT_COLORS,
+        "robot": names,
         "palette": palette.colors,
         "sprites": sprites,
     }
+
+
+def _robot_colors(colors: Colors) -> Iterator[str]:
+    """Yield the colours of the robot that differ between themes, in the order of `common_data`."""
+    yield from (getattr(colors, name) for name in _ROBOT_COLORS)
+    if is_gray(colors):
+        yield from map(gray, _OWN_COLORS)
 
 
 def title_of(level: GridWorld) -> str:
@@ -212,7 +227,8 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     may_turn = turns or "heading" in level.model_fields_set
     has_marks = level.has_things or may_turn
     overlay = guide.overlay.at() if guide is not None else Overlay()
-    layout, palette = layout_of(level, overlay=overlay), Palette()
+    layout = layout_of(level, overlay=overlay)
+    palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
     alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
     own = level.display.coordinates
     bare = build_layers(level, robot=False, layout=layout)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from xml.sax.saxutils import escape, quoteattr
+from zlib import crc32
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
@@ -27,13 +28,38 @@ def to_svg(scene: Scene, scale: float | None = 1.0) -> str:
         width, height = number(scale * scene.width), number(scale * scene.height)
         shown = f'width="{width}" height="{height}" {shown}'
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {shown} role="img" font-family="{FONT}" '
-        'stroke-linejoin="round">',
-        f"<title>{escaped(scene.title)}</title>",
+        f'<svg xmlns="http://www.w3.org/2000/svg" {shown} {labelled(scene)} '
+        f'font-family="{FONT}" stroke-linejoin="round">',
+        label_elements(scene),
         elements(scene.shapes),
         "</svg>",
     ]
     return "\n".join(line for line in lines if line) + "\n"
+
+
+def labelled(scene: Scene) -> str:
+    """Return the attributes of an `<svg>` that is an image, with `label_elements` in it."""
+    ids = [name for name, _, text in _labels(scene) if text]
+    return 'role="img"' + (f' aria-labelledby="{" ".join(ids)}"' if ids else "")
+
+
+def label_elements(scene: Scene) -> str:
+    """Return the title and the description of a scene, which come first in its `<svg>`."""
+    return "\n".join(
+        f'<{kind} id="{name}">{escaped(text)}</{kind}>'
+        for name, kind, text in _labels(scene)
+        if text
+    )
+
+
+def _labels(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """Yield id, element and content of title and description.
+
+    A document may contain several pictures: only those with the same texts have the same ids.
+    """
+    number = crc32(f"{scene.title}\n{scene.description}".encode("utf-8", "replace"))
+    yield f"title-{number:08x}", "title", scene.title
+    yield f"desc-{number:08x}", "desc", scene.description
 
 
 def elements(shapes: Iterable[Shape]) -> str:

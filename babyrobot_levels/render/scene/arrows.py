@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
+from babyrobot_levels.render.scene.cell_grounds import Cell, CellGrounds
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
@@ -39,23 +41,56 @@ def warp_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shap
 
     A warp that acts on entering is drawn solid, one that acts on leaving dashed.
     """
-    colors = level.resolved_theme.colors
+    colors, grounds = level.resolved_theme.colors, CellGrounds(level)
     rings = {warp.at for warp in level.warps}
     for warp in level.warps:
         centre = slots.icon(warp.at).centre
         dash = (6.0, 4.0) if warp.when == "leave" else None
         if isinstance(warp.to, str):
-            yield from _turning_arrow(centre, colors, dash)
+            rim = _rim(colors, [grounds[warp.at]])
+            yield from _turning_arrow(centre, colors.arrows, rim, dash)
         else:
             if warp.to != warp.at:
                 target = slots.icon(warp.to).centre
                 gap = _RING + 3 if warp.to in rings else 0.0
-                yield from _arrow(centre, target, gap, colors, dash)
-            for radius, fill in ((_RING, colors.arrows), (6.0, colors.base), (3.0, colors.arrows)):
+                shaft, head = _arrow(centre, target, gap)
+                below = {grounds[layout.cell(point)] for point in _places(shaft)}
+                yield from _drawn(shaft, head, colors.arrows, _rim(colors, below), dash)
+            rim = _rim(colors, [grounds[warp.at]])
+            yield Ellipse(*centre, _RING + _HALO, _RING + _HALO, rim.color, rim.opacity)
+            for radius, fill in ((_RING, colors.arrows), (6.0, rim.color), (3.0, colors.arrows)):
                 yield Ellipse(*centre, radius, radius, fill)
 
 
-def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
+def crossed_cells(level: GridWorld, layout: Layout) -> set[Cell]:
+    """Return the cells that the arrows of warps cross."""
+    centres = [
+        [layout.corner(x + 0.5, y + 0.5) for x, y in (warp.at, warp.to)]
+        for warp in level.warps
+        if not isinstance(warp.to, str) and warp.to != warp.at
+    ]
+    return {
+        layout.cell(point)
+        for start, end in centres
+        for point in _places(_arrow(start, end, 0.0)[0])
+    }
+
+
+class _Rim(NamedTuple):
+    """What sets an arrow off from what it crosses."""
+
+    color: str
+    opacity: float
+
+
+def _rim(colors: Colors, grounds: Iterable[str]) -> _Rim:
+    """Return the rim of arrows: one like the base, unless their colour is like the ground."""
+    if all(contrast(colors.arrows, ground) >= GRAPHICS for ground in grounds):
+        return _Rim(colors.base, 0.6)
+    return _Rim(rim_on([colors.arrows]), 1.0)
+
+
+def _turning_arrow(centre: Point, color: str, rim: _Rim, dash: Dash) -> Iterator[Shape]:
     """Yield an arrow that turns clockwise."""
     x, y = centre[0], centre[1] + 4
     r, k = 11.0, 11.0 * QUARTER
@@ -66,13 +101,11 @@ def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]
         ("C", (x - r, y - k, x - k, y - r, x, y - r)),
     )
     head = polygon([(x - 1, y - r - 6), (x - 1, y - r + 6), (x + 8, y - r)])
-    yield from _halo(shaft, head, colors.base)
-    yield Path(shaft, stroke=colors.arrows, width=_WIDTH, dash=dash)
-    yield Path(head, fill=colors.arrows)
+    yield from _drawn(shaft, head, color, rim, dash)
 
 
-def _arrow(start: Point, end: Point, gap: float, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield a bowed arrow; `gap` is the distance in pixels from its tip to `end`."""
+def _arrow(start: Point, end: Point, gap: float) -> tuple[tuple[Command, ...], tuple[Command, ...]]:
+    """Return shaft and head of a bowed arrow; `gap` is the distance from its tip to `end`."""
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     bow = min(0.16 * length, CELL)
@@ -95,15 +128,30 @@ def _arrow(start: Point, end: Point, gap: float, colors: Colors, dash: Dash) -> 
             (back[0] + half * toward_y, back[1] - half * toward_x),
         ]
     )
-    yield from _halo(shaft, head, colors.base)
-    yield Path(shaft, stroke=colors.arrows, width=_WIDTH, dash=dash)
-    yield Path(head, fill=colors.arrows)
+    return shaft, head
 
 
-def _halo(shaft: tuple[Command, ...], head: tuple[Command, ...], color: str) -> Iterator[Shape]:
-    """Yield the outline that sets an arrow off where it crosses puddles and areas."""
-    yield Path(shaft, stroke=color, width=_WIDTH + 2 * _HALO, opacity=0.6)
-    yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)
+def _places(shaft: tuple[Command, ...]) -> Iterator[Point]:
+    """Yield points along a shaft, less than half a cell apart."""
+    (_, start), (_, (x1, y1, x2, y2, *end)) = shaft
+    count = math.ceil(3 * math.dist(start, end) / CELL)
+    for t in (step / count for step in range(count + 1)):
+        u = 1 - t
+        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+        yield (
+            a * start[0] + b * x1 + c * x2 + d * end[0],
+            a * start[1] + b * y1 + c * y2 + d * end[1],
+        )
+
+
+def _drawn(
+    shaft: tuple[Command, ...], head: tuple[Command, ...], color: str, rim: _Rim, dash: Dash
+) -> Iterator[Shape]:
+    """Yield an arrow on its rim."""
+    yield Path(shaft, stroke=rim.color, width=_WIDTH + 2 * _HALO, opacity=rim.opacity)
+    yield Path(head, stroke=rim.color, width=2 * _HALO, opacity=rim.opacity)
+    yield Path(shaft, stroke=color, width=_WIDTH, dash=dash)
+    yield Path(head, fill=color)
 
 
 def wind_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:

@@ -14,7 +14,7 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout
 from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
 from babyrobot_levels.render.scene.overlay import Overlay, each_cell
-from babyrobot_levels.render.scene.scale import STEPS, Scale, count_scale, scale_of
+from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
@@ -59,11 +59,11 @@ class Heat:
     @cached_property
     def values(self) -> dict[Cell, float]:
         """The values that are shown: of cells in which the robot can stand, and not 0 in ends."""
-        slots = self.slots
+        slots, standing = self.slots, self.slots.acting | self.slots.ends
         return {
             cell: value
             for cell, value in each_cell(self.overlay.values, self.layout)
-            if value is not None and (cell in slots.acting or (value and cell in slots.ends))
+            if value is not None and (value or cell in slots.acting) and cell in standing
         }
 
     @cached_property
@@ -168,11 +168,7 @@ def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) ->
 
 def _bar(scale: Scale, left: float, top: float, length: float) -> Iterator[Shape]:
     step = length / _BAR_STEPS
-    for index in range(_BAR_STEPS):
-        share = (index + 0.5) / _BAR_STEPS
-        color = scale.color(scale.low + share * (scale.high - scale.low))
-        # Of a logarithmic scale, equal lengths are equal colours all the same.
-        color = scale.colors[round(STEPS * share)] if scale.is_logarithmic else color
+    for index, color in enumerate(scale.strip(_BAR_STEPS)):
         yield Rect(left + index * step, top, length - index * step, _BAR, color)
 
 

@@ -50,6 +50,9 @@ class Overlay:
         precision: the largest number of decimals.
         extent: the lowest and highest value of all configurations, where they differ: these have
             the same colours in all of them.
+        rules: whether the rules of the level are shown: in a panel of the level in which they have
+            room, else in a box of their own below the picture. Without it, only panels show them
+            that have nothing else to show.
         parts: the overlay of a configuration and heading (each None if none is at hand), where
             they differ; it takes the place of this one.
     """
@@ -65,6 +68,7 @@ class Overlay:
     bottom_panel: Sequence[str] = ()
     precision: int = 2
     extent: tuple[float, float] | None = None
+    rules: bool = False
     parts: Callable[[int | None, int | None], Overlay] | None = None
 
     @property

@@ -15,8 +15,10 @@ from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.movers import mover_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Shape, scaled, shifted
 from babyrobot_levels.render.scene.situation import situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import pieces
 from babyrobot_levels.render.scene.walls import wall_shapes
 
@@ -55,7 +57,8 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
     if kind in ("wall", "glass"):
         yield from _wall(level, is_glass=kind == "glass")
     elif kind == "wind":
-        yield from wind_shapes(_small(level, wind=Wind(**{what: (1,)})), _layout())
+        small = _small(level, wind=Wind(**{what: (1,)}))
+        yield from wind_shapes(small, _layout(), _slots(small))
     elif kind == "item":
         item = next(item for item in level.items if item.name == what)
         color = item.color or default_color(item.picture, level.resolved_theme.colors)
@@ -64,7 +67,7 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         switch = next(switch for switch in level.switches if switch.name == what)
         plate = switch.model_copy(update={"at": _HERE, "label": None})
         small = _small(level, switches=(plate,))
-        for piece in pieces(small, _layout(), situation_of(small, None)):
+        for piece in pieces(small, _layout(), situation_of(small, None), _slots(small)):
             yield from piece.shapes
     elif kind == "mover":
         yield from mover_shapes(level, int(what), _SPOT)
@@ -92,6 +95,10 @@ def _layout(columns: int = 1) -> Layout:
     return Layout(columns, 1, 0.0, 0.0, 0.0)
 
 
+def _slots(small: GridWorld, columns: int = 1) -> Slots:
+    return Slots(small, _layout(columns), Overlay())
+
+
 def _ground(small: GridWorld) -> Iterator[Shape]:
     yield from ground_shapes(small, _layout())
     yield from puddle_shapes(small, _layout())
@@ -110,11 +117,12 @@ def _cell(level: GridWorld, cell: tuple[int, int]) -> Iterator[Shape]:
     for warp in level.warps:
         if warp.at == cell and isinstance(warp.to, str):
             small = _small(level, warps=(warp.model_copy(update={"at": _HERE}),))
-            yield from warp_shapes(small, _layout())
+            yield from warp_shapes(small, _layout(), _slots(small))
         elif warp.at == cell:
             # The arrow to the next cell, in half the size.
             there = warp.model_copy(update={"at": _HERE, "to": (1, 0)})
-            shapes = warp_shapes(_small(level, warps=(there,)), _layout(2))
+            small = _small(level, size=(2, 1), warps=(there,))
+            shapes = warp_shapes(small, _layout(2), _slots(small, 2))
             yield from shifted(scaled(shapes, 0.5), 0, CELL / 4)
 
 

@@ -48,7 +48,8 @@ function isDark(given) {
   return 0.3 * red + 0.6 * green + 0.1 * blue < 100;
 }
 
-/** Return the robot's symbols for all poses and phases, in the colours of a level. */
+/** Return the robot's symbols for all poses and phases, in the colours of a level.
+ *  Colours that the level does not change are their own names. */
 function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);
