@@ -161,9 +161,7 @@ class TextPainter:
         drawn = self._at(configuration, heading, colors, room and room.columns)
         situation = situation_of(self._level, configuration)
         taken = drawn.taken | ({robot} if robot else frozenset())
-        marks = marks_of(
-            self._level, situation, plain=self._plain, taken=taken, cells=drawn.cells
-        )
+        marks = marks_of(self._level, situation, plain=self._plain, taken=taken, cells=drawn.cells)
         shown = marks
         if robot is not None:
             mark = Mark(self._robots[-1 if heading is None else heading])
@@ -194,9 +192,7 @@ class TextPainter:
     ) -> Palette:
         if self._grounds is None:
             self._grounds = Grounds(self._level)
-        return Palette(
-            self._level, self._grounds, drawn.fills, robot, marks, drawn.cells, colors
-        )
+        return Palette(self._level, self._grounds, drawn.fills, robot, marks, drawn.cells, colors)
 
     def _at(
         self, configuration: int | None, heading: int | None, colors: int, columns: int | None
@@ -312,12 +308,8 @@ def _window(
     if all(step * count < free for step, count, free in zip(steps, size, room, strict=True)):
         return _Window(0, 0, steps[0] * size[0] + 1, 2 * size[1] + 1), []
     free = room.columns, room.lines - 1
-    shown = [
-        min(count, max(1, (free[axis] - 1) // steps[axis])) for axis, count in enumerate(size)
-    ]
-    first = [
-        min(max(0, at[axis] - shown[axis] // 2), size[axis] - shown[axis]) for axis in (0, 1)
-    ]
+    shown = [min(count, max(1, (free[axis] - 1) // steps[axis])) for axis, count in enumerate(size)]
+    first = [min(max(0, at[axis] - shown[axis] // 2), size[axis] - shown[axis]) for axis in (0, 1)]
     last = [first[axis] + shown[axis] - 1 for axis in (0, 1)]
     width, height = (min(steps[axis] * shown[axis] + 1, free[axis]) for axis in (0, 1))
     words = f"cells {first} to {last} of {size[0]} x {size[1]}"

@@ -11,9 +11,9 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout
+from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
 from babyrobot_levels.render.scene.shapes import (
     Command,

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
 from babyrobot_levels.render.scene.rule_rows import NARROWEST, height_for
 from babyrobot_levels.render.words.rules import rules_of
 
@@ -235,6 +235,23 @@ def side_foot(layout: Layout) -> float:
     """Return where the room for text in the panel beside the grid ends."""
     slots = layout.slots if layout.held_in == "side" else None
     return layout.top_height if slots is None else slots.top
+
+
+def each_cell(
+    rows: Rows[Content] | None, layout: Layout
+) -> Iterator[tuple[tuple[int, int], Content]]:
+    """Yield each cell with its content; nothing if there are no rows.
+
+    Raises:
+        ValueError: there are more or fewer rows or columns than in the layout.
+    """
+    if rows is None:
+        return
+    if len(rows) != layout.rows or any(len(row) != layout.columns for row in rows):
+        raise ValueError(f"an overlay must have {layout.rows} rows of {layout.columns} cells")
+    for y, row in enumerate(rows):
+        for x, content in enumerate(row):
+            yield (x, y), content
 
 
 def bottom_room(layout: Layout) -> float:

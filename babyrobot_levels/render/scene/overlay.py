@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
-    from babyrobot_levels.render.scene.layout import Layout
+    pass
 
 Content = TypeVar("Content")
 Rows = Sequence[Sequence[Content]]
@@ -91,20 +91,3 @@ class Overlay:
     def at(self, configuration: int | None = None, heading: int | None = None) -> Overlay:
         """Return what is shown in a configuration, with a heading; None for none at hand."""
         return self if self.parts is None else self.parts(configuration, heading)
-
-
-def each_cell(
-    rows: Rows[Content] | None, layout: Layout
-) -> Iterator[tuple[tuple[int, int], Content]]:
-    """Yield each cell with its content; nothing if there are no rows.
-
-    Raises:
-        ValueError: there are more or fewer rows or columns than in the layout.
-    """
-    if rows is None:
-        return
-    if len(rows) != layout.rows or any(len(row) != layout.columns for row in rows):
-        raise ValueError(f"an overlay must have {layout.rows} rows of {layout.columns} cells")
-    for y, row in enumerate(rows):
-        for x, content in enumerate(row):
-            yield (x, y), content
