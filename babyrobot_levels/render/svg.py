@@ -15,18 +15,18 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 """Characters that XML documents cannot contain, not even escaped."""
 
 
-def to_svg(scene: Scene, scale: float = 1.0) -> str:
+def to_svg(scene: Scene, scale: float | None = 1.0) -> str:
     """Return the scene as an SVG document; numbers have at most two decimals.
 
     Args:
         scene: the scene.
-        scale: the size at which it is shown; 1 is the scene's own size.
+        scale: the size at which it is shown; 1 is the scene's own size. None for a picture that is
+            as wide as the place where it is shown.
     """
-    width, height = number(scene.width), number(scene.height)
-    shown = (
-        f'width="{number(scale * scene.width)}" height="{number(scale * scene.height)}" '
-        f'viewBox="0 0 {width} {height}"'
-    )
+    shown = f'viewBox="0 0 {number(scene.width)} {number(scene.height)}"'
+    if scale is not None:
+        width, height = number(scale * scene.width), number(scale * scene.height)
+        shown = f'width="{width}" height="{height}" {shown}'
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" {shown} {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',

@@ -48,7 +48,6 @@ _GLIDE_SHARE = 0.8
 
 _FRAME_SECONDS = 0.025
 
-_NOTE = "Above is a picture. Where ipycanvas is installed and the kernel runs, the robot moves."
 _COLAB_NOTE = (
     "This is a picture of each step. Colab shows the robot moving only after "
     "`google.colab.output.enable_custom_widget_manager()`."
@@ -138,7 +137,9 @@ class LevelView:
             self._output = Output(self._picture)
 
     def _widget_bundle(self) -> Bundle:
-        return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: _NOTE}
+        # Where no widget can be shown, and in files that nbconvert makes, the picture above it is
+        # all there is to see.
+        return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: ""}
 
     def _picture(self) -> Bundle:
         if is_too_large(self._level):
