@@ -126,11 +126,12 @@ def _exits(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
 
 def _ends(level: GridWorld) -> str:
     """Return the cells other than exits that end the episode."""
-    ends = [ground for ground in grounds_of(level) if ground.ends]
-    count = sum(end.count for end in ends)
-    if count > min(len(ends), _MOST_PLACES):
-        return phrases.counted(count, "cell")
-    return listed([f"{end.label} {show_cell(end.cell)}".strip() for end in ends])
+    grounds = [ground for ground in grounds_of(level) if ground.ends]
+    ends = [(ground.label, cell) for ground in grounds for cell in ground.cells]
+    if len(ends) > _MOST_PLACES:
+        return f"{len(ends):,} cells"
+    places = [(label, divmod(cell, level.size[0])) for label, cell in ends]
+    return listed([f"{label} {show_cell((x, y))}".strip() for label, (y, x) in places])
 
 
 def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
