@@ -16,6 +16,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 import zlib
 from collections.abc import Iterator
 from dataclasses import replace
@@ -120,8 +121,8 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style = _static("page.css")
-    script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
+    style = _code("page.css")
+    script = "\n".join(['"use strict";', *map(_code, SCRIPTS)])
     theme = level.resolved_theme
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
@@ -183,6 +184,12 @@ def _security_policy(style: str, script: str) -> str:
         f"default-src 'none'; img-src data:; style-src 'sha256-{style_hash}'; "
         f"script-src 'sha256-{script_hash}'; base-uri 'none'; form-action 'none'"
     )
+
+
+def _code(name: str) -> str:
+    """Return a script or style without indentation and comments, which make pages larger."""
+    text = re.sub(r"/\*[\s\S]*?\*/|^\s*//.*", "", _static(name), flags=re.MULTILINE)
+    return re.sub(r"^\s+", "", text, flags=re.MULTILINE)
 
 
 def _static(name: str) -> str:

@@ -25,6 +25,7 @@ function levelPicture(data) {
     "stroke-linejoin": "round",
   },
   element("title", {}, title),
+  element("desc", { id: "alt" }, data.alt ?? ""),
   element("defs", {}, ...sprites(robot), ...things.definitions),
   element(
     "g",
