@@ -21,10 +21,6 @@ LevelArgument = Annotated[
     ),
 ]
 
-
-NOTHING = "nothing"
-"""The value of `--held` for what nobody holds and no switch that is on."""
-
 MazeSeedOption = Annotated[
     int | None,
     typer.Option(
@@ -66,11 +62,10 @@ def load_two(one: str, other: str) -> tuple[Level, Level]:
 
 def configuration_of(level: Level, held: str) -> int:
     """Return the configuration that `--held` names: just these items held, and switches on."""
-    from babyrobot_levels.mdp.states import configuration_with
+    from babyrobot_levels.analysis import pictures
 
-    names = [name for name in (part.strip() for part in held.split(",")) if name]
     try:
-        return configuration_with(level, () if names == [NOTHING] else names)
+        return pictures.configuration_of(level, held)
     except ValueError as error:
         fail(str(error))
 

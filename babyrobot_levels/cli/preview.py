@@ -21,7 +21,6 @@ from babyrobot_levels.cli.console import (
 from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
-    MAX_SCALE,
     PictureOptions,
     PolicyName,
     gif,
@@ -185,8 +184,7 @@ def preview(
         fail("--held is for text and still pictures", "leave out --held")
     times = _scale(scale, cell, chosen)
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-    configuration = None if held is None else configuration_of(shown, held)
-    options = PictureOptions(values, policy, seed or 0, times, configuration)
+    options = PictureOptions(values, policy, seed or 0, times, held)
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
     made: str | bytes
@@ -200,7 +198,7 @@ def preview(
         else:
             made = picture(shown, options, svg=chosen is PictureFormat.SVG)
     if output is not None:
-        save(output, made, force=force)
+        save(output, made, force=force, marks=True)
     elif isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():
@@ -225,6 +223,7 @@ def _chosen_format(picture_format: PictureFormat | None, output: Path | None) ->
 
 def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> float | None:
     """Return the scale of a picture, None for the default."""
+    from babyrobot_levels.analysis.pictures import MAX_SCALE
     from babyrobot_levels.render.scene.layout import CELL
 
     if scale is None and cell is None:
@@ -245,17 +244,14 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
 
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level with the theme, coordinates and maze that are asked for."""
+    from babyrobot_levels.analysis.pictures import dressed
     from babyrobot_levels.text.errors import LevelError
 
-    if theme is not None:
-        try:
-            level = level.replace(theme=theme)
-        except LevelError as error:
-            found = error.diagnostics[0]
-            fail(found.message, found.help)
-    if coordinates:
-        display = level.display.model_dump(exclude_unset=True)
-        level = level.replace(display={**display, "coordinates": True})
+    try:
+        level = dressed(level, theme=theme, coordinates=coordinates or None)
+    except LevelError as error:
+        found = error.diagnostics[0]
+        fail(found.message, found.help)
     if level.has_random_maze:
         if maze_seed is None:
             note("the maze is random: this is the one of seed 0 (see --maze-seed)")
@@ -268,18 +264,19 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
 def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
     if options.policy is PolicyName.RANDOM:
         fail("a text cannot show a random policy", "use --policy best, or a GIF or HTML output")
+    configuration = None if options.held is None else configuration_of(level, options.held)
     if not (options.values or options.policy):
-        return text_picture(level, plain=plain, configuration=options.configuration)
+        return text_picture(level, plain=plain, configuration=configuration)
     solution = solution_of(level)
     plain = plain or not takes_pictures()
     if options.policy:
-        text = policy_text(level, solution, plain=plain, configuration=options.configuration)
+        text = policy_text(level, solution, plain=plain, configuration=configuration)
     else:
-        text = text_picture(level, plain=plain, configuration=options.configuration)
+        text = text_picture(level, plain=plain, configuration=configuration)
     if options.values and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
     elif options.values:
-        text += "\n" + values_text(level, solution, options.configuration)
+        text += "\n" + values_text(level, solution, configuration)
     return text
 
 

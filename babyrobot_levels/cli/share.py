@@ -99,7 +99,9 @@ def share(
 
 def _fragment(level: Level) -> str:
     """Return the part of a link after its `#`."""
-    from babyrobot_levels.cli.pictures import check_page_size, guide_of
+    from babyrobot_levels.analysis.pictures import guide_of
+    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+    from babyrobot_levels.cli.pictures import check_page_size
     from babyrobot_levels.render.page import link_fragment
     from babyrobot_levels.render.page_data import TooLargeError
 
@@ -108,7 +110,11 @@ def _fragment(level: Level) -> str:
         note("the maze is random: the page plays the one of seed 0 (see `babyrobot resolve`)")
         played = level.with_maze_seed(0)
     check_page_size(played, "send the level file")
-    guide = guide_of(played, needed=False)
+    guide = None
+    try:
+        guide = guide_of(played)
+    except UndefinedReturnError as error:
+        note(f"the page shows no optimal moves: {error}")
     if guide is not None:
         for known in (guide, replace(guide, turning=None)):
             with suppress(TooLargeError):

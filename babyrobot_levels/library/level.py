@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.documents import level_from_mapping
 from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.library.shown import later
 from babyrobot_levels.mdp.gridworld import GridWorld
 
 if TYPE_CHECKING:
     import gymnasium
+
+Made = TypeVar("Made", str, bytes)
 
 
 class Level(GridWorld):
@@ -128,43 +131,158 @@ class Level(GridWorld):
 
     # -- as a picture ----------------------------------------------------------------------
 
-    def to_svg(self, path: str | os.PathLike[str] | None = None) -> str:
-        """Return the level's picture as an SVG document.
+    def to_svg(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        values: Any = None,
+        policy: Any = None,
+        action_values: Any = None,
+        visits: Any = None,
+        coordinates: bool | None = None,
+        theme: Any = None,
+        held: str | Iterable[str] | None = None,
+        scale: float | None = None,
+    ) -> str:
+        """Return the level's picture as an SVG document, as `babyrobot preview` makes it.
+
+        With values, actions or counts, the robot is left out, and terminal states show none.
 
         Args:
             path: a file to write it to as well, atomically; an existing one is replaced.
+            values: what cells show: True for the optimal values, a `Solution`, an `Evaluation` or
+                a `Sweep` for theirs, or an array as `show_info` takes it.
+            policy: the same for actions; `"best"` means True.
+            action_values: the same for the values of actions.
+            visits: counts of visits, as `show_info` takes them.
+            coordinates: whether cells show their coordinates; by default, what the level says.
+            theme: another theme: a name, or a mapping as in a level file.
+            held: the names of the items that are held and the switches that are on; `"nothing"`
+                or an empty list for none. By default, the level is shown as a whole, with values
+                and actions where episodes begin.
+            scale: the size; 1, the default, is 64 pixels per cell.
 
         Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
+            LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
+            UndefinedReturnError: the level has no solution that could be shown.
+            ValueError: another argument does not fit the level.
         """
-        from babyrobot_levels.render.scene.build import build_scene
-        from babyrobot_levels.render.svg import to_svg
-        from babyrobot_levels.text.files import write_text
+        picture: str = later("pictures").to_svg(
+            self,
+            values=values,
+            policy=policy,
+            action_values=action_values,
+            visits=visits,
+            coordinates=coordinates,
+            theme=theme,
+            held=held,
+            scale=scale,
+        )
+        return _saved(picture, path)
 
-        picture = to_svg(build_scene(self))
-        if path is not None:
-            write_text(Path(path), picture)
-        return picture
+    def to_png(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        values: Any = None,
+        policy: Any = None,
+        action_values: Any = None,
+        visits: Any = None,
+        coordinates: bool | None = None,
+        theme: Any = None,
+        held: str | Iterable[str] | None = None,
+        scale: float | None = None,
+    ) -> bytes:
+        """Return the level's picture as a PNG file, as `babyrobot preview` makes it.
 
-    def to_png(self, path: str | os.PathLike[str] | None = None) -> bytes:
-        """Return the level's picture as a PNG file, 64 pixels a cell.
+        Args and errors are those of `to_svg`. Without a `scale`, a cell has 64 pixels, and fewer in
+        large levels: no side of the picture has more than 4,000.
+        """
+        picture: bytes = later("pictures").to_png(
+            self,
+            values=values,
+            policy=policy,
+            action_values=action_values,
+            visits=visits,
+            coordinates=coordinates,
+            theme=theme,
+            held=held,
+            scale=scale,
+        )
+        return _saved(picture, path)
 
-        Of large levels a cell has fewer pixels: no side of the picture has more than 4,000.
+    def to_gif(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        policy: Any = "best",
+        seed: int = 0,
+        values: Any = None,
+        coordinates: bool | None = None,
+        theme: Any = None,
+        scale: float | None = None,
+    ) -> bytes:
+        """Return an episode as an animated GIF, as `babyrobot preview` makes it.
+
+        It is cut after 500 steps, with a warning.
 
         Args:
             path: a file to write it to as well, atomically; an existing one is replaced.
+            policy: the policy that is followed: `"best"`, `"random"`, a `Solution`, an array, or
+                what else `evaluate` takes, of a robot that does not turn.
+            seed: the random seed; it is the same episode as after `env.reset(seed=…)`.
+            values: what cells show below the robot; see `to_svg`.
+            coordinates: whether cells show their coordinates; by default, what the level says.
+            theme: another theme: a name, or a mapping as in a level file.
+            scale: the size; 1 is 64 pixels per cell. By default it is the largest up to 1 with
+                which no side has more than 800 pixels.
 
         Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
+            LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
+            UndefinedReturnError: the level has no solution that could be followed or shown.
+            ValueError: another argument does not fit the level, or the film is too large.
         """
-        from babyrobot_levels.render.raster import to_png
-        from babyrobot_levels.render.scene.build import build_scene
-        from babyrobot_levels.text.files import write_bytes
+        film: bytes = later("pictures").to_gif(
+            self,
+            policy=policy,
+            seed=seed,
+            values=values,
+            coordinates=coordinates,
+            theme=theme,
+            scale=scale,
+        )
+        return _saved(film, path)
 
-        picture = to_png(build_scene(self))
-        if path is not None:
-            write_bytes(Path(path), picture)
-        return picture
+    def to_html(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        values: bool = False,
+        policy: str | bool | None = None,
+        seed: int = 0,
+        coordinates: bool | None = None,
+        theme: Any = None,
+    ) -> str:
+        """Return a page on which the level can be played, as `babyrobot preview` makes it.
+
+        Args:
+            path: a file to write it to as well, atomically; an existing one is replaced.
+            values: whether optimal values are shown at first.
+            policy: the policy that can be watched, `"best"` or `"random"`. By default it is the
+                best one; with `"best"` or True, optimal actions are shown at first.
+            seed: the random seed of the first episode.
+            coordinates: whether cells show their coordinates; by default, what the level says.
+            theme: another theme: a name, or a mapping as in a level file.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
+            UndefinedReturnError: the level has no solution that could be shown.
+            ValueError: the level is too large for a page, or there is no such policy.
+        """
+        page: str = later("pictures").to_html(
+            self, values=values, policy=policy, seed=seed, coordinates=coordinates, theme=theme
+        )
+        return _saved(page, path)
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         from babyrobot_levels.render.notebook.bundle import level_mimebundle
@@ -185,3 +303,12 @@ class Level(GridWorld):
         import gymnasium
 
         return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
+
+
+def _saved(made: Made, path: str | os.PathLike[str] | None) -> Made:
+    """Write what was made to a file, if one is given, and return it."""
+    from babyrobot_levels.text.files import write_bytes
+
+    if path is not None:
+        write_bytes(Path(path), made.encode("utf-8") if isinstance(made, str) else made)
+    return made

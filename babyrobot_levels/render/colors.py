@@ -1,8 +1,9 @@
-"""CSS colours as numbers, in the notations that levels may use."""
+"""CSS colours as numbers, in the notations that levels may use, and what is readable on them."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from colorsys import hls_to_rgb
 from functools import lru_cache
 
@@ -11,6 +12,11 @@ Rgb = tuple[int, int, int]
 
 Rgba = tuple[int, int, int, float]
 """Red, green, blue in 0..255, and alpha in 0..1."""
+
+TEXT, GRAPHICS = 4.5, 3.0
+"""The least contrasts of texts and of graphical objects (WCAG 2.2, 1.4.3 and 1.4.11)."""
+
+_DARK, _LIGHT = "#000000", "#ffffff"
 
 
 @lru_cache(maxsize=1024)
@@ -50,6 +56,35 @@ def over(color: str, ground: Rgb) -> Rgb:
     return red, green, blue
 
 
+@lru_cache(maxsize=1024)
+def mixed(color: str, ground: str, share: float = 1.0) -> str:
+    """Return a colour of which only a share is left on a ground, as `#rrggbb`.
+
+    A ground that is not opaque is composited on white.
+    """
+    below = over(ground, (255, 255, 255))
+    parts = zip(over(color, below), below, strict=True)
+    return _written(round(share * top + (1 - share) * low) for top, low in parts)
+
+
+def gray(color: str) -> str:
+    """Return the grey of the same luminance, which has the same contrasts; alpha stays."""
+    *opaque, alpha = rgba(color)
+    if len({*opaque}) == 1:
+        return color
+    share = _luminance((opaque[0], opaque[1], opaque[2]))
+    level = 12.92 * share if share <= 0.0031308 else 1.055 * share ** (1 / 2.4) - 0.055
+    return _written([round(255 * level)] * 3 + [round(255 * alpha)] * (alpha < 1))
+
+
+def _written(parts: Iterable[int]) -> str:
+    return "#" + "".join(f"{part:02x}" for part in parts)
+
+
+# -- contrast ------------------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=4096)
 def contrast(color: str, ground: str) -> float:
     """Return the contrast ratio of a colour on a background, 1 to 21, as WCAG 2 defines it.
 
@@ -58,6 +93,42 @@ def contrast(color: str, ground: str) -> float:
     below = over(ground, (255, 255, 255))
     dark, light = sorted((_luminance(over(color, below)), _luminance(below)))
     return (light + 0.05) / (dark + 0.05)
+
+
+def rim_on(grounds: Iterable[str]) -> str:
+    """Return black or white, whichever stands out more from the grounds.
+
+    It has a contrast of at least 4.5 to any one ground. Around a line or a figure of a colour that
+    has a contrast of 9 to it, one of the two has at least 3 to anything.
+    """
+    below = tuple(grounds)
+    return max(_LIGHT, _DARK, key=lambda ink: min(contrast(ink, ground) for ground in below))
+
+
+def ink_on(grounds: Iterable[str], preferred: str, least: float = TEXT) -> str:
+    """Return a colour that is readable on all of the grounds.
+
+    Args:
+        grounds: what lies below, opaque; at least one.
+        preferred: the colour to use if its contrast suffices; else it is black or white.
+        least: the contrast that suffices: `TEXT` or `GRAPHICS`.
+    """
+    below = tuple(grounds)
+    is_clear = min(contrast(preferred, ground) for ground in below) >= least
+    return preferred if is_clear else rim_on(below)
+
+
+def plate_for(ink: str, preferred: str) -> str:
+    """Return the background of a text that is readable whatever lies below it.
+
+    Args:
+        ink: the colour of the text.
+        preferred: the background to use if it suffices, on black and on white; else it is black or
+            white.
+    """
+    seen = (mixed(preferred, below) for below in (_DARK, _LIGHT))
+    is_readable = min(contrast(ink, ground) for ground in seen) >= TEXT
+    return preferred if is_readable else rim_on([ink])
 
 
 def _luminance(color: Rgb) -> float:

@@ -25,13 +25,14 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.situation import Cell, is_at_open_exit, place_of, situation_of
 from babyrobot_levels.render.scene.things import held_pieces
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.raster import Translucent
+    from babyrobot_levels.render.raster import Progress, Translucent
 
 MAX_SIDE = 800
 """The largest width and height of an animation without a given scale."""
@@ -85,6 +86,7 @@ def to_gif(
     *,
     overlay: Overlay | None = None,
     scale: float | None = None,
+    progress: Progress | None = None,
 ) -> bytes:
     """Return an episode as a GIF file in an endless loop; the same arguments give the same bytes.
 
@@ -97,6 +99,7 @@ def to_gif(
         overlay: what is shown over the cells, below the robot.
         scale: the size; 1 is 64 pixels a cell. None takes the largest up to 1 that keeps width
             and height within 800 pixels.
+        progress: told how many of how many steps are painted.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
@@ -120,6 +123,8 @@ def to_gif(
     for shot in _shots(level, steps, between):
         patches = (*painter.figures(shot), *painter.panels(shot.steps, shot.total, shot.start))
         frames.append(Frame(patches, shot.time))
+        if progress is not None:
+            progress(shot.steps, len(steps))
     return encoded(painter.ground, frames)
 
 
@@ -257,7 +262,7 @@ class _Painter:
     def _picture(self, shapes: tuple[Shape, ...]) -> Translucent:
         """Return shapes of a cell as a picture."""
         side = max(1, round(self._scale * CELL))
-        scene = Scene(CELL, CELL, shapes)
+        scene = Scene(CELL, CELL, toned(shapes, self._level.resolved_theme.colors))
         return translucent(lambda ground: to_rgb(scene, (side, side), ground))
 
     def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Place) -> Patch:
@@ -293,6 +298,7 @@ class _Painter:
         held = held_pieces(self._level, strip, situation_of(self._level, configuration))
         shapes += tuple(shape for piece in held for shape in piece.shapes)
         size = round(self._scale * strip.width), round(self._scale * strip.height)
+        shapes = toned(shapes, self._level.resolved_theme.colors)
         pixels = to_rgb(Scene(strip.width, strip.height, shapes), size)
         pixels = pixels[math.ceil(self._scale * top) :, math.ceil(self._scale * left) :]
         if top == 0.0:

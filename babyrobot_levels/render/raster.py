@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
+from PIL.PngImagePlugin import PngInfo
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import (
@@ -24,6 +25,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     Text,
 )
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -42,11 +44,17 @@ _MAX_SAMPLES = 4
 _SMALLEST_TEXT = 5.0
 """Texts with fewer pixels are left out: they would not be readable."""
 
+_REPORTED = 256
+"""The number of shapes from one report of progress to the next."""
+
 _MAX_PARTS = 64
 """The most lines that a curve becomes."""
 
 Box = tuple[float, float, float, float]
 Ink = int | tuple[int, ...]
+Progress = Callable[[int, int], None]
+"""Is told, now and then, how much of how much is done."""
+
 Polyline = tuple[list[Point], bool]
 """Points, and whether the last is joined to the first."""
 
@@ -69,18 +77,51 @@ def to_rgb(
 
 
 def to_png(
-    scene: Scene, size: tuple[int, int] | None = None, *, colors: int | None = None
+    scene: Scene,
+    size: tuple[int, int] | None = None,
+    *,
+    colors: int | None = None,
+    progress: Progress | None = None,
 ) -> bytes:
-    """Return the scene as a PNG file; see `to_rgb`. `colors` is the largest number of colours."""
+    """Return the scene as a PNG file; see `to_rgb`.
+
+    Args:
+        scene: the scene.
+        size: width and height in pixels.
+        colors: the largest number of colours.
+        progress: told, now and then, how many of how many shapes are painted.
+    """
     buffer = io.BytesIO()
-    image = _paint(scene, size, "white")
+    image = _paint(scene, size, "white", progress)
     if colors is not None:
         image = image.quantize(colors)
-    image.save(buffer, "PNG", compress_level=4 if colors is None else 9)
+    level = 4 if colors is None else 9
+    image.save(buffer, "PNG", compress_level=level, pnginfo=_texts(scene))
     return buffer.getvalue()
 
 
-def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image.Image:
+def pixels_to_png(pixels: NDArray[np.uint8]) -> bytes:
+    """Return pixels, uint8 `[height, width, 3]`, as a PNG file."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+def _texts(scene: Scene) -> PngInfo:
+    """Return the scene's title and description as texts of a PNG file."""
+    texts = PngInfo()
+    for key, text in (("Title", scene.title), ("Description", scene.description)):
+        if text:
+            texts.add_text(key, one_line(text))
+    return texts
+
+
+def _paint(
+    scene: Scene,
+    size: tuple[int, int] | None,
+    background: str,
+    progress: Progress | None = None,
+) -> Image.Image:
     width, height = size or _default_size(scene)
     if min(width, height) < 1:
         raise ValueError(f"invalid picture size: {width} x {height} pixels")
@@ -91,9 +132,11 @@ def _paint(scene: Scene, size: tuple[int, int] | None, background: str) -> Image
         )
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
-    painter = _Painter(image, scene, samples)
-    for shape in scene.shapes:
+    painter = Painter(image, scene, samples)
+    for count, shape in enumerate(scene.shapes, 1):
         painter.paint(shape)
+        if progress is not None and count % _REPORTED == 0:
+            progress(count, len(scene.shapes))
     return image.reduce(samples) if samples > 1 else image
 
 
@@ -102,7 +145,7 @@ def _default_size(scene: Scene) -> tuple[int, int]:
     return max(1, round(scale * scene.width)), max(1, round(scale * scene.height))
 
 
-class _Painter:
+class Painter:
     """Paints shapes on an image that is `samples` times as large as the picture will be."""
 
     def __init__(self, image: Image.Image, scene: Scene, samples: int) -> None:

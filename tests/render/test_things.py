@@ -19,13 +19,14 @@ from babyrobot_levels.render.colors import contrast, rgba
 from babyrobot_levels.render.frames import FramePainter, image_cells
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
-from babyrobot_levels.render.scene.icons import INK, KINDS, RIM, default_color, is_gray
+from babyrobot_levels.render.scene.icons import INK, KINDS, RIM, default_color
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.shapes import Path, Text
 from babyrobot_levels.render.scene.situation import is_at_open_exit, place_of, situation_of
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
+from babyrobot_levels.render.scene.tones import is_gray
 
 VAULT = load(str(FOLDER / "things.yaml"))
 CELLS = 35

@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.cli.pictures import overlay_of
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.states import configuration_with
-from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.svg import to_svg
 from support.places import DOCS
 
 DOCUMENT = DOCS / "pictures.md"
@@ -47,7 +42,5 @@ LEVEL = {
 def pictures() -> dict[str, str]:
     """Return the pictures by the names of their files."""
     level = Level.from_fields(LEVEL)
-    number = configuration_with(level, ["key", "lever"])
-    overlay = overlay_of(solve(level), values=False, policy=True, configuration=number)
-    held = build_scene(level, configuration=number, robot=False, overlay=overlay)
-    return {"things.svg": level.to_svg(), "things-held.svg": to_svg(held)}
+    held = level.to_svg(policy="best", held=["key", "lever"])
+    return {"things.svg": level.to_svg(), "things-held.svg": held}

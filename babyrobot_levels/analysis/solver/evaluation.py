@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.chain import chain_of, weights_of
 from babyrobot_levels.analysis.solver.linear import diverging_class, expected_sums, long_run
 from babyrobot_levels.analysis.solver.model import (
     Flags,
@@ -17,7 +17,7 @@ from babyrobot_levels.analysis.solver.model import (
     Model,
     attractor,
 )
-from babyrobot_levels.analysis.solver.policies import Policy, looks_like_moves, read_policy
+from babyrobot_levels.analysis.solver.policies import Policy, looks_like_moves
 from babyrobot_levels.analysis.solver.results import (
     EpisodeTooLongError,
     Evaluation,
@@ -82,7 +82,7 @@ def evaluation_of(
     discount = check_discount(discount, level.discount)
     space = space_of(level, actions)
     model = space.model()
-    chain = model.mixed(_weights(policy, space)[model.states])
+    chain = model.mixed(weights_of(policy, space)[model.states])
     values = chain_values(chain, discount, space)
     expected = space.at_start(model, values)
     steps, success = episode(chain, space)
@@ -97,6 +97,7 @@ def evaluation_of(
         actions=actions,
         diverging_cells=space.cells(diverging),
         diverging_condition=space.condition(diverging),
+        level=level,
     )
 
 
@@ -197,7 +198,7 @@ def simulate(
     if episodes < 1 or limit < 1:
         raise ValueError("episodes and max_steps must be at least 1")
     space = space_of(level, actions)
-    mdp, chain = space.mdp, _chain(space, policy)
+    mdp, chain = space.mdp, chain_of(space, policy)
     rng = np.random.default_rng(check_seed(seed))
     state = rng.choice(mdp.num_states, size=episodes, p=mdp.start)
     returns, steps = np.zeros(episodes), np.zeros(episodes, np.int64)
@@ -248,7 +249,7 @@ def success_within(
         raise ValueError("steps must be 0 or more; the level has no max_steps of its own")
     space = space_of(level, actions)
     model = space.model()
-    chain = model.mixed(_weights(policy, space)[model.states])
+    chain = model.mixed(weights_of(policy, space)[model.states])
     success = np.zeros(chain.size)
     for _ in range(steps):
         following = np.append(success, 0.0)[chain.next_state[:, 0]]
@@ -258,42 +259,3 @@ def success_within(
             break
         success = ahead
     return _probability(space.at_start(chain, success))
-
-
-@dataclass(frozen=True, eq=False)
-class _Chain:
-    """The outcomes of a policy's step from each state, `[states, outcomes]` each."""
-
-    cumulated: Floats
-    next_state: Ints
-    reward: Floats
-    terminal: Flags
-
-
-def _chain(space: StateSpace, policy: Policy) -> _Chain:
-    """Return the outcomes of a policy's steps, the possible ones first."""
-    first, mdp = space.first_action, space.mdp
-    weights = _weights(policy, space)
-    count = mdp.num_states
-    probability = (weights[:, :, None] * mdp.probability[:, first:]).reshape(count, -1)
-    order = np.argsort(probability == 0, axis=1, kind="stable")
-    order = order[:, : int((probability > 0).sum(axis=1).max())]
-    probability = np.take_along_axis(probability, order, axis=1)
-    next_state = mdp.next_state[:, first:].reshape(count, -1)
-    reward = mdp.reward[:, first:].reshape(count, -1)
-    terminal = mdp.terminal[:, first:].reshape(count, -1)
-    cumulated = np.cumsum(probability, axis=1)
-    # Rounding must not leave a gap at the top: the last possible outcome takes what is left.
-    last = np.maximum((probability > 0).sum(axis=1) - 1, 0)
-    cumulated[np.arange(probability.shape[1]) >= last[:, None]] = 1.0
-    return _Chain(
-        cumulated,
-        np.take_along_axis(next_state, order, axis=1).astype(np.intp),
-        np.take_along_axis(reward, order, axis=1),
-        np.take_along_axis(terminal, order, axis=1),
-    )
-
-
-def _weights(policy: Policy, space: StateSpace) -> Floats:
-    """Return a policy as probabilities, `[states, actions]`."""
-    return read_policy(policy, space.mdp, space.actions, space.level.things())

@@ -13,8 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.chain import weights_of
 from babyrobot_levels.analysis.solver.model import Floats, Model
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.policies import Policy
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.library.catalogue import load
 
 MAX_STATE_STEPS = 5_000_000
@@ -40,10 +42,28 @@ def best_return_within(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: there is no such set of actions, or there are fewer than 0 steps.
     """
-    if steps < 0:
-        raise ValueError(f"steps must be 0 or more, not {steps}")
+    space = space_of(load(level), actions)
+    return _at_start(space, space.model(), steps, discount)
+
+
+def expected_return_within(
+    level: Any, policy: Policy, steps: int, *, actions: str = "all", discount: float = 1.0
+) -> float:
+    """Return the expected return of a policy in episodes that are truncated after some steps.
+
+    It is exact, and always finite. Args and errors are those of `best_return_within`; `policy` is
+    as `evaluate` takes it.
+    """
     space = space_of(load(level), actions)
     model = space.model()
+    chain = model.mixed(weights_of(policy, space)[model.states])
+    return _at_start(space, chain, steps, discount)
+
+
+def _at_start(space: StateSpace, model: Model, steps: int, discount: float) -> float:
+    """Return the largest expected return from the starts with a number of steps left."""
+    if steps < 0:
+        raise ValueError(f"steps must be 0 or more, not {steps}")
     values = np.zeros(model.size)
     for more in islice(values_by_steps_left(model, discount), 1, steps + 1):
         if np.array_equal(more, values):

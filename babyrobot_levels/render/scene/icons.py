@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.render.colors import over, rgba
+from babyrobot_levels.render.colors import gray, mixed
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
@@ -22,6 +22,7 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     rounded,
 )
+from babyrobot_levels.render.scene.tones import is_gray
 
 INK = "#232c38"
 """The colour of outlines: that of the robot's."""
@@ -120,26 +121,7 @@ KINDS = tuple(_COLORS)
 
 def default_color(kind: str, colors: Colors) -> str:
     """Return the colour of a kind of thing in a theme; a theme of greys takes a grey."""
-    return _gray(_COLORS[kind]) if is_gray(colors) else _COLORS[kind]
-
-
-def is_gray(colors: Colors) -> bool:
-    """Return whether a theme paints ground, walls, arrows and robot in greys."""
-    parts = (colors.base, colors.walls, colors.arrows, colors.robot)
-    return all(len({*rgba(color)[:3]}) == 1 for color in parts)
-
-
-def mixed(color: str, ground: str, share: float) -> str:
-    """Return a colour of which only a share is left on a ground, as `#rrggbb`."""
-    below = over(ground, (255, 255, 255))
-    parts = zip(over(color, below), below, strict=True)
-    return "#" + "".join(f"{round(share * top + (1 - share) * low):02x}" for top, low in parts)
-
-
-def _gray(color: str) -> str:
-    red, green, blue, _ = rgba(color)
-    level = round(0.299 * red + 0.587 * green + 0.114 * blue)
-    return f"#{level:02x}{level:02x}{level:02x}"
+    return gray(_COLORS[kind]) if is_gray(colors) else _COLORS[kind]
 
 
 # -- items ---------------------------------------------------------------------------------------

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.heat import Heat
-from babyrobot_levels.render.scene.layout import CELL, Layout
+from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import panel_texts
 from babyrobot_levels.render.scene.scale import ink_on
 from babyrobot_levels.render.scene.shapes import (

@@ -76,12 +76,16 @@ Shape = Rect | Ellipse | Path | Text
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture: shapes in painting order, without a background; `width`, `height` in pixels."""
+    """A picture: shapes in painting order, without a background; `width`, `height` in pixels.
+
+    `title` and `description` are its texts for people who do not see it; they may be empty.
+    """
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+    description: str = ""
 
 
 def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shape]:
@@ -103,7 +107,9 @@ def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shap
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
-def scaled(shapes: Iterable[Shape], scale: float, x: float, y: float) -> Iterator[Shape]:
+def scaled(
+    shapes: Iterable[Shape], scale: float, x: float = 0.0, y: float = 0.0
+) -> Iterator[Shape]:
     """Yield shapes as they are smaller or larger: so many times, from the fixed point (x, y)."""
 
     def at(across: float, down: float) -> Point:

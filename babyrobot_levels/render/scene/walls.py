@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
-from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.shapes import Command, Path, Shape, polyline
+from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.icons import INK, RIM
+from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
+from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -19,6 +22,15 @@ GLASS = "#8fd0f5"
 _GLASS_CORE = "#f4fbff"
 _GLASS_EXTRA = 4.0
 """How much wider than others a glass wall is, in pixels."""
+
+_GLASS_DASHES = (None, (13.0, 3.0), (5.0, 6.0))
+"""The dashes of glass that lets the robot through seldom, as often as not, and mostly."""
+
+_NUMBER_SIZE, _NUMBER_HEIGHT = 8.5, 11.0
+"""The font size of the number on a glass wall, and the height of its ground."""
+
+_CASING = 1.5
+"""How far the casing of a wall is seen on both of its sides, in pixels."""
 
 Edge = tuple[bool, int, int]
 """A side of a cell: whether it is vertical, and the corner `(x, y)` of the grid where it begins."""
@@ -31,40 +43,62 @@ class _Style:
     color: str
     width: float
     fit: bool = False
-    glass: bool = False
     rim: str = ""
-    """The colour of the two edges of a glass wall."""
+    """The colour of the two edges of a glass wall; empty for a solid one."""
+    dash: tuple[float, float] | None = None
+
+    @property
+    def outline(self) -> str:
+        """The colour at its sides."""
+        return self.rim or self.color
+
+    @property
+    def cap(self) -> Literal["butt", "round"]:
+        """How its ends look."""
+        return "butt" if self.fit or self.rim else "round"
 
 
 def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
-    Walls with a colour or width of their own are painted on top of the others.
+    Walls with a colour or width of their own are painted on top of the others. Where a wall does
+    not stand out from the ground beside it, a casing below all walls does. Glass has the more
+    gaps, the more often it lets the robot through, and says how often.
     """
     colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
-    glass = _Style(GLASS, widths.walls + _GLASS_EXTRA, glass=True, rim=colors.walls)
+    glass = [
+        _Style(GLASS, widths.walls + _GLASS_EXTRA, rim=colors.walls, dash=dash)
+        for dash in _GLASS_DASHES
+    ]
     solid = _Style(colors.walls, widths.walls)
     border = _Style(colors.border, widths.border)
-    inner = {e: glass if is_glass else solid for e, is_glass in _inner_edges(level.grid())}
+    chances = dict(_inner_edges(level.grid()))
+    inner = {
+        edge: glass[min(int(3 * chance), 2)] if chance else solid
+        for edge, chance in chances.items()
+    }
     outer = dict.fromkeys(_outer_edges(layout), border)
     own = _own_styles(level, inner | outer)
-    for styles, lowest in ((inner, (glass, solid)), (outer, (border,))):
+    yield from _casings(level, layout, inner | outer | own)
+    for styles, lowest in ((inner, (*glass, solid)), (outer, (border,))):
         drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
         for edge, style in styles.items():
             drawn.setdefault(own.get(edge, style), []).append(edge)
         for style, edges in drawn.items():
             if style.width > 0:
                 yield from _strokes(layout, style, edges)
+    shown = {edge for edge, style in inner.items() if own.get(edge, style).width > 0}
+    yield from _numbers(layout, {edge: chances[edge] for edge in chances if edge in shown})
 
 
-def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, bool]]:
-    """Yield the walls between two cells, and whether each is a glass wall."""
+def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, float]]:
+    """Yield the walls between two cells, and the chance to get through; above 0 it is glass."""
     for cell, walls in enumerate(grid.wall_bits):
         y, x = divmod(cell, grid.width)
         if walls & BIT["E"] and x < grid.width - 1:
-            yield (True, x + 1, y), (cell, "E") in grid.glass
+            yield (True, x + 1, y), grid.glass.get((cell, "E"), 0.0)
         if walls & BIT["S"] and y < grid.height - 1:
-            yield (False, x, y + 1), (cell, "S") in grid.glass
+            yield (False, x, y + 1), grid.glass.get((cell, "S"), 0.0)
 
 
 def _outer_edges(layout: Layout) -> Iterator[Edge]:
@@ -100,27 +134,90 @@ def _edge(wall: Wall, x: int, y: int) -> Edge:
     return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
 
 
+def _casings(level: GridWorld, layout: Layout, styles: dict[Edge, _Style]) -> Iterator[Shape]:
+    """Yield thin lines, black or white, beside the walls that are like the ground there."""
+    grounds, blocked = CellGrounds(level), level.grid().blocked_cells
+    faint = {
+        color: {each for each in grounds.distinct if contrast(color, each) < GRAPHICS}
+        for color in {style.outline for style in styles.values()}
+    }
+    if not any(faint.values()):
+        return
+    drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
+    for edge, style in styles.items():
+        down, x, y = edge
+        beside = {
+            side: grounds[column, row]
+            for side, column, row in ((-1, x - down, y - (not down)), (1, x, y))
+            if 0 <= column < layout.columns and 0 <= row < layout.rows
+            if not blocked[row * layout.columns + column]
+        }
+        unclear = {side for side, color in beside.items() if color in faint[style.outline]}
+        if unclear and style.width > 0:
+            rim = rim_on(beside[side] for side in unclear)
+            drawn.setdefault((rim, style, sum(unclear)), []).append(edge)
+    for (rim, style, side), edges in drawn.items():
+        # On one side, a line beside the wall; on both, a wider one below it.
+        away = side * (style.width + _CASING) / 2
+        width = _CASING if side else style.width + 2 * _CASING
+        commands = tuple(_commands(layout, edges, away))
+        cap: Literal["butt", "round"] = "butt" if side else style.cap
+        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=cap)
+
+
 def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape]:
     commands = tuple(_commands(layout, edges))
     if not commands:
         return
-    if style.glass:
+    if style.rim:
         # Two edges with light between them, like windows on floor plans.
         for color, width in ((style.rim, 1.0), (style.color, 0.7), (_GLASS_CORE, 0.25)):
-            yield Path(commands, stroke=color, width=width * style.width)
+            yield Path(commands, stroke=color, width=width * style.width, dash=style.dash)
     else:
-        cap: Literal["butt", "round"] = "butt" if style.fit else "round"
-        yield Path(commands, stroke=style.color, width=style.width, cap=cap)
+        yield Path(commands, stroke=style.color, width=style.width, cap=style.cap)
 
 
-def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
-    """Yield one line for all edges that follow each other."""
+def _numbers(layout: Layout, chances: dict[Edge, float]) -> Iterator[Shape]:
+    """Yield the chance to get through glass, once in the middle of each stretch of one chance."""
+    stretches: dict[float, list[Edge]] = {}
+    for edge, chance in chances.items():
+        if chance:
+            stretches.setdefault(chance, []).append(edge)
+    for chance, edges in stretches.items():
+        text = _percent(chance)
+        width = (len(text) + 1.2) * _NUMBER_SIZE * CHARACTER_WIDTH
+        for line in _lines(edges):
+            is_upright, x, y = line[(len(line) - 1) // 2]
+            middle, centre = layout.corner(x + 0.5 * (not is_upright), y + 0.5 * is_upright)
+            for fill, rim in ((INK, 1.2), (RIM, 0.0)):
+                left, height = middle - width / 2 - rim, _NUMBER_HEIGHT + 2 * rim
+                top = centre - height / 2
+                yield Rect(left, top, width + 2 * rim, height, fill, radius=height / 2)
+            yield Text(middle, centre + 0.36 * _NUMBER_SIZE, text, _NUMBER_SIZE, INK, bold=True)
 
-    def position(edge: Edge) -> tuple[tuple[bool, int], int]:
-        down, x, y = edge
-        return ((True, x), y) if down else ((False, y), x)
 
-    for line in consecutive(sorted(edges, key=position), position):
+def _percent(chance: float) -> str:
+    text = f"{100 * chance:.0f}%"
+    if text == "0%":
+        return "<1%"
+    return ">99%" if text == "100%" and chance < 1 else text
+
+
+def _commands(layout: Layout, edges: list[Edge], away: float = 0.0) -> Iterator[Command]:
+    """Yield one line for all edges that follow each other, so far to the right of them or below."""
+    for line in _lines(edges):
         (down, first_x, first_y), (_, last_x, last_y) = line[0], line[-1]
         end = (last_x, last_y + 1) if down else (last_x + 1, last_y)
-        yield from polyline([layout.corner(first_x, first_y), layout.corner(*end)])
+        dx, dy = (away, 0.0) if down else (0.0, away)
+        corners = (layout.corner(first_x, first_y), layout.corner(*end))
+        yield from polyline((x + dx, y + dy) for x, y in corners)
+
+
+def _lines(edges: list[Edge]) -> Iterator[Sequence[Edge]]:
+    """Yield the edges that follow each other."""
+
+    def position(edge: Edge) -> tuple[tuple[bool, int], int]:
+        is_upright, x, y = edge
+        return ((True, x), y) if is_upright else ((False, y), x)
+
+    yield from consecutive(sorted(edges, key=position), position)

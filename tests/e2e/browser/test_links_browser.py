@@ -19,7 +19,7 @@ from support.codes import CODE, play_sealed, played
 from support.playground import KEYS, Playground
 from support.worlds import World, decorated_worlds, level_of
 
-from babyrobot_levels.cli.pictures import guide_of
+from babyrobot_levels.analysis.pictures import guide_of
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page import MAX_UNPACKED, link_fragment, to_html
@@ -60,7 +60,7 @@ def game_of(name: str) -> Level:
 
 def fragment_of(name: str) -> str:
     game = game_of(name)
-    return link_fragment(load(name), game, guide_of(game, needed=False))
+    return link_fragment(load(name), game, guide_of(game))
 
 
 def seen(page: Page) -> tuple[str, str]:
@@ -86,9 +86,7 @@ def test_a_link_shows_what_the_levels_own_page_shows(
     ground.follow(fragment_of(name))
     linked = seen(ground.page)
     game = game_of(name)
-    (tmp_path / "its-own.html").write_text(
-        to_html(game, guide=guide_of(game, needed=False)), "utf-8"
-    )
+    (tmp_path / "its-own.html").write_text(to_html(game, guide=guide_of(game)), "utf-8")
     ground.page.goto((tmp_path / "its-own.html").as_uri())
     ground.page.wait_for_selector("body.ready")
     assert seen(ground.page) == linked != own
@@ -98,7 +96,7 @@ def test_a_link_shows_what_the_levels_own_page_shows(
 def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     """A page has its picture twice: as it is, and as data. Both look alike."""
     game = game_of(name)
-    html = to_html(game, guide=guide_of(game, needed=True), values=True, arrows=True)
+    html = to_html(game, guide=guide_of(game), values=True, arrows=True)
     (plain,) = re.findall(
         r'<svg viewBox="[^"]*" width="\d+" height="\d+" role="img".*?</svg>', html, re.S
     )
@@ -132,7 +130,8 @@ def test_a_seed_and_the_same_actions_give_the_environments_episode(
     ground.page.locator("#seed").fill("7")
     ground.page.locator("#seed").press("Enter")
     ground.page.locator("#stage").focus()
-    state, _ = env.reset(seed=7)
+    seed = 7
+    state, _ = env.reset(seed=seed)
     chosen = np.random.default_rng(1)
     total = 0.0
     for _ in range(40):
@@ -143,9 +142,9 @@ def test_a_seed_and_the_same_actions_give_the_environments_episode(
         assert ground.state == state
         assert ground.number("return") == pytest.approx(total, abs=0.006)
         if terminated or truncated:
-            total = 0.0
-            state, _ = env.reset()
-            ground.press("r")
+            total, seed = 0.0, seed + 1
+            state, _ = env.reset(seed=seed)
+            ground.press("n")
             assert ground.state == state
 
 
@@ -365,7 +364,7 @@ def test_a_browser_that_cannot_unpack_says_so(page: Page, tmp_path: Path) -> Non
 
 # -- hostile links -----------------------------------------------------------------------------
 
-DATA: Any = page_data(load("puddles"), guide=guide_of(load("puddles"), needed=True))
+DATA: Any = page_data(load("puddles"), guide=guide_of(load("puddles")))
 EVIL = (
     "</title></script></style></svg><script>window.hacked = 1</script>"
     "<img src=x onerror='window.hacked = 2'><foreignObject><body onload='window.hacked = 3'>"
@@ -374,12 +373,26 @@ EVIL = (
 
 def test_hostile_texts_are_texts(ground: Playground) -> None:
     data = copy.deepcopy(DATA)
-    data |= {"title": EVIL, "description": EVIL, "best": EVIL, "facts": [[EVIL, EVIL]]}
+    data |= {
+        "title": EVIL,
+        "description": EVIL,
+        "goal": EVIL,
+        "best": EVIL,
+        "facts": [[EVIL, EVIL]],
+    }
     data["picture"]["layers"]["grid"] = [[0, 0, [[3, 0, 9, 9, EVIL, 90]]]]
     ground.follow(played(data))
     expect(ground.page.locator("#notice")).to_be_hidden()
     assert ground.page.title() == EVIL
-    for place in ("h1", "#description", "#best", "#facts dt", "#facts dd", "#stage text >> nth=0"):
+    for place in (
+        "h1",
+        "#description",
+        "#message",
+        "#best",
+        "#facts dt",
+        "#facts dd",
+        "#stage text >> nth=0",
+    ):
         assert ground.page.locator(place).text_content() == EVIL
     ground.press("d", "v", "b", "p")
     assert ground.page.evaluate("() => window.hacked") is None

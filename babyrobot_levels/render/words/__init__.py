@@ -1,0 +1,1 @@
+"""Levels in words: their rules, their goal, and descriptions of their pictures."""

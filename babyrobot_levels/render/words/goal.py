@@ -1,0 +1,85 @@
+"""What there is to do in a level: one sentence."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.render.words import phrases
+from babyrobot_levels.render.words.grounds import Ground, grounds_of
+from babyrobot_levels.render.words.things import spoken
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+_MOST_NAMES = 3
+"""The most things that the sentence names."""
+
+
+def goal_of(level: GridWorld) -> str:
+    """Return what there is to do as one sentence, such as "Fetch the key, then go to the exit.".
+
+    What has to be fetched or switched on is what is held or on in every episode that ends at an
+    exit. An end that pays more than the exit, or than all others, is the one to reach.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+    """
+    ends = [ground for ground in grounds_of(level) if ground.ends]
+    best = max(ends, key=lambda ground: ground.reward, default=None)
+    if best is not None and best.reward > _exit_reward(level):
+        return _reach(best, [end for end in ends if end.reward == best.reward])
+    if not level.exits:
+        limit = level.max_steps
+        within = "" if limit is None else f" in {phrases.counted(limit, 'step')}"
+        return f"Collect as much reward as you can{within}."
+    several = len(level.exits) > 1 and level.exit_one_of is None
+    exit_ = "an exit" if several else "the exit"
+    errands = _errands(level)
+    return f"{errands}, then go to {exit_}." if errands else f"Move the robot to {exit_}."
+
+
+def _exit_reward(level: GridWorld) -> float:
+    """Return what an end must pay more than to be the one to reach."""
+    if level.exits:
+        return level.rewards.exit
+    # Where each step costs, an end is good that costs less than another step.
+    return min(0.0, level.rewards.step)
+
+
+def _reach(best: Ground, equal: list[Ground]) -> str:
+    """Return the sentence for the ends that pay most."""
+    if len({end.label for end in equal}) == 1 and best.label:
+        return f"Reach the {best.label}."
+    return f"Reach an end of the episode that {phrases.reward(best.reward)}."
+
+
+def _errands(level: GridWorld) -> str:
+    """Return what has to be done before the exit; empty for nothing."""
+    needed = _needed(level)
+    items = [item.name for item in level.items if item.name in needed]
+    switches = [switch.name for switch in level.switches if switch.name in needed]
+    if len(items) + len(switches) > _MOST_NAMES:
+        return "Fetch and switch on what is needed" if switches else "Fetch what is needed"
+    fetch = f"fetch the {spoken(items)}" if items else ""
+    switch = f"switch on the {spoken(switches)}" if switches else ""
+    return " and ".join(filter(None, (fetch, switch))).capitalize()
+
+
+def _needed(level: GridWorld) -> frozenset[str]:
+    """Return what is held or on in each configuration in which an episode ends at an exit."""
+    if not (level.items or level.switches):
+        return frozenset()
+    import numpy as np
+
+    mdp, things = level.compile(), level.things()
+    is_exit = np.zeros(mdp.cells, bool)
+    is_exit[[y * mdp.width + x for x, y in level.exits]] = True
+    # Episodes do not go on from terminal states, among which are all that none reaches.
+    happens = (mdp.probability > 0) & mdp.terminal & ~mdp.is_terminal[:, None, None]
+    reached = np.unique(mdp.next_state[happens & is_exit[mdp.next_state % mdp.cells]])
+    numbers = np.unique(reached // mdp.cells)
+    values = mdp.configurations[numbers].tolist()
+    met = [things.met(each) for each in values if things.exit_is_open(each)]
+    begins = [things.met(each) for each in things.draws()]
+    always = frozenset.intersection(*met) if met else frozenset()
+    return always - frozenset.intersection(*begins)

@@ -1,0 +1,116 @@
+"""Phrases that several texts about levels share: rewards, chances, numbers, colours."""
+
+from __future__ import annotations
+
+import colorsys
+from collections.abc import Iterable, Sequence
+
+from babyrobot_levels.language.cells import Skid
+from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.runs import consecutive
+from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.text.diagnostics import one_line
+
+LONGEST_NAME = 28
+"""The most characters of a name or label in a text."""
+
+_NEAR = 1e-6
+_ROUND = (10, 3, 4, 1)
+"""The numbers of times of which chances are told, the first in which they are whole."""
+
+_HUES = (
+    (18, "red"),
+    (44, "orange"),
+    (68, "yellow"),
+    (165, "green"),
+    (195, "turquoise"),
+    (255, "blue"),
+    (290, "purple"),
+    (345, "pink"),
+    (360, "red"),
+)
+"""The names of colours, each with the hue in degrees at which it ends."""
+
+
+def name_of(text: str | None) -> str:
+    """Return a name or label as one short printable line; it may be empty."""
+    line = one_line(" ".join((text or "").split()))
+    return line if len(line) <= LONGEST_NAME else line[: LONGEST_NAME - 1].rstrip() + "…"
+
+
+def worded(label: str) -> str:
+    """Return a label that has letters; one such as `-1` or `★` says nothing in a text."""
+    return label if any(map(str.isalpha, label)) else ""
+
+
+def amount(value: float) -> str:
+    """Return a number without its sign."""
+    return f"{abs(value):,.6g}"
+
+
+def reward(value: float) -> str:
+    """Return what a reward does: `pays 10`, `costs 4`."""
+    return f"{'costs' if value < 0 else 'pays'} {amount(value)}"
+
+
+def rewards(values: Iterable[float]) -> str:
+    """Return what rewards do of which one is given: `pays 2 to 6`."""
+    least, most = min(found := list(values)), max(found)
+    if least == most:
+        return reward(least)
+    if least < 0 < most:
+        return f"costs up to {amount(least)} or pays up to {amount(most)}"
+    first, last = sorted((abs(least), abs(most)))
+    return f"{'costs' if least < 0 else 'pays'} {amount(first)} to {amount(last)}"
+
+
+def chance(probability: float) -> str:
+    """Return how often something happens: `6 times in 10`, `1 time in 3`, `27 %`, `always`."""
+    for times in _ROUND:
+        count = round(times * probability)
+        if abs(times * probability - count) < _NEAR and count:
+            return "always" if count == times else f"{counted(count, 'time')} in {times}"
+    return f"{100 * probability:.3g} %"
+
+
+def skidding(skid: Skid) -> str:
+    """Return how slippery something is: `skids 6 times in 10`."""
+    if not skid.probability:
+        return "does not skid"
+    where = {"open": "", "sides": " sideways", "others": " in another direction"}[skid.to]
+    return f"skids{where} {chance(skid.probability)}"
+
+
+def counted(count: int, singular: str, plural: str | None = None) -> str:
+    """Return a number of something: `1 puddle`, `4 puddles`."""
+    return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
+
+
+def ranges(numbers: Iterable[int]) -> str:
+    """Return whole numbers in ascending order, neighbours as a range: `0, 3 to 5 and 8`."""
+    parts = []
+    for run in consecutive(sorted(numbers), lambda number: (None, number)):
+        first, last = run[0], run[-1]
+        between = " to " if last - first > 1 else " and "
+        parts.append(f"{first}" if first == last else f"{first}{between}{last}")
+    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+
+
+def cells(places: Iterable[Sequence[int]]) -> str:
+    """Return cells as they stand in files: `[0, 0], [3, 1]`."""
+    return ", ".join(show_cell((x, y)) for x, y in places)
+
+
+def color_name(color: str) -> str:
+    """Return a CSS colour as one of a few words: `dark blue`, `grey`."""
+    red, green, blue, _ = rgba(color)
+    hue, light, saturation = colorsys.rgb_to_hls(red / 255, green / 255, blue / 255)
+    if light < 0.08 or light > 0.95:
+        return "black" if light < 0.5 else "white"
+    shade = "dark " if light < 0.3 else "light " if light > 0.78 else ""
+    if saturation < 0.14:
+        return f"{shade}grey"
+    name = next(name for end, name in _HUES if 360 * hue <= end)
+    if name == "orange" and (light < 0.42 or saturation < 0.5):
+        return "brown" if light < 0.6 else "beige"
+    return shade + name

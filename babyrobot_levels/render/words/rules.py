@@ -1,0 +1,205 @@
+"""The rules of a level in words: what is in it, what it does, what it pays, and how often.
+
+They are also the legend of a picture: each names the sample that is drawn beside it.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator
+from itertools import islice
+from typing import TYPE_CHECKING, NamedTuple
+
+from babyrobot_levels.language.cells import as_skid
+from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.render.words import phrases
+from babyrobot_levels.render.words.grounds import Ground, grounds_of
+from babyrobot_levels.render.words.things import thing_rules
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+MOST = 12
+"""The most rules that are told."""
+
+_MOST_GROUNDS = 6
+"""The most kinds of ground that are told."""
+
+
+class Rule(NamedTuple):
+    """A rule in words.
+
+    Attributes:
+        sample: the name of the sample that is drawn beside it, for `sample_shapes`; empty for
+            none.
+        text: one printable line.
+        cells: the numbers of the cells that it is about, row by row; none if it is about more
+            than cells.
+    """
+
+    sample: str
+    text: str
+    cells: tuple[int, ...] = ()
+
+
+Told = Iterator[Rule]
+
+
+def rules_of(level: GridWorld) -> tuple[Rule, ...]:
+    """Return the rules of a level, the most important first, at most `MOST`.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+    """
+    return tuple(islice(_told(level), MOST))
+
+
+def _told(level: GridWorld) -> Told:
+    grounds = sorted(grounds_of(level), key=lambda ground: -abs(ground.reward))
+    yield from _exits(level)
+    yield from _grounds(level, [ground for ground in grounds if ground.ends])
+    yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
+    yield from (Rule(sample, text) for sample, text in thing_rules(level))
+    if level.skid is not None:
+        yield Rule("ground", f"each move: {phrases.skidding(as_skid(level.skid))}")
+    yield from _puddles(level)
+    yield from _grounds(level, [ground for ground in grounds if not ground.ends])
+    yield from _wind(level)
+    yield from _glass(level)
+    yield from _step_rewards(level)
+    if level.max_steps is not None:
+        yield Rule("", f"the episode ends after {phrases.counted(level.max_steps, 'step')}")
+    if level.discount != 1:
+        yield Rule("", f"discount {phrases.amount(level.discount)}")
+    blocked = tuple(cell for cell, found in enumerate(level.grid().blocked_cells) if found)
+    if blocked:
+        yield Rule("blocked", "blocked: cannot be entered", blocked)
+    text = "start: episodes begin here"
+    if len(level.starts) > 1:
+        text = f"start: one of {len(level.starts):,} cells, drawn at random"
+    yield Rule("start", text, _numbers(level, level.starts))
+
+
+def _numbers(level: GridWorld, cells: Iterable[tuple[int, int]]) -> tuple[int, ...]:
+    return tuple(sorted(y * level.size[0] + x for x, y in cells))
+
+
+def _exits(level: GridWorld) -> Told:
+    if not level.exits:
+        return
+    where = ""
+    if level.exit_one_of is not None:
+        where = f"in one of {len(level.exits)} cells, "
+    pays = phrases.reward(level.rewards.exit)
+    text = f"exit: {where}ends the episode, {pays}"
+    yield Rule("exit", text, _numbers(level, level.exits))
+
+
+def _puddles(level: GridWorld) -> Told:
+    for size in ("small", "large"):
+        if cells := [puddle.at for puddle in level.puddles if puddle.size == size]:
+            kind = getattr(level.puddle_types, size)
+            skids = phrases.skidding(as_skid(kind.skid))
+            text = f"{size} puddle: {phrases.reward(kind.reward)}, {skids}"
+            yield Rule(f"puddle-{size}", text, _numbers(level, cells))
+
+
+def _grounds(level: GridWorld, grounds: list[Ground]) -> Told:
+    """Yield what kinds of ground do; those of the same name that do the same once."""
+    arrows = sum(_name(ground) == "warp" for ground in grounds) > 1
+    told: dict[str, list[int]] = defaultdict(list)
+    for ground in grounds:
+        effects = list(_effects(level, ground, arrows=arrows))
+        if effects:
+            told[f"{_name(ground)}: {', '.join(effects)}"] += ground.cells
+    for text, cells in islice(told.items(), _MOST_GROUNDS):
+        y, x = divmod(cells[0], level.size[0])
+        yield Rule(f"cell:{x},{y}", text, tuple(sorted(cells)))
+
+
+def _name(ground: Ground) -> str:
+    if ground.label:
+        return ground.label
+    if ground.warp is not None:
+        return "warp"
+    return "some cells" if ground.color is None else f"{phrases.color_name(ground.color)} cell"
+
+
+def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]:
+    """Yield what a kind of ground does that no other ground does."""
+    warp, reward = ground.warp, ground.reward
+    if warp is not None and warp.reward is not None:
+        reward = warp.reward
+    if ground.ends:
+        yield "ends the episode"
+    if ground.ends or reward != level.rewards.step:
+        yield phrases.reward(reward)
+    if warp is not None:
+        moves = "every move " if warp.when == "leave" else ""
+        if warp.to == "start":
+            yield f"{moves}leads back to the start"
+        elif arrows and _name(ground) == "warp":
+            yield f"{moves}leads along its arrow"
+        else:
+            yield f"{moves}leads to {phrases.cells([warp.to])}"
+    elif ground.skid is not None and not ground.ends and ground.skid != _usual(level):
+        yield phrases.skidding(ground.skid)
+
+
+def _usual(level: GridWorld) -> object:
+    return as_skid(level.skid or 0.0)
+
+
+def _wind(level: GridWorld) -> Told:
+    """Yield one rule for each direction in which wind pushes."""
+    souths, easts = shifts(level.wind, *level.size)
+    for lines, pushes, (forward, backward) in (
+        ("column", souths, ("south", "north")),
+        ("row", easts, ("east", "west")),
+    ):
+        for side, sign in ((forward, 1), (backward, -1)):
+            places: dict[int, list[int]] = defaultdict(list)
+            for number, push in enumerate(pushes):
+                if sign * push > 0:
+                    places[sign * push].append(number)
+            if places:
+                yield Rule(f"wind:{side}", f"wind: pushes {_pushes(places, side, lines)}")
+
+
+def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:
+    if len(places) > 2:
+        strengths = f"{min(places)} to {max(places)} cells {side}"
+        places = {0: [number for numbers in places.values() for number in numbers]}
+    else:
+        strengths = ""
+    parts = []
+    for strength, numbers in sorted(places.items()):
+        cells = strengths or f"{phrases.counted(strength, 'cell')} {side if not parts else ''}"
+        which = lines if len(numbers) == 1 else f"{lines}s"
+        parts.append(f"{cells.strip()} in {which} {phrases.ranges(numbers)}")
+    return ", ".join(parts)
+
+
+def _glass(level: GridWorld) -> Told:
+    passes = {*level.grid().glass.values()}
+    if not passes:
+        return
+    least, most = min(passes), max(passes)
+    often = phrases.chance(least)
+    if least != most:
+        often = f"{100 * least:.3g} to {100 * most:.3g} % of the time"
+    bounce = level.rewards.bounce
+    more = f", a bounce {phrases.reward(bounce)} more" if bounce else ""
+    yield Rule("glass", f"glass wall: lets through {often}{more}")
+
+
+def _step_rewards(level: GridWorld) -> Told:
+    rewards = level.rewards
+    if rewards.bump is not None:
+        yield Rule("wall", f"bumping into a wall: {phrases.reward(rewards.bump)}")
+    if rewards.stay is not None:
+        yield Rule("ground", f"staying: {phrases.reward(rewards.stay)}")
+    if rewards.closer is not None:
+        yield Rule("ground", f"a step closer to the exit: {phrases.reward(rewards.closer)}")
+    if rewards.farther is not None:
+        yield Rule("ground", f"a step away from the exit: {phrases.reward(rewards.farther)}")

@@ -1,0 +1,106 @@
+"""Items, switches and movers in words: what they open, close, pay and cost."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.mdp.doors import door_name
+from babyrobot_levels.render.words import phrases
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.things import Door, Item, Mover
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+Names = tuple[str, ...]
+
+
+def spoken(names: Sequence[str]) -> str:
+    """Return names of things as a list in words, the names' hyphens as spaces."""
+    return listed([phrases.name_of(name.replace("-", " ")) for name in names])
+
+
+def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
+    """Yield what items and switches do, then movers: each as a sample's name and a text."""
+    acts = _acts(level)
+    switches = {switch.name: switch for switch in level.switches}
+    told = {(item.name,) for item in level.items if item.reward is not None} | {*acts}
+    for (shape, _), items in _by_look(level.items).items():
+        lone = [item for item in items if (item.name,) not in acts and item.reward is not None]
+        if len(lone) > 1:
+            pays = phrases.rewards(item.reward for item in lone if item.reward is not None)
+            yield f"item:{lone[0].name}", f"{len(lone)} {shape}s: each {pays}"
+            told -= {(item.name,) for item in lone}
+    order = [item.name for item in level.items] + [switch.name for switch in level.switches]
+    pays = {item.name: item.reward for item in level.items}
+    for names in sorted(told, key=lambda names: [order.index(name) for name in names]):
+        kind = "switch" if names[0] in switches else "item"
+        parts = [f"{verb if len(names) == 1 else verb[:-1]} {what}" for verb, what in acts[names]]
+        value = pays.get(names[0]) if len(names) == 1 else None
+        parts += [] if value is None else [phrases.reward(value)]
+        when = ""
+        if kind == "switch" and len(names) == 1:
+            switch = switches[names[0]]
+            when = f"{'flips once, ' * switch.once}{'on at first, ' * switch.on}while on: "
+        yield f"{kind}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
+    yield from _movers(level)
+
+
+def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
+    """Return what things that belong together open and close, each as a verb and its object."""
+    doors: dict[tuple[str, Names], list[Door]] = defaultdict(list)
+    for door in level.doors:
+        if door.keys:
+            doors["opens", door.keys].append(door)
+        for name in door.locks:
+            doors["closes", (name,)].append(door)
+    acts: dict[Names, list[tuple[str, str]]] = defaultdict(list)
+    for (verb, names), found in doors.items():
+        acts[names].append((verb, _doors(level, found)))
+    if level.exit_keys:
+        acts[level.exit_keys].append(("opens", "the exit" if len(level.exits) == 1 else "exits"))
+    return acts
+
+
+def _doors(level: GridWorld, doors: Sequence[Door]) -> str:
+    """Return how doors are called: by their colour, if no other door has it."""
+    if len(level.doors) == len(doors) == 1:
+        return "the door"
+    if len(doors) > 1:
+        return f"{len(doors)} doors"
+    colors = [_color(level, door) for door in level.doors]
+    color = _color(level, doors[0])
+    is_own = color is not None and colors.count(color) == 1
+    return f"the {color} door" if is_own else f"the {door_name(doors[0])}"
+
+
+def _color(level: GridWorld, door: Door) -> str | None:
+    """Return the colour of a door in words: its own, or that of the first item that it needs."""
+    named = {item.name: item.color for item in level.items}
+    color = door.color or next((named[name] for name in door.keys if name in named), None)
+    return None if color is None else phrases.color_name(color)
+
+
+def _by_look(items: Iterable[Item]) -> dict[tuple[str, str | None], list[Item]]:
+    looks: dict[tuple[str, str | None], list[Item]] = defaultdict(list)
+    for item in items:
+        looks[item.picture, item.color].append(item)
+    return looks
+
+
+def _movers(level: GridWorld) -> Iterator[tuple[str, str]]:
+    """Yield one text for all guards, and one for all wanderers."""
+    hit = f"meeting it {phrases.reward(level.hit.reward)}"
+    hit += ", ends the episode" if level.hit.ends else ""
+    kinds: dict[str, list[tuple[int, Mover]]] = defaultdict(list)
+    for number, mover in enumerate(level.movers):
+        kinds["guard" if mover.within is None else "wanderer"].append((number, mover))
+    for kind, movers in kinds.items():
+        ways = "walks its path" if kind == "guard" else "wanders at random"
+        number, mover = movers[0]
+        name = phrases.counted(len(movers), kind)
+        if len(movers) == 1:
+            name = spoken([mover.name or kind])
+        yield f"mover:{number}", f"{name}: {ways}, {hit}"

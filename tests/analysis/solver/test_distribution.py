@@ -1,0 +1,101 @@
+"""The distribution of a policy's return: against recursion, exact averages and simulation."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+
+import numpy as np
+import pytest
+
+import babyrobot_levels as brl
+from babyrobot_levels.analysis.solver.distribution import EPISODES, return_distribution
+from babyrobot_levels.analysis.solver.horizon import expected_return_within
+
+
+def recursive(level: brl.Level, steps: int, discount: float) -> dict[float, float]:
+    """Return the distribution for the random policy, one outcome after the other."""
+    mdp = level.compile()
+    found: defaultdict[float, float] = defaultdict(float)
+
+    def follow(state: int, left: int, chance: float, total: float, factor: float) -> None:
+        if not left:
+            found[round(total, 9)] += chance
+            return
+        possible = mdp.action_mask[state].nonzero()[0]
+        for action in possible:
+            for probability, following, reward, ends in mdp.outcomes(state, int(action)):
+                follow(
+                    following,
+                    0 if ends else left - 1,
+                    chance * probability / len(possible),
+                    total + factor * reward,
+                    factor * discount,
+                )
+
+    for state in mdp.start.nonzero()[0]:
+        follow(int(state), steps, float(mdp.start[state]), 0.0, 1.0)
+    return dict(found)
+
+
+@pytest.mark.parametrize("discount", [1.0, 0.9])
+@pytest.mark.parametrize("name", ["default", "frozen-lake", "four-corners", "shell-game"])
+def test_it_is_what_the_recursion_gives(name: str, discount: float) -> None:
+    level = brl.load(name)
+    expected = recursive(level, 5, discount)
+    found = return_distribution(level, "random", 5, discount=discount)
+    assert found.episodes == 0
+    assert found.values == pytest.approx(sorted(expected), abs=1e-9)
+    assert found.probabilities == pytest.approx([expected[each] for each in sorted(expected)])
+
+
+@pytest.mark.parametrize("name", ["final-maze", "treasure-chests", "four-rooms-slippery"])
+def test_its_mean_is_the_exact_average(name: str) -> None:
+    solution = brl.solve(name)
+    found = return_distribution(name, solution)
+    assert found.episodes == 0
+    assert found.mean == pytest.approx(solution.expected_return, abs=1e-9)
+    assert found.probabilities.sum() == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("policy", ["random", "best"])
+@pytest.mark.parametrize("name", ["frozen-lake", "bat-cave"])
+def test_episodes_that_are_truncated_count_with_what_they_have(name: str, policy: str) -> None:
+    level = brl.load(name)
+    steps = 12
+    taken = "random" if policy == "random" else brl.solve(level)
+    found = return_distribution(level, taken, steps)
+    assert found.mean == pytest.approx(expected_return_within(level, taken, steps))
+
+
+def test_the_frozen_lake_is_crossed_or_not() -> None:
+    found = return_distribution("frozen-lake", brl.solve("frozen-lake"))
+    assert found.values.tolist() == [0.0, 1.0]
+    assert found.probabilities[1] == pytest.approx(
+        brl.success_within("frozen-lake", brl.solve("frozen-lake"))
+    )
+
+
+def test_where_returns_are_too_many_episodes_are_simulated() -> None:
+    found = return_distribution("gridworld-3-5", "random")
+    assert found.episodes == EPISODES
+    exact = expected_return_within("gridworld-3-5", "random", 1000, discount=0.9)
+    assert found.mean == pytest.approx(exact, abs=0.2)
+    again = return_distribution("gridworld-3-5", "random")
+    assert np.array_equal(found.values, again.values)
+
+
+def test_quantiles_are_returns_that_are_possible() -> None:
+    found = return_distribution("frozen-lake", brl.solve("frozen-lake"))
+    lost = found.probabilities[0]
+    assert found.quantiles(np.array([0.0, lost / 2, lost, lost + 0.01, 1.0])).tolist() == [
+        0.0,
+        0.0,
+        0.0,
+        1.0,
+        1.0,
+    ]
+
+
+def test_no_steps_are_no_episode() -> None:
+    with pytest.raises(ValueError, match="within must be at least 1, not 0"):
+        return_distribution("default", "random", 0)
