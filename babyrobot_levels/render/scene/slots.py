@@ -13,8 +13,8 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, each_cell, fit
+from babyrobot_levels.render.scene.overlay import Overlay
 
 if TYPE_CHECKING:
     import numpy as np
