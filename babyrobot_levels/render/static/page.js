@@ -143,7 +143,8 @@ function showResult() {
 function showHint(action) {
   trail.point(action);
   for (const button of document.querySelectorAll("[data-action]")) {
-    button.classList.toggle("hinted", button.dataset.action === String(action));
+    const isMeant = button.dataset.action === String(action) && !button.closest("[hidden]");
+    button.classList.toggle("hinted", isMeant);
   }
 }
 
