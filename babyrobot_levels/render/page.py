@@ -16,6 +16,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 import zlib
 from collections.abc import Iterator
 from importlib.resources import files
@@ -71,6 +72,9 @@ MAX_LINK = 30_000
 MAX_UNPACKED = 4 << 20
 """The most bytes that a page decompresses."""
 
+_COMMENTS = re.compile(r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$", re.M | re.S)
+"""Comments of scripts and styles that have lines of their own."""
+
 
 def to_html(
     level: GridWorld,
@@ -109,8 +113,8 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style = _static("page.css")
-    script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
+    style = _code("page.css")
+    script = "\n".join(['"use strict";', *map(_code, SCRIPTS)])
     icon = to_svg(Scene(CELL, CELL, robot_shapes(level.resolved_theme, 0, 0)))
     return Template(_static("page.html")).substitute(
         title=escaped(title_of(level)),
@@ -170,6 +174,12 @@ def _security_policy(style: str, script: str) -> str:
 
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
+
+
+def _code(name: str) -> str:
+    """Return a script or style without the comments that have lines of their own and indents."""
+    text = _COMMENTS.sub("", _static(name))
+    return "\n".join(line for line in map(str.strip, text.splitlines()) if line)
 
 
 def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:

@@ -8,6 +8,7 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -16,7 +17,7 @@ import pytest
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.page import embedded_json, to_html
+from babyrobot_levels.render.page import SCRIPTS, embedded_json, to_html
 from babyrobot_levels.render.page_data import Guide, facts, playable
 from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES, good_ends
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -141,6 +142,21 @@ def test_its_policy_allows_its_own_style_and_script_and_nothing_else() -> None:
     ]
     for _, attributes in page.elements:
         assert not [name for name in attributes if name == "style" or name.startswith("on")]
+
+
+def test_scripts_have_no_texts_of_several_lines_which_shortening_would_change() -> None:
+    folder = files("babyrobot_levels.render").joinpath("static")
+    for script in SCRIPTS:
+        for line in folder.joinpath(script).read_text("utf-8").splitlines():
+            assert line.replace('"`"', "").count("`") % 2 == 0, line
+    page = Reader(to_html(ROW))
+    for text in (page.texts["script"][2], page.texts["style"][0]):
+        assert not [line for line in text.splitlines() if line.startswith((" ", "//", "/*"))]
+
+
+def test_a_page_is_small() -> None:
+    world = load("final-maze")
+    assert len(world.to_html().encode()) < 180_000
 
 
 def test_the_same_level_is_the_same_page() -> None:
@@ -278,7 +294,9 @@ def test_every_outcome_has_the_pose_of_the_pictures() -> None:
 def test_every_pose_has_its_pictures() -> None:
     common = common_of(to_html(ROW))
     assert [len(phases) for phases in common["sprites"]] == [common["phases"]] * len(POSES)
-    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.resolved_theme, 0, 0))
+    assert len(common["sprites"][0][0]) == len(robot_shapes(ROW.resolved_theme, 0, 0))
+    used = {number for phases in common["sprites"] for look in phases for number in look}
+    assert used == set(range(len(common["shapes"])))
     assert common["palette"].count("robot") == common["palette"].count("puddle") == 1
 
 
