@@ -209,7 +209,7 @@ def preview(
         else:
             made = picture(shown, options, svg=chosen is PictureFormat.SVG)
     if output is not None:
-        save(output, made, force=force)
+        save(output, made, force=force, marks=True)
     elif isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():

@@ -81,10 +81,12 @@ class FramePainter:
         room: tuple[int, int] | None = None,
     ) -> None:
         cells_only = size is not None
-        layout = layout_of(level, cells_only=cells_only, overlay=overlay)
+        # Without a legend: a film's frames are equally large, whatever they show.
+        layout = replace(layout_of(level, cells_only=cells_only, overlay=overlay), legend=0.0)
         self.width, self.height = size or _whole_size(layout, room or _ROOM)
         self._level, self._layout = level, layout
         self._crowded = overlay is not None and overlay.fills_cells
+        self._small = overlay is not None and overlay.is_crowded
         self._grounds = Grounds(
             level,
             layout,
@@ -141,7 +143,8 @@ class FramePainter:
     def _robot(self, cell: Cell, pose: Pose) -> Sprite:
         image = self._robots.get(pose)
         if image is None:
-            shapes = robot_shapes(self._level.resolved_theme, 0.0, 0.0, pose)
+            theme = self._level.resolved_theme
+            shapes = robot_shapes(theme, 0.0, 0.0, pose, small=self._small)
             image = self._grounds.translucent(Scene(CELL, CELL, shapes), self._cell)
             remember(self._robots, pose, image, _POSES)
         left, top = self._left[cell[0]], self._top[cell[1]]

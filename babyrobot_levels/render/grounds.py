@@ -16,7 +16,9 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.shapes import Scene, shifted
 from babyrobot_levels.render.scene.situation import Situation, situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import Piece, pieces
+from babyrobot_levels.render.scene.tones import toned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -110,11 +112,14 @@ class Grounds:
         self._level, self._layout, self._grayscale = level, layout, grayscale
         self._overlay, self.size = overlay, size
         self.scale = size[0] / layout.width, size[1] / layout.height
-        layers = build_layers(level, robot=False, cells_only=cells_only, overlay=overlay)
-        self._still = [layers["base"], layers["grid"]]
-        self._bare: NDArray[np.uint8] | None = None
+        layers = build_layers(
+            level, robot=False, cells_only=cells_only, overlay=overlay, layout=layout
+        )
+        self._slots = Slots(level, layout, overlay or Overlay())
+        self._base, self._grid = layers["base"], layers["grid"]
+        self._bare: dict[_AtHand | None, NDArray[np.uint8]] = {}
         self._sprites: dict[Hashable, Sprite] = {}
-        self._overlays: dict[_AtHand, tuple[Scene, Translucent]] = {}
+        self._overlays: dict[_AtHand, tuple[Scene, Scene, Translucent]] = {}
         self._grounds: dict[Hashable, Ground] = {}
         self._limit = max(4, _BYTES // (6 * size[0] * size[1]))
 
@@ -141,36 +146,41 @@ class Grounds:
         return ground
 
     def _painted_ground(self, name: Hashable, situation: Situation, at_hand: _AtHand) -> Ground:
-        under, above = self._painted_overlay(at_hand)
+        heat, under, above = self._painted_overlay(at_hand)
         if self._level.has_things:
-            below = self._with_things(situation)
+            below = self._with_things(situation, heat, at_hand)
             if under.shapes:
                 below = composite(self.translucent(under, self.size), below)
         else:
-            shapes = tuple(shape for scene in (*self._still, under) for shape in scene.shapes)
-            below = self._painted(replace(under, shapes=shapes), self.size)
+            below = self._painted(_joined(self._base, heat, self._grid, under), self.size)
         return Ground(name, below, above, below if above is None else composite(above, below))
 
-    def _with_things(self, situation: Situation) -> NDArray[np.uint8]:
-        if self._bare is None:
-            shapes = tuple(shape for scene in self._still for shape in scene.shapes)
-            self._bare = self._painted(replace(self._still[0], shapes=shapes), self.size)
-        picture = self._bare.copy()
-        for piece in pieces(self._level, self._layout, situation):
+    def _with_things(
+        self, situation: Situation, heat: Scene, at_hand: _AtHand
+    ) -> NDArray[np.uint8]:
+        key = at_hand if heat.shapes else None
+        bare = self._bare.get(key)
+        if bare is None:
+            bare = self._painted(_joined(self._base, heat, self._grid), self.size)
+            remember(self._bare, key, bare, self._limit)
+        picture = bare.copy()
+        for piece in pieces(self._level, self._layout, situation, self._slots):
             rows, columns, image = self.sprite(piece)
             picture[rows, columns] = composite(image, picture[rows, columns])
         return picture
 
-    def _painted_overlay(self, at_hand: _AtHand) -> tuple[Scene, Translucent | None]:
-        """Return what of the overlay is below the robot, and what is above it."""
+    def _painted_overlay(self, at_hand: _AtHand) -> tuple[Scene, Scene, Translucent | None]:
+        """Return the heat map, what else of the overlay is below the robot, and what is above."""
         whole = self._layout.width, self._layout.height
         if self._overlay is None:
-            return Scene(*whole, ()), None
+            return Scene(*whole, ()), Scene(*whole, ()), None
         found = self._overlays.get(at_hand)
         if found is None:
-            layers = overlay_shapes(self._level, self._overlay.at(*at_hand), self._layout)
+            part = self._overlay.at(*at_hand)
+            layers = overlay_shapes(self._level, part, self._layout, self._slots)
             texts = Scene(*whole, (*layers.overlay, *layers.text))
-            found = Scene(*whole, layers.underlay), self.translucent(texts, self.size)
+            heat, under = Scene(*whole, layers.heat), Scene(*whole, layers.underlay)
+            found = heat, under, self.translucent(texts, self.size)
             remember(self._overlays, at_hand, found, self._limit)
         return found
 
@@ -196,8 +206,15 @@ class Grounds:
     def _painted(
         self, scene: Scene, size: tuple[int, int], ground: str = "white"
     ) -> NDArray[np.uint8]:
-        pixels = to_rgb(scene, size, ground)
+        shapes = toned(scene.shapes, self._level.resolved_theme.colors)
+        pixels = to_rgb(replace(scene, shapes=shapes), size, ground)
         return _gray(pixels) if self._grayscale else pixels
+
+
+def _joined(scene: Scene, *others: Scene) -> Scene:
+    """Return scenes as one."""
+    shapes = (shape for other in others for shape in other.shapes)
+    return replace(scene, shapes=(*scene.shapes, *shapes))
 
 
 def _gray(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -21,13 +21,17 @@ from babyrobot_levels.render.notebook.bundle import (
 from babyrobot_levels.render.notebook.frontend import Frontend, frontend
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted
 from babyrobot_levels.render.scene.situation import Cell, Place, place_of, situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.text import TextPainter
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
@@ -35,7 +39,6 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.notebook.canvas import LayeredCanvas
     from babyrobot_levels.render.notebook.output import Output
-    from babyrobot_levels.render.scene.overlay import Overlay
 
 STEP_SECONDS = 0.25
 """The duration of a step at speed 1."""
@@ -45,7 +48,6 @@ _GLIDE_SHARE = 0.8
 
 _FRAME_SECONDS = 0.025
 
-_NOTE = "Above is a picture. Where ipycanvas is installed and the kernel runs, the robot moves."
 _COLAB_NOTE = (
     "This is a picture of each step. Colab shows the robot moving only after "
     "`google.colab.output.enable_custom_widget_manager()`."
@@ -83,6 +85,7 @@ class LevelView:
             level, state=state, heading=pose.heading, pose=pose, overlay=overlay
         )
         self._layout = layout_of(level, overlay=overlay)
+        self._slots = Slots(level, self._layout, overlay or Overlay())
         self._level, self._state, self._pose, self._overlay = level, state, pose, overlay
 
     # -- where it is shown -----------------------------------------------------------------
@@ -134,14 +137,18 @@ class LevelView:
             self._output = Output(self._picture)
 
     def _widget_bundle(self) -> Bundle:
-        return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: _NOTE}
+        # Where no widget can be shown, and in files that nbconvert makes, the picture above it is
+        # all there is to see.
+        return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: ""}
 
     def _picture(self) -> Bundle:
         if is_too_large(self._level):
             return in_words(self._level)
         shapes = tuple(shape for layer in self._layers.values() for shape in layer.shapes)
         text = TextPainter(self._level, overlay=self._overlay).lines(self._state)
-        bundle = picture_mimebundle(replace(self._layers["base"], shapes=shapes), "\n".join(text))
+        description = describe(self._level, self._state)
+        scene = replace(self._layers["base"], shapes=shapes, description=description)
+        bundle = picture_mimebundle(scene, "\n".join(text))
         if self._frontend is Frontend.CANVAS:
             bundle[SVG] = bundle[SVG].replace("<svg ", f'<svg class="{self._name}" ', 1)
         return bundle
@@ -206,18 +213,15 @@ class LevelView:
         layers: dict[str, tuple[Shape, ...]] = {}
         if level.has_things:
             situation = situation_of(level, place.configuration)
-            still = pieces(level, layout, situation)
+            still = pieces(level, layout, situation, self._slots)
             layers["things"] = tuple(shape for piece in still for shape in piece.shapes)
             moving = (figure for _, figure in self._movers(place))
             layers["movers"] = tuple(shape for figure in moving for shape in figure)
         if self._overlay is not None and self._overlay.parts is not None:
             part = self._overlay.at(place.configuration, pose.heading)
-            layers |= overlay_shapes(level, part, layout)._asdict()
-        changed = {
-            name: self._scene(shapes)
-            for name, shapes in layers.items()
-            if shapes != self._layers[name].shapes
-        }
+            layers |= overlay_shapes(level, part, layout, self._slots)._asdict()
+        scenes = {name: self._scene(shapes) for name, shapes in layers.items()}
+        changed = {name: scene for name, scene in scenes.items() if scene != self._layers[name]}
         return {**changed, "robot": self._robot(place.y, place.x, pose)}
 
     def _gliding(self, place: Place, pose: Pose) -> Iterator[dict[str, Scene]]:
@@ -257,17 +261,20 @@ class LevelView:
     def _movers(self, place: Place) -> list[tuple[Cell, tuple[Shape, ...]]]:
         """Return the cell and the figure of each mover."""
         situation = situation_of(self._level, place.configuration)
-        found = moving_pieces(self._level, self._layout, situation, place.cell)
+        crowded = self._overlay is not None and self._overlay.fills_cells
+        found = moving_pieces(self._level, self._layout, situation, place.cell, crowded=crowded)
         return [(cell, piece.shapes) for cell, piece in found]
 
     def _robot(self, y: float, x: float, pose: Pose) -> Scene:
         """Return the robot's layer with the robot in a cell, or between two."""
         corner = self._layout.corner(x, y)
-        return self._scene(robot_shapes(self._level.resolved_theme, *corner, pose))
+        small = self._overlay is not None and self._overlay.is_crowded
+        return self._scene(robot_shapes(self._level.resolved_theme, *corner, pose, small=small))
 
     def _scene(self, shapes: Iterable[Shape]) -> Scene:
         """Return a layer with these shapes."""
-        return replace(self._layers["robot"], shapes=tuple(shapes))
+        shapes = toned(shapes, self._level.resolved_theme.colors)
+        return replace(self._layers["robot"], shapes=shapes)
 
     @property
     def _is_watched(self) -> bool:

@@ -6,24 +6,33 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
+from babyrobot_levels.render.scene.effects import effects_of
+from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
+from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
+from babyrobot_levels.render.scene.panels import (
+    compass_shapes,
+    panel_shapes,
+    rules_shapes,
+    strip_shapes,
+)
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.situation import place_of, situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.scene.walls import wall_shapes
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-LAYERS = ("base", "grid", "things", "underlay", "robot", "movers", "overlay", "text")
+LAYERS = ("base", "heat", "grid", "things", "underlay", "robot", "movers", "overlay", "text")
 """The layers of a picture, from the bottom up."""
 
 
@@ -68,7 +77,8 @@ def build_scene(
         overlay=overlay,
     )
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
-    return replace(layers["base"], shapes=shapes)
+    shown = robot and (state is not None or level.display.robot.show)
+    return replace(layers["base"], shapes=shapes, description=describe(level, state, robot=shown))
 
 
 def build_layers(
@@ -81,13 +91,15 @@ def build_layers(
     robot: bool = True,
     cells_only: bool = False,
     overlay: Overlay | None = None,
+    layout: Layout | None = None,
 ) -> dict[str, Scene]:
     """Return the same picture as layers: painted in this order, they give that of `build_scene`.
 
     All are as large as the picture. What changes from step to step has layers of its own:
 
-    - `base`: the ground, puddles, panels and the compass;
-    - `grid`: walls, and the arrows and texts of the level itself;
+    - `base`: the ground, panels, the compass and the rules;
+    - `heat`: values as colours, and their legend;
+    - `grid`: puddles and walls, and the arrows and texts of the level itself;
     - `things`: items, switches, doors, drawn and locked exits, and what is held;
     - `underlay`: the part of an overlay that is below the robot;
     - `robot`: the robot;
@@ -95,13 +107,15 @@ def build_layers(
     - `overlay`: arrows over the cells;
     - `text`: numbers and texts over the cells and in the panels.
 
-    Args and errors are those of `build_scene`.
+    Args and errors are those of `build_scene`; `layout` is that of the picture, if it is known.
     """
     overlay = overlay or Overlay()
-    layout = layout_of(level, cells_only=cells_only, overlay=overlay)
+    layout = layout or layout_of(level, cells_only=cells_only, overlay=overlay)
+    slots = Slots(level, layout, overlay)
+    coordinates = level.display.coordinates and not overlay.has_colors
     layers: dict[str, tuple[Shape, ...]] = {
         "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
-        "grid": tuple(_grid_shapes(level, layout)),
+        "grid": (*floor_shapes(level, layout), *sign_shapes(level, layout, slots, coordinates)),
         "robot": (),
     }
     pose = pose.turned(heading)
@@ -112,17 +126,22 @@ def build_layers(
     cell = cell if robot else None
     if cell is not None:
         corner = layout.corner(*cell)
-        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose)
+        small = slots.is_crowded
+        layers["robot"] = robot_shapes(level.resolved_theme, *corner, pose, small=small)
     situation = situation_of(level, configuration)
     layers["things"] = tuple(
-        shape for piece in pieces(level, layout, situation) for shape in piece.shapes
+        shape for piece in pieces(level, layout, situation, slots) for shape in piece.shapes
     )
-    crowded = overlay.fills_cells
-    movers = moving_pieces(level, layout, situation, cell, crowded=crowded)
+    movers = moving_pieces(level, layout, situation, cell, crowded=overlay.fills_cells)
     layers["movers"] = tuple(shape for _, piece in movers for shape in piece.shapes)
-    layers |= overlay_shapes(level, overlay.at(configuration, pose.heading), layout)._asdict()
+    part = overlay.at(configuration, pose.heading)
+    layers |= overlay_shapes(level, part, layout, slots)._asdict()
     title = level.title or level.name or "Level"
-    return {name: Scene(layout.width, layout.height, layers[name], title) for name in LAYERS}
+    colors = level.resolved_theme.colors
+    return {
+        name: Scene(layout.width, layout.height, toned(layers[name], colors), title)
+        for name in LAYERS
+    }
 
 
 def build_base(
@@ -136,18 +155,26 @@ def _base_shapes(
     level: GridWorld, overlay: Overlay, layout: Layout, *, cells_only: bool
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
-    yield from puddle_shapes(level, layout)
     yield from strip_shapes(level, layout)
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
         yield from compass_shapes(level, layout)
+        yield from rules_shapes(level, overlay, layout)
 
 
-def _grid_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    yield from wind_shapes(level, layout)
-    yield from warp_shapes(level, layout)
-    yield from end_texts(level, layout)
+def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield lines, puddles and walls, which a heat map does not cover."""
+    yield from line_shapes(level, layout)
+    yield from puddle_shapes(level, layout)
     yield from wall_shapes(level, layout)
-    yield from label_shapes(level, layout)
-    if level.display.coordinates:
-        yield from coordinate_texts(level, layout)
+
+
+def sign_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
+) -> Iterator[Shape]:
+    """Yield what the level tells of its cells: what they do, and texts."""
+    yield from effect_shapes(level, layout, slots, effects_of(level))
+    yield from end_texts(level, layout, slots)
+    yield from label_shapes(level, slots)
+    if coordinates:
+        yield from coordinate_texts(level, layout, slots)

@@ -1,131 +1,137 @@
-"""Numbers in the cells, on backgrounds that keep them readable."""
+"""Numbers in the cells: one form for all numbers of a picture."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from typing import Literal
 
-from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH
-from babyrobot_levels.render.scene.shapes import Command, Path, Point, Rect, Shape, Text, polyline
+from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
+from babyrobot_levels.render.scene.shapes import (
+    MAX_SIDE,
+    Command,
+    Path,
+    Rect,
+    Shape,
+    Text,
+    polyline,
+)
+from babyrobot_levels.render.scene.slots import NUMBER, Box
 
 Anchor = Literal["start", "middle", "end"]
 
-HEIGHT = 13.0
-"""The height of a number's background."""
+_SIZE = 10.5
+"""The largest font size."""
 
 _SMALLEST = 7.5
 """The font size below which decimals are dropped instead."""
 
-SMALL = 10.5
-"""The largest height where a cell shows the values of its actions."""
+_READABLE = 7.0
+"""The font size on a screen below which numbers are left out."""
+
+_UNITS = (("T", 1e12), ("G", 1e9), ("M", 1e6), ("k", 1e3))
+_LARGE = 99_999.5
+"""The number from which on thousands, millions and so on are counted."""
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """The form of the numbers of a picture.
+
+    Attributes:
+        decimals: how many decimals each of them has.
+        size: the font size.
+    """
+
+    decimals: int
+    size: float = _SIZE
+
+    def text(self, value: float) -> str:
+        """Return a finite number as it is written: 923k from a hundred thousand on."""
+        if abs(value) >= _LARGE:
+            for unit, worth in _UNITS:
+                # What is rounded to a thousand of a unit is one of the next.
+                if 0.9995 * worth <= abs(value) < 999.5e12:
+                    return f"{value / worth:.3g}{unit}"
+            return f"{value:.0e}".replace("e+", "e")
+        text = f"{value:.{self.decimals}f}"
+        return text.removeprefix("-") if float(text) == 0 else text
+
+    def is_readable(self, layout: Layout) -> bool:
+        """Whether numbers can be read on a screen."""
+        return self.size * min(1.0, MAX_SIDE / max(layout.width, layout.height)) >= _READABLE
+
+
+def form_of(values: Iterable[float | None], precision: int, room: float = math.inf) -> Form:
+    """Return the form of numbers: as many decimals as any of them needs, fewer where room is short.
+
+    Args:
+        values: the numbers; None and infinite ones have no part in it.
+        precision: the largest number of decimals.
+        room: the largest width of a number in pixels.
+    """
+    finite = [value for value in values if value is not None and math.isfinite(value)]
+    needed = (len(f"{value:.{precision}f}".rstrip("0").partition(".")[2]) for value in finite)
+    decimals = max(needed, default=0) if precision else 0
+
+    def width(form: Form) -> float:
+        longest = max((len(form.text(value)) for value in finite), default=1)
+        return max(longest, 3) * CHARACTER_WIDTH
+
+    while decimals > 0 and width(Form(decimals)) * _SMALLEST > room:
+        # Fewer decimals are readable, smaller ones are not.
+        decimals -= 1
+    return Form(decimals, min(_SIZE, room / width(Form(decimals))))
 
 
 def short(value: float, precision: int = 2) -> str:
-    """Return a finite number in few characters.
+    """Return a finite number in few characters, with no more decimals than it needs.
 
     Args:
         value: the number.
-        precision: the largest number of decimals; large numbers have none.
+        precision: the largest number of decimals.
     """
-    if abs(value) >= 99_999.5:
-        digits, _, exponent = f"{value:.1e}".partition("e")
-        return f"{digits}e{int(exponent)}"
-    if abs(value) >= 999.995:
-        precision = 0
-    text = f"{value:.{precision}f}"
-    if precision:
-        text = text.rstrip("0").rstrip(".")
-    return "0" if text == "-0" else text
+    return form_of([value], precision).text(value)
 
 
-def number_label(
+def number_shapes(
     value: float,
-    x: float,
-    bottom: float,
-    room: float,
-    precision: int,
-    colors: Colors,
+    form: Form,
+    box: Box,
+    ink: str,
+    ground: str | None = None,
+    *,
     anchor: Anchor = "middle",
-    height: float = HEIGHT,
-    strong: bool = True,
+    bold: bool = True,
 ) -> Iterator[Shape]:
-    """Yield a value on its background.
+    """Yield a number in a box.
 
     Args:
-        value: the value; it may be infinite.
-        x: the left edge, middle or right edge of the background, depending on `anchor`.
-        bottom: its lower edge.
-        room: its largest width.
-        precision: the largest number of decimals.
-        colors: the theme's colours.
-        anchor: which point `x` is.
-        height: the height of the background.
-        strong: whether the value is in bold.
+        value: the number; it may be infinite.
+        form: how it is written.
+        box: where, in pixels of the picture.
+        ink: its colour.
+        ground: the colour of a ground that hides what lies below; None for no ground.
+        anchor: at which edge of the box it is.
+        bold: whether it is in bold.
     """
-    padding = (0.64 if height == HEIGHT else 0.4) * height
-    columns = int((room - padding) / (_SMALLEST * CHARACTER_WIDTH))
-    text = "" if math.isinf(value) else short(value, precision)
-    while precision > 0 and len(text) > columns:
-        # Fewer decimals are readable, smaller ones are not.
-        precision -= 1
-        text = short(value, precision)
-    count = max(len(text), 3)
-    size = min(0.8 * height, (room - padding) / (count * CHARACTER_WIDTH))
-    width = count * size * CHARACTER_WIDTH + padding
-    left = x - {"start": 0.0, "middle": width / 2, "end": width}[anchor]
-    middle, centre = left + width / 2, bottom - height / 2
-    yield Rect(left, bottom - height, width, height, colors.text_bg, radius=height / 2)
+    text = "" if math.isinf(value) else form.text(value)
+    width = max(len(text), 3) * form.size * CHARACTER_WIDTH
+    across = {"start": box.left, "middle": box.centre[0], "end": box.right}[anchor]
+    left = across - {"start": 0.0, "middle": width / 2, "end": width}[anchor]
+    y = box.centre[1]
+    if ground is not None:
+        height = min(NUMBER, 1.2 * form.size)
+        yield Rect(left - 2, y - height / 2, width + 4, height, ground, radius=height / 2)
     if text:
-        yield Text(middle, centre + 0.342 * size, text, size, colors.text_fg, bold=strong)
+        yield Text(across, y + 0.342 * form.size, text, form.size, ink, anchor, bold=bold)
         return
     # Not every font has this character.
-    x = middle + (0 if value > 0 else 3.5)
-    yield Path(_infinity(x, centre), stroke=colors.text_fg, width=1.3)
+    x = left + width / 2 + (0 if value > 0 else 3.5)
+    yield Path(_infinity(x, y), stroke=ink, width=1.3)
     if value < 0:
-        minus = polyline([(x - 11, centre), (x - 8, centre)])
-        yield Path(minus, stroke=colors.text_fg, width=1.3)
-
-
-def action_labels(
-    values: Sequence[float | None],
-    corner: Point,
-    room: tuple[float, float],
-    height: float,
-    gap: float,
-    precision: int,
-    colors: Colors,
-) -> Iterator[Shape]:
-    """Yield the values of the moves, each at its side of the cell; the largest are in bold.
-
-    Args:
-        values: in the order of `Action`, None for nothing. That of `stay` is not shown.
-        corner: the upper left corner of the cell.
-        room: top and bottom of the free part of the cell, in pixels below its upper edge.
-        height: the height of each of them.
-        gap: the width of the middle that is kept free.
-        precision: the largest number of decimals.
-        colors: the theme's colours.
-    """
-    best = max((value for value in values if value is not None), default=None)
-    left, right, middle = corner[0] + 2, corner[0] + CELL - 2, corner[0] + CELL / 2
-    top, foot = corner[1] + room[0], corner[1] + room[1]
-    half, centre = CELL / 2 - 2.5 - gap / 2, (top + foot + height) / 2
-    places: dict[Action, tuple[float, float, float, Anchor]] = {
-        Action.NORTH: (middle, top + height, CELL - 4, "middle"),
-        Action.EAST: (right, centre, half, "end"),
-        Action.SOUTH: (middle, foot, CELL - 4, "middle"),
-        Action.WEST: (left, centre, half, "start"),
-    }
-    for action, (x, bottom, width, anchor) in places.items():
-        value = values[action]
-        if value is not None:
-            strong = value == best
-            yield from number_label(
-                value, x, bottom, width, precision, colors, anchor, height, strong
-            )
+        yield Path(polyline([(x - 11, y), (x - 8, y)]), stroke=ink, width=1.3)
 
 
 def _infinity(x: float, y: float) -> tuple[Command, ...]:

@@ -1,265 +1,200 @@
-"""An overlay as shapes that keep clear of each other: visits, values, arrows, texts."""
+"""An overlay as shapes: numbers, arrows and texts, each in its slot of the cell."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.render.scene.layout import CELL, Layout
-from babyrobot_levels.render.scene.number_labels import HEIGHT, SMALL, action_labels, number_label
-from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
+from babyrobot_levels.render.scene.heat import Heat
+from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
+from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import panel_texts
+from babyrobot_levels.render.scene.scale import ink_on
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
     Point,
-    Rect,
     Shape,
     circle,
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.texts import (
-    coordinate_texts,
-    end_texts,
-    label_shapes,
-    note_shapes,
-)
+from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+from babyrobot_levels.render.scene.texts import coordinate_texts, note_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
-
-_COUNT_ROOM = 30.0
-"""The width of a count, beside which coordinates may be."""
 
 
 class OverlayShapes(NamedTuple):
     """The shapes of an overlay by layer, from the bottom up."""
 
+    heat: tuple[Shape, ...]
     underlay: tuple[Shape, ...]
     overlay: tuple[Shape, ...]
     text: tuple[Shape, ...]
 
 
-def overlay_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> OverlayShapes:
-    """Return the shapes of an overlay: heat map and arrows, numbers, and other texts.
+def overlay_shapes(
+    level: GridWorld, overlay: Overlay, layout: Layout, slots: Slots | None = None
+) -> OverlayShapes:
+    """Return the shapes of an overlay: heat map, arrows, numbers, and other texts.
 
-    They keep clear of each other and of the texts that the picture already has.
+    Args:
+        level: the level.
+        overlay: what is shown.
+        layout: where the cells are.
+        slots: what stands where in them, if it is known.
 
     Raises:
         ValueError: the overlay has another size than the level.
     """
-    colors, free = level.resolved_theme.colors, FreeSpace(level, layout)
-    visits = [(cell, count) for cell, count in _cells(overlay.visits, layout) if count]
-    ground: list[Shape] = [*heat_shapes(visits, free, layout, colors.arrows)]
-    tops = _corners(level, overlay, visits, free, layout)
-    numbers = [*_counts(visits, tops, colors, layout)]
-    numbers += _values(level, overlay, free, layout)
-    crowded = {
-        cell: values
-        for cell, values in _cells(overlay.action_values, layout)
-        if any(value is not None for value in values)
-    }
-    numbers += _action_values(crowded, overlay, free, colors, layout)
-    actions = _cells(overlay.actions, layout)
-    ground += arrow_shapes(actions, free, layout, colors.arrows, crowded)
+    slots = slots or Slots(level, layout, overlay)
+    heat, colors = Heat(level, layout, overlay, slots), level.resolved_theme.colors
     texts: list[Shape] = []
-    if overlay.coordinates and not level.display.coordinates:
-        texts += coordinate_texts(level, layout, tops)
+    # On a heat map, the level's own are written in the inks of their tiles.
+    if overlay.has_colors if level.display.coordinates else overlay.coordinates:
+        texts += coordinate_texts(level, layout, slots, heat.tiles)
     texts += note_shapes(level, overlay.notes, layout)
     texts += panel_texts(level, overlay, layout)
-    return OverlayShapes(tuple(ground), tuple(numbers), tuple(texts))
+    return OverlayShapes(
+        tuple(heat.shapes),
+        tuple(arrow_shapes(arrow_lengths(overlay, slots, layout), slots, layout, colors.arrows)),
+        tuple(number_labels(level, heat)),
+        tuple(texts),
+    )
 
 
-def _corners(
-    level: GridWorld,
-    overlay: Overlay,
-    visits: list[tuple[Cell, float]],
-    free: FreeSpace,
-    layout: Layout,
-) -> dict[Cell, float]:
-    """Return the tops of coordinates and counts: they share the upper edge of their cell."""
-    if level.display.coordinates:
-        return dict.fromkeys(layout.cells(), BESIDE_COORDINATES)
-    cells = layout.cells() if overlay.coordinates else (cell for cell, _ in visits)
-    return {cell: free.take_top(cell, HEIGHT) for cell in cells}
+# -- numbers -------------------------------------------------------------------------------------
 
 
-def _counts(
-    visits: list[tuple[Cell, float]], tops: dict[Cell, float], colors: Colors, layout: Layout
-) -> Iterator[Shape]:
-    for cell, count in visits:
-        right, upper = layout.corner(cell[0] + 1, cell[1])
-        bottom = upper + tops[cell] + HEIGHT
-        yield from number_label(count, right - 4, bottom, _COUNT_ROOM, 0, colors, "end")
-
-
-def _values(level: GridWorld, overlay: Overlay, free: FreeSpace, layout: Layout) -> Iterator[Shape]:
-    """Yield values at the bottom of the cells; a value of 0 at an exit is left out."""
+def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
+    """Yield the numbers of a heat map, if they are readable on a screen."""
+    overlay, slots, layout = heat.overlay, heat.slots, heat.layout
     colors = level.resolved_theme.colors
-    for cell, value in _cells(overlay.values, layout):
-        if value is not None and not (value == 0 and cell in level.exits):
-            middle, upper = layout.corner(cell[0] + 0.5, cell[1])
-            bottom = upper + free.take_foot(cell, HEIGHT)
-            yield from number_label(value, middle, bottom, CELL - 4, overlay.precision, colors)
+    covered = {puddle.at for puddle in level.puddles}
+    if level.warps:
+        # Their arrows pass through other cells.
+        covered = {*layout.cells()}
+    form = number_form(heat.values.values(), overlay.precision)
+    if form.is_readable(layout) and slots.shown.number:
+        for cell, value in heat.values.items():
+            color = heat.scale.color(value)
+            box = slots.plan(cell).number.moved(*layout.corner(*cell))
+            ground = color if cell in covered else None
+            yield from number_shapes(value, form, box, ink_on(color), ground)
+    form = form_of(heat.visits.values(), 0, CELL / 2 - 4 if slots.shown.second else CELL - 8)
+    if form.is_readable(layout):
+        for cell, count in heat.visits.items():
+            plan, tile = slots.plan(cell), heat.tiles.get(cell)
+            box = (plan.second if slots.shown.second else plan.number).moved(*layout.corner(*cell))
+            anchor: Anchor = "end" if slots.shown.second else "middle"
+            if tile is None:
+                ink, ground = colors.text_fg, colors.text_bg
+            else:
+                ink, ground = ink_on(tile), tile if cell in covered else None
+            yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
+    yield from _action_labels(heat)
 
 
-def _action_values(
-    crowded: Mapping[Cell, Sequence[float | None]],
-    overlay: Overlay,
-    free: FreeSpace,
-    colors: Colors,
-    layout: Layout,
-) -> Iterator[Shape]:
-    """Yield values of actions at the sides of the cells; the middle is left to arrows."""
-    gap = 2 * SHORTEST if overlay.actions is not None else 0.0
-    for cell, values in crowded.items():
-        height = min(SMALL, free.height(cell) / 3)
-        box = free.take_top(cell, height), free.take_foot(cell, height)
-        corner = layout.corner(*cell)
-        yield from action_labels(values, corner, box, height, gap, overlay.precision, colors)
+def number_form(values: Iterable[float | None], precision: int) -> Form:
+    """Return the form of values at the foot of cells."""
+    return form_of(values, precision, CELL - 8)
 
 
-def _cells(rows: Rows[Content] | None, layout: Layout) -> Iterator[tuple[Cell, Content]]:
-    if rows is None:
+def _action_labels(heat: Heat) -> Iterator[Shape]:
+    """Yield the values of moves in their triangles, the best in bold; `stay` has none."""
+    slots, layout = heat.slots, heat.layout
+    # Beside an arrow there is less room.
+    room = CELL / 2 - _SIDE - (_MIDDLE if slots.shown.arrows else 2.0)
+    numbers = [value for values in heat.action_values.values() for value in values[1:]]
+    form = form_of(numbers, heat.overlay.precision, room)
+    if not form.is_readable(layout):
         return
-    if len(rows) != layout.rows or any(len(row) != layout.columns for row in rows):
-        raise ValueError(f"an overlay must have {layout.rows} rows of {layout.columns} cells")
-    for y, row in enumerate(rows):
-        for x, content in enumerate(row):
-            yield (x, y), content
+    for cell, values in heat.action_values.items():
+        best = max(value for value in values if value is not None)
+        top, foot = slots.plan(cell).free[1::2]
+        height = 1.1 * form.size
+        boxes: dict[Action, tuple[Box, Anchor]] = {
+            Action.NORTH: (Box(0, top, CELL, top + height), "middle"),
+            Action.EAST: (Box(0, 0, CELL - _SIDE, CELL), "end"),
+            Action.SOUTH: (Box(0, foot - height, CELL, foot), "middle"),
+            Action.WEST: (Box(_SIDE, 0, CELL, CELL), "start"),
+        }
+        for action, (box, anchor) in boxes.items():
+            value = values[action]
+            if value is not None:
+                box = box.moved(*layout.corner(*cell))
+                ink = heat.scale.ink(value)
+                is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
+                yield from number_shapes(value, form, box, ink, anchor=anchor, bold=is_best)
 
 
-_TOP, _FOOT = 4.0, CELL - 4.0
-_BELOW_COORDINATES = 16.0
-_GAP = 2.0
+# -- arrows --------------------------------------------------------------------------------------
 
-BESIDE_COORDINATES = 3.0
-"""The top of a cell's coordinates, if the level itself shows them."""
+_SIDE, _MIDDLE = 4.0, 11.0
+"""The distance of values of actions from the sides of their cell, and from its centre."""
 
-Cell = tuple[int, int]
-
-
-class FreeSpace:
-    """The free part of each cell, from top to bottom, in pixels below its upper edge.
-
-    Args:
-        level: the level; the places of its own texts are taken.
-        layout: where its cells are.
-    """
-
-    def __init__(self, level: GridWorld, layout: Layout) -> None:
-        top = _BELOW_COORDINATES if level.display.coordinates else _TOP
-        cells = ((x, y) for y in range(layout.rows) for x in range(layout.columns))
-        self._free = dict.fromkeys(cells, (top, _FOOT))
-        for left, upper, right, lower in _text_boxes(level, layout):
-            y = int((upper - layout.margin) // CELL)
-            edge = layout.corner(0, y)[1]
-            first, last = (int((place - layout.margin) // CELL) for place in (left, right))
-            for x in range(first, last + 1):
-                top, foot = self._free[x, y]
-                if upper - edge < CELL / 2:
-                    self._free[x, y] = max(top, lower - edge + _GAP), foot
-                else:
-                    self._free[x, y] = top, min(foot, upper - edge - _GAP)
-
-    def __getitem__(self, cell: Cell) -> tuple[float, float]:
-        return self._free[cell]
-
-    def height(self, cell: Cell) -> float:
-        """Return the height of the free part of a cell."""
-        top, foot = self._free[cell]
-        return foot - top
-
-    def take_top(self, cell: Cell, height: float) -> float:
-        """Take a strip from the top of a cell's free part; return where the strip begins."""
-        top, foot = self._free[cell]
-        self._free[cell] = top + height + _GAP, foot
-        return top
-
-    def take_foot(self, cell: Cell, height: float) -> float:
-        """Take a strip from the bottom of a cell's free part; return where the strip ends."""
-        top, foot = self._free[cell]
-        self._free[cell] = top, foot - height - _GAP
-        return foot
-
-
-def _text_boxes(level: GridWorld, layout: Layout) -> Iterator[tuple[float, float, float, float]]:
-    for text in end_texts(level, layout):
-        yield text.x, text.y - 0.75 * text.size, text.x, text.y
-    for shape in label_shapes(level, layout):
-        if isinstance(shape, Rect):
-            yield shape.x, shape.y, shape.x + shape.width, shape.y + shape.height
-
-
-_INSET = 4.0
-_FAINTEST, _STRONGEST = 0.1, 0.6
-
-
-def heat_shapes(
-    visits: Sequence[tuple[Cell, float]], free: FreeSpace, layout: Layout, color: str
-) -> Iterator[Rect]:
-    """Yield a heat map: a square for each cell, more opaque for more visits.
-
-    Opacity grows with the logarithm of the count, so that the most visited cell does not make all
-    others pale.
-    """
-    most = max((math.log1p(count) for _, count in visits), default=0.0)
-    for cell, count in visits:
-        share = math.log1p(count) / most
-        opacity = round(_FAINTEST + (_STRONGEST - _FAINTEST) * share, 2)
-        left, upper = layout.corner(*cell)
-        top, foot = free[cell]
-        yield Rect(left + _INSET, upper + top, CELL - 2 * _INSET, foot - top, color, 7.0, opacity)
-
-
-SHORTEST = 8.0
-"""The length of the shortest arrow, from its middle to its tip; between numbers all have it."""
-
-_LONGEST = 18.0
+_TIE = 1e-9
+"""The relative difference up to which two values count as equal."""
 
 _WIDTH = 3.2
 _RING = 0.25
 """The radius of the ring that means `stay`, as a share of the arrows' length."""
+_SHORTEST = 0.45
+"""The length of the arrow of an improbable action, as a share of that of the most likely one."""
+_LEAST = 0.005
+"""The probability below which an action has no arrow."""
 _RIM = "#ffffff"
 _SHADE = "#000000"
 
+Lengths = Mapping[int, float]
+"""The length of the arrow of each action, as a share of the longest."""
+
+
+def arrow_lengths(overlay: Overlay, slots: Slots, layout: Layout) -> Iterator[tuple[Cell, Lengths]]:
+    """Yield the arrows of the cells in which the robot can act."""
+    if overlay.probabilities is not None:
+        for cell, chances in each_cell(overlay.probabilities, layout):
+            most = max(chances.values(), default=0.0)
+            lengths = {
+                action: _SHORTEST + (1 - _SHORTEST) * chance / most
+                for action, chance in chances.items()
+                if chance >= _LEAST * most > 0
+            }
+            if cell in slots.acting:
+                yield cell, lengths
+        return
+    for cell, actions in each_cell(overlay.actions, layout):
+        if cell in slots.acting:
+            yield cell, dict.fromkeys(actions, 1.0)
+
 
 def arrow_shapes(
-    cells: Iterable[tuple[Cell, Sequence[int]]],
-    free: FreeSpace,
-    layout: Layout,
-    color: str,
-    crowded: Container[Cell],
+    cells: Iterable[tuple[Cell, Lengths]], slots: Slots, layout: Layout, color: str
 ) -> Iterator[Shape]:
     """Yield the arrows of a policy, with a rim that makes them visible on every background.
 
     Args:
-        cells: the actions of each cell.
-        free: the free part of each cell.
+        cells: the lengths of the arrows of each cell.
+        slots: what stands where in the cells.
         layout: where the cells are.
         color: the colour of the arrows.
-        crowded: the cells with numbers at their sides.
     """
     shafts: list[Command] = []
     heads: list[Command] = []
-    for (x, y), actions in cells:
-        top, foot = free[x, y]
-        left, upper = layout.corner(x, y)
-        longest = SHORTEST if (x, y) in crowded else _LONGEST
-        reach = min(max((foot - top) / 2, SHORTEST), longest)
-        # An arrow that is too long for the free part reaches over its top.
-        middle = left + CELL / 2, upper + min((top + foot) / 2, foot - reach)
-        start = 0.0
-        if Action.STAY in actions:
-            start = _RING * reach
+    for cell, lengths in cells:
+        box = slots.plan(cell).arrow.moved(*layout.corner(*cell))
+        middle, reach, start = box.centre, box.width / 2, 0.0
+        if Action.STAY in lengths:
+            start = _RING * reach * lengths[Action.STAY]
             shafts += circle(*middle, start)
-        for action in actions:
+        for action, length in lengths.items():
             if action != Action.STAY:
-                shaft, head = _arrow(middle, DELTAS[Action(action)], start, reach)
+                shaft, head = _arrow(middle, DELTAS[Action(action)], start, length * reach)
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)

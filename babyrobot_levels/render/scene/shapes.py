@@ -76,12 +76,16 @@ Shape = Rect | Ellipse | Path | Text
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture: shapes in painting order, without a background; `width`, `height` in pixels."""
+    """A picture: shapes in painting order, without a background; `width`, `height` in pixels.
+
+    `title` and `description` are its texts for people who do not see it; they may be empty.
+    """
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+    description: str = ""
 
 
 def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shape]:
@@ -103,27 +107,45 @@ def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shap
             yield replace(shape, x=shape.x + right, y=shape.y + down)
 
 
-def scaled(shapes: Iterable[Shape], scale: float) -> Iterator[Shape]:
-    """Yield shapes in another size, scaled around the upper left corner of the picture."""
+def scaled(
+    shapes: Iterable[Shape], scale: float, x: float = 0.0, y: float = 0.0
+) -> Iterator[Shape]:
+    """Yield shapes as they are smaller or larger: so many times, from the fixed point (x, y)."""
+
+    def at(across: float, down: float) -> Point:
+        return x + scale * (across - x), y + scale * (down - y)
+
     for shape in shapes:
         match shape:
             case Rect():
-                size = {"width": scale * shape.width, "height": scale * shape.height}
-                more = {**size, "radius": scale * shape.radius}
+                left, top = at(shape.x, shape.y)
+                width, height, radius = (
+                    scale * length for length in (shape.width, shape.height, shape.radius)
+                )
+                yield replace(shape, x=left, y=top, width=width, height=height, radius=radius)
             case Ellipse():
-                more = {"rx": scale * shape.rx, "ry": scale * shape.ry}
+                middle = at(shape.x, shape.y)
+                yield replace(
+                    shape, x=middle[0], y=middle[1], rx=scale * shape.rx, ry=scale * shape.ry
+                )
             case Text():
-                more = {"size": scale * shape.size}
+                start = at(shape.x, shape.y)
+                yield replace(shape, x=start[0], y=start[1], size=scale * shape.size)
             case Path():
                 commands = tuple(
-                    (letter, tuple(scale * number for number in numbers))
-                    for letter, numbers in shape.commands
+                    (
+                        letter,
+                        tuple(
+                            (y if index % 2 else x) + scale * (place - (y if index % 2 else x))
+                            for index, place in enumerate(places)
+                        ),
+                    )
+                    for letter, places in shape.commands
                 )
-                dash = shape.dash and (scale * shape.dash[0], scale * shape.dash[1])
-                width = scale * shape.width
-                yield replace(shape, commands=commands, width=width, dash=dash)
-                continue
-        yield replace(shape, x=scale * shape.x, y=scale * shape.y, **more)
+                dash = shape.dash
+                if dash is not None:
+                    dash = scale * dash[0], scale * dash[1]
+                yield replace(shape, commands=commands, width=scale * shape.width, dash=dash)
 
 
 Point = tuple[float, float]

@@ -5,65 +5,57 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.layout import (
-    CELL,
-    CHARACTER_WIDTH,
-    Layout,
-)
+from babyrobot_levels.render.colors import ink_on, plate_for
+from babyrobot_levels.render.scene.arrows import crossed_cells
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
+from babyrobot_levels.render.scene.slots import Cell, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_END_SIZE = 11.0
+_END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5
-_LABEL_SIZES = (12.0, 10.5, 9.0)
+
+NO_TILES: Mapping[Cell, str] = {}
 
 
-def end_texts(level: GridWorld, layout: Layout) -> Iterator[Text]:
-    """Yield START and EXIT at the bottom of their cells, where the robot does not hide them."""
-    colors, display = level.resolved_theme.colors, level.display
+def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
+    """Yield START and EXIT: at the foot of their cells, or beside answers at the top."""
+    colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
     for word, cells, shown, fill in (
         ("START", level.starts, display.start_text, colors.start_text),
         ("EXIT", exits, display.exit_text, colors.exit_text),
     ):
         for cell in cells if shown else ():
-            yield end_text(word, layout, cell, fill)
+            ink, ground = ink_on([grounds[cell]], fill), grounds[cell]
+            box = slots.plan(cell).word
+            if box is None:
+                continue
+            box = box.moved(*layout.corner(*cell))
+            if slots.is_small(cell):
+                yield Rect(box.left, box.top, box.width, box.height, ground, radius=3.0)
+                yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, ink, bold=True)
+            else:
+                yield Text(box.centre[0], box.bottom, word, _END_SIZE, ink, bold=True)
 
 
-def end_text(word: str, layout: Layout, cell: tuple[int, int], fill: str) -> Text:
-    """Return a word at the bottom of a cell."""
+def end_text(word: str, layout: Layout, cell: Cell, fill: str) -> Text:
+    """Return a word at the foot of a cell."""
     centre, foot = layout.corner(cell[0] + 0.5, cell[1] + 1)
     return Text(centre, foot - 5, word, _END_SIZE, fill, bold=True)
 
 
-def label_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    """Yield the labels of areas at an edge, on a background that keeps them readable."""
+def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
+    """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
-    for area in level.areas:
-        label = " ".join((area.label or "").split())
-        if not label:
-            continue
-        room = area.size[0] * CELL - 16
-        size, text = fit(label, room)
-        width = len(text) * size * CHARACTER_WIDTH + size
-        height = 1.35 * size
-        x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
-        # Coordinates are at the upper edge.
-        top += area.size[1] * CELL - height - 4 if level.display.coordinates else 4
-        yield Rect(x - width / 2, top, width, height, colors.text_bg, radius=height / 2)
-        yield Text(x, top + 1.02 * size, text, size, colors.text_fg)
-
-
-def fit(text: str, room: float) -> tuple[float, str]:
-    """Return the largest font size at which a text fits; a text that never fits is shortened."""
-    for size in _LABEL_SIZES:
-        if len(text) * size * CHARACTER_WIDTH <= room:
-            return size, text
-    count = max(1, int(room / (_LABEL_SIZES[-1] * CHARACTER_WIDTH)) - 1)
-    return _LABEL_SIZES[-1], text[:count].rstrip() + "…"
+    plate = plate_for(colors.text_fg, colors.text_bg)
+    for box, size, text in slots.labels:
+        yield Rect(*box[:2], box.width, box.height, plate, radius=box.height / 2)
+        yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 
 
 def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iterator[Shape]:
@@ -79,30 +71,37 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
         x, y = layout.corner(note.x + 0.5, note.y + 0.5)
         # A note that would stick out of the grid is moved inwards.
         left = min(max(x - width / 2, left_edge), right_edge - width)
-        yield Rect(left, y - height / 2, width, height, colors.text_bg, radius=height / 2)
         fill = colors.text_fg if note.color is None else note.color
+        plate = plate_for(fill, colors.text_bg)
+        yield Rect(left, y - height / 2, width, height, plate, radius=height / 2)
         yield Text(left + width / 2, y + 0.342 * size, text, size, fill, bold=True)
 
 
 def coordinate_texts(
-    level: GridWorld, layout: Layout, tops: Mapping[tuple[int, int], float] | None = None
-) -> Iterator[Text]:
-    """Yield the coordinates of each free cell, at its left.
+    level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
+) -> Iterator[Shape]:
+    """Yield the coordinates of each free cell, at its left; arrows of warps are cut off there.
 
     Args:
         level: the level.
         layout: where its cells are.
-        tops: where the text begins in each cell, in pixels below its upper edge; by default, at
-            the top.
+        slots: what stands where in them.
+        tiles: the colours of the cells of a heat map.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
+    crossed, grounds = crossed_cells(level, layout, slots), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
-            left, top = layout.corner(x, y)
-            baseline = top + (tops[x, y] if tops else 4.0) + 10
-            fill = fills.get((x, y), colors.arrows)
-            text = f"{x},{y}"
-            yield Text(left + 6, baseline, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)
+            box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
+            text, ground = f"{x},{y}", tiles.get((x, y), grounds[x, y])
+            width, radius = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH, 3.0
+            if slots.is_small((x, y)) and (x, y) in fills:
+                ground = colors.start if (x, y) in level.starts else colors.exit
+                yield Rect(box.left - 3, box.top, width + 6, box.height + 2, ground, radius)
+            elif (x, y) in crossed:
+                yield Rect(box.left - 1, box.bottom - 9, width + 2, 11, ground, radius)
+            fill = ink_on([ground], fills.get((x, y), colors.arrows))
+            yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")

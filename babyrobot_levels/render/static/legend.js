@@ -31,8 +31,8 @@ class Legend {
   item({ words, sample, cells }) {
     const [item, line] = ["li", cells.length > 0 ? "button" : "span"].map((tag) =>
       document.createElement(tag));
-    const icon = element("svg", { viewBox: `0 0 ${COMMON.cell} ${COMMON.cell}`, "aria-hidden": true },
-      ...sample);
+    const icon = element("svg", { viewBox: `0 0 ${COMMON.cell} ${COMMON.cell}`, "aria-hidden": true,
+      class: this.view.svg.querySelector("#ground").getAttribute("class") ?? undefined }, ...sample);
     line.append(icon, words);
     for (const name of ["focus", "pointerenter"]) line.addEventListener(name, () => this.outline(cells));
     for (const name of ["blur", "pointerleave"]) line.addEventListener(name, () => this.outline([]));

@@ -104,7 +104,8 @@ function show(message, kind = "") {
 
 /** Show on the button of an action whether that side is closed. */
 function showButton(button) {
-  const isShut = !button.closest("[hidden]") && !game.isPossible(Number(button.dataset.action));
+  if (button.closest("[hidden]")) return;
+  const isShut = game.end === null && !game.isPossible(Number(button.dataset.action));
   const [name] = button.getAttribute("aria-label").split(",");
   button.classList.toggle("shut", isShut);
   button.setAttribute("aria-label", isShut ? `${name}, closed` : name);
@@ -252,7 +253,9 @@ function toggle(name) {
   if (button.hidden) return;
   const isShown = button.getAttribute("aria-pressed") !== "true";
   button.setAttribute("aria-pressed", isShown);
-  find(name).classList.toggle("hidden", !isShown);
+  for (const layer of name === "values" ? ["heat", name] : [name]) {
+    find(layer).classList.toggle("hidden", !isShown);
+  }
   picture.marks.stand();
 }
 
@@ -289,6 +292,10 @@ const CONTROLS = {
   policy: () => toggle("policy"),
   turning: turn,
   look: lookAround,
+  close: () => {
+    find("result").hidden = true;
+    find("stage").focus();
+  },
   fit: () => view.fit(),
   larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
   smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),

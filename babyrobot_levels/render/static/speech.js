@@ -17,16 +17,17 @@ function closedSides(game) {
 function surroundings(game) {
   const { width, height } = game.data;
   const [x, y] = game.place(game.state);
-  const facing = game.isTurning ? `, and faces ${SIDES[game.heading + 1]}` : "";
+  const facing = game.isTurning ? ` and faces ${SIDES[game.heading + 1]}` : "";
   const exits = game.things.exitsOf(game.configuration)
     .map((exit) => game.place(exit))
     .map(([left, top]) => [left - x, top - y])
     .sort(([a, b], [c, d]) => Math.abs(a) + Math.abs(b) - Math.abs(c) - Math.abs(d));
+  const name = exits.length === 1 ? "The exit" : "An exit";
   return [
-    `The level has ${width} columns and ${height} rows.`,
     `The robot is at [${x}, ${y}]${facing}.`,
     closedSides(game),
-    ...exits.slice(0, MOST_EXITS).map(([dx, dy]) => `An exit is ${direction(dx, dy)}.`),
+    ...exits.slice(0, MOST_EXITS).map(([dx, dy]) => `${name} is ${direction(dx, dy)}.`),
+    `The level has ${width} columns and ${height} rows.`,
   ].join(" ");
 }
 

@@ -1,0 +1,240 @@
+"""The heat map of a picture: values as the colours of cells, values of actions as triangles."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import groupby
+from operator import itemgetter
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
+from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
+from babyrobot_levels.render.scene.shapes import (
+    Command,
+    Path,
+    Point,
+    Rect,
+    Shape,
+    polygon,
+    polyline,
+)
+from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+FRAME = 4.0
+"""The width of the frame in the colour of the ground below a heat map, in pixels."""
+
+_OVERLAP = 0.5
+"""How far tiles reach under their neighbours: nothing shines through between them."""
+
+_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 32
+_LONGEST_BAR = 260.0
+_LEGEND_SIZE = 9.5
+
+
+@dataclass(frozen=True)
+class Heat:
+    """The numbers of a picture as colours.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        overlay: the numbers.
+        slots: what stands where in its cells.
+    """
+
+    level: GridWorld
+    layout: Layout
+    overlay: Overlay
+    slots: Slots
+
+    @cached_property
+    def values(self) -> dict[Cell, float]:
+        """The values that are shown: of cells in which the robot can stand, and not 0 in ends."""
+        slots, standing = self.slots, self.slots.acting | self.slots.ends
+        return {
+            cell: value
+            for cell, value in each_cell(self.overlay.values, self.layout)
+            if value is not None and (value or cell in slots.acting) and cell in standing
+        }
+
+    @cached_property
+    def visits(self) -> dict[Cell, float]:
+        """The counts that are shown."""
+        found = each_cell(self.overlay.visits, self.layout)
+        return {cell: count for cell, count in found if count}
+
+    @cached_property
+    def action_values(self) -> dict[Cell, Sequence[float | None]]:
+        """The values of actions that are shown."""
+        return {
+            cell: values
+            for cell, values in each_cell(self.overlay.action_values, self.layout)
+            if cell in self.slots.acting and any(value is not None for value in values)
+        }
+
+    @cached_property
+    def scale(self) -> Scale:
+        """The scale: of values, or of counts where no values are shown."""
+        colors, overlay = self.level.resolved_theme.colors, self.overlay
+        if overlay.values is None and overlay.action_values is None:
+            return count_scale(self.visits.values(), colors)
+        numbers: list[float | None] = [*(overlay.extent or ()), *self.values.values()]
+        numbers += (value for values in self.action_values.values() for value in values[1:])
+        return scale_of(numbers, colors)
+
+    @cached_property
+    def tiles(self) -> Mapping[Cell, str]:
+        """The colours of the cells that have one."""
+        numbers: Mapping[Cell, float] = {}
+        if self.overlay.values is not None:
+            numbers = self.values
+        elif self.overlay.action_values is None:
+            numbers = self.visits
+        return {
+            cell: self.scale.color(number)
+            for cell, number in numbers.items()
+            if cell not in self.action_values
+        }
+
+    @property
+    def shapes(self) -> Iterator[Shape]:
+        """The tiles and triangles, and frames in the colours of the grounds below."""
+        if not self.overlay.has_colors:
+            return
+        yield from _tiles(self.tiles, self.layout)
+        yield from self._triangles()
+        if self.tiles or self.action_values:
+            yield from _frames(self.level, {*self.tiles, *self.action_values}, self.layout)
+        if self.layout.legend:
+            numbers = (self.scale.low, self.scale.high)
+            form = form_of(numbers, self.overlay.precision)
+            yield from legend_shapes(self.level, self.layout, self.scale, form)
+
+    def _triangles(self) -> Iterator[Shape]:
+        parts: dict[str, list[Command]] = defaultdict(list)
+        for cell, values in self.action_values.items():
+            corners = [
+                self.layout.corner(cell[0] + dx, cell[1] + dy)
+                for dx, dy in ((0, 0), (1, 0), (1, 1), (0, 1))
+            ]
+            middle = self.layout.corner(cell[0] + 0.5, cell[1] + 0.5)
+            for index, action in enumerate(list(Action)[1:]):
+                value = values[action]
+                if value is not None:
+                    outer = corners[index], corners[(index + 1) % 4]
+                    parts[self.scale.color(value)] += polygon([*outer, middle])
+        for color, commands in parts.items():
+            yield Path(tuple(commands), fill=color)
+        diagonals: list[Command] = []
+        for x, y in self.action_values:
+            diagonals += polyline([self.layout.corner(x, y), self.layout.corner(x + 1, y + 1)])
+            diagonals += polyline([self.layout.corner(x + 1, y), self.layout.corner(x, y + 1)])
+        if diagonals:
+            yield Path(tuple(diagonals), stroke=self.level.resolved_theme.colors.lines, width=0.8)
+
+
+def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> Iterator[Shape]:
+    """Yield the legend: a bar with the colours, the lowest and highest number, and zero between."""
+    colors = level.resolved_theme.colors
+    top, ink = layout.top_height - LEGEND, colors.text_fg
+    yield Rect(0, top, layout.left_width, LEGEND, colors.text_bg)
+    length = min(layout.grid_width - 16, _LONGEST_BAR)
+    left = (layout.left_width - length) / 2
+    yield from _bar(scale, left, top + _BAR_TOP, length)
+    form = replace(form, size=_LEGEND_SIZE)
+    texts = Box(left, top + _BAR_TOP + _BAR, left + length, top + LEGEND)
+    if scale.low == scale.high:
+        yield from number_shapes(scale.low, form, texts, ink, bold=False)
+        return
+    yield from number_shapes(scale.low, form, texts, ink, anchor="start", bold=False)
+    yield from number_shapes(scale.high, form, texts, ink, anchor="end", bold=False)
+    if scale.is_diverging:
+        x = left - length * scale.low / (scale.high - scale.low)
+        yield Rect(x - 0.5, top + _BAR_TOP - 1, 1, _BAR + 2, ink)
+        low, high = (0.6 * form.size * len(form.text(end)) for end in (scale.low, scale.high))
+        if left + low < x - 10 and x + 10 < left + length - high:
+            zero = texts._replace(left=x - 10, right=x + 10)
+            yield from number_shapes(0.0, Form(0, form.size), zero, ink, bold=False)
+
+
+def _bar(scale: Scale, left: float, top: float, length: float) -> Iterator[Shape]:
+    step = length / _BAR_STEPS
+    for index, color in enumerate(scale.strip(_BAR_STEPS)):
+        yield Rect(left + index * step, top, length - index * step, _BAR, color)
+
+
+def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
+    """Yield tiles, equal neighbours as one: for each colour a shape."""
+    growing: dict[tuple[int, int, str], int] = {}
+    parts: dict[str, list[Command]] = defaultdict(list)
+
+    def end(run: tuple[int, int, str], first: int, last: int) -> None:
+        x, length, color = run
+        (left, top), (right, foot) = layout.corner(x, first), layout.corner(x + length, last)
+        right = right if x + length == layout.columns else right + _OVERLAP
+        foot = foot if last == layout.rows else foot + _OVERLAP
+        corners = [(left, top), (right, top), (right, foot), (left, foot)]
+        parts[color] += polygon(corners)
+
+    for y in range(layout.rows + 1):
+        row = [(tiles.get((x, y)), x) for x in range(layout.columns)]
+        found = set()
+        for color, run in groupby(row, itemgetter(0)):
+            cells = [x for _, x in run]
+            if color is not None:
+                found.add((cells[0], len(cells), color))
+        for run in [run for run in growing if run not in found]:
+            end(run, growing.pop(run), y)
+        for run in sorted(found):
+            growing.setdefault(run, y)
+    for color, commands in parts.items():
+        yield Path(tuple(commands), fill=color)
+
+
+def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shape]:
+    """Yield frames inside the cells whose ground has a colour of its own."""
+    grounds = grounds_of(level)
+    parts: dict[str, list[Command]] = defaultdict(list)
+    for x, y in sorted(cells & grounds.keys()):
+        color, (left, top) = grounds[x, y], layout.corner(x, y)
+        right, foot = left + CELL, top + CELL
+        for dx, dy, corners in (
+            (0, -1, (left, top, right, top + FRAME)),
+            (1, 0, (right - FRAME, top, right, foot)),
+            (0, 1, (left, foot - FRAME, right, foot)),
+            (-1, 0, (left, top, left + FRAME, foot)),
+        ):
+            if grounds.get((x + dx, y + dy)) != color:
+                parts[color] += _outline(corners)
+    for color, commands in parts.items():
+        yield Path(tuple(commands), fill=color)
+
+
+def grounds_of(level: GridWorld) -> dict[Cell, str]:
+    """Return the colours of the cells whose colours mean something."""
+    colors = level.resolved_theme.colors
+    grounds: dict[Cell, str] = {}
+    for area in level.areas:
+        if area.color is not None:
+            (left, top), (width, height) = area.at, area.size
+            for y in range(top, top + height):
+                grounds |= dict.fromkeys(((x, y) for x in range(left, left + width)), area.color)
+    grounds |= dict.fromkeys(level.starts, colors.start)
+    if level.exit_one_of is None:
+        grounds |= dict.fromkeys(level.exits, colors.exit)
+    return grounds
+
+
+def _outline(corners: tuple[float, float, float, float]) -> tuple[Command, ...]:
+    left, top, right, foot = corners
+    points: list[Point] = [(left, top), (right, top), (right, foot), (left, foot)]
+    return polygon(points)
