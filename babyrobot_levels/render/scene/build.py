@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
+from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.panels import (
@@ -171,9 +172,8 @@ def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 def sign_shapes(
     level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what the level tells of its cells: wind, warps, and texts."""
-    yield from wind_shapes(level, layout, slots)
-    yield from warp_shapes(level, layout, slots)
+    """Yield what the level tells of its cells: what they do, and texts."""
+    yield from effect_shapes(level, layout, slots, effects_of(level))
     yield from end_texts(level, layout, slots)
     yield from label_shapes(level, slots)
     if coordinates:

@@ -89,7 +89,7 @@ def coordinate_texts(
         tiles: the colours of the cells of a heat map.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    crossed, grounds = crossed_cells(level, layout), CellGrounds(level)
+    crossed, grounds = crossed_cells(level, layout, slots), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
