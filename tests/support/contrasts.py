@@ -24,6 +24,7 @@ from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.ground import flag_shapes, pad_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay_shapes import arrow_lengths, arrow_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text
 from babyrobot_levels.render.scene.situation import situation_of
@@ -46,7 +47,7 @@ _NOWHERE = "#010203"
 _CHARACTER = 0.5
 """The width of a character as a share of its size: rather too little, so that it is the text's."""
 
-_REACH = 7
+_REACH = 9
 """The pixels of a figure that count as its outline: rim, outline and casing."""
 
 _FAINT_PIXELS, _FAINT_SHARE = 12, 0.2
@@ -91,6 +92,8 @@ def _figures(
         yield "pad", [*pad_shapes(layout, cell, ink_on([grounds[cell]], colors.start_text))][1:]
     for cell in level.exits if level.exit_one_of is None else ():
         yield "flag", flag_shapes(layout, cell, ink_on([grounds[cell]], colors.exit_text))
+    lengths = arrow_lengths(overlay.at(), slots, layout)
+    yield "arrow", arrow_shapes(lengths, slots, layout, colors.arrows)
     situation = situation_of(level, None)
     crowded = overlay.fills_cells
     movers = moving_pieces(level, layout, situation, level.starts[0], crowded=crowded)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_
 from typing import TYPE_CHECKING
 
@@ -141,6 +141,7 @@ _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
 """The waves of the outline: how many in one turn, and their height as a share of the radius."""
 _WHITE = "#ffffff"
 _SHORE = "#000000"
+_SHORE_WIDTH = 1.5
 
 
 def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -172,6 +173,27 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             _WHITE,
             0.7,
         )
+
+
+def shore_shapes(
+    level: GridWorld, layout: Layout, grounds: Callable[[tuple[int, int]], Iterable[str]]
+) -> Iterator[Shape]:
+    """Yield what sets puddles off from other grounds than the level's own, such as a heat map.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        grounds: returns the colours of the ground in a cell.
+    """
+    fill = level.resolved_theme.colors.puddle
+    for puddle in level.puddles:
+        faint = [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]
+        if faint:
+            x, y = layout.corner(puddle.at[0] + 0.5, puddle.at[1] + 0.5)
+            radius = _RADIUS[puddle.size]
+            outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
+            points = [(x + dx, y + dy) for dx, dy in outline]
+            yield Path(smooth(points), fill=rim_on(faint))
 
 
 def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:

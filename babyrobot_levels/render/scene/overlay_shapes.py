@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
@@ -57,7 +58,7 @@ def overlay_shapes(
     texts: list[Shape] = []
     # On a heat map, the level's own are written in the inks of their tiles.
     if overlay.has_colors if level.display.coordinates else overlay.coordinates:
-        texts += coordinate_texts(level, layout, slots, heat.tiles)
+        texts += coordinate_texts(level, layout, slots, heat.colors_of)
     texts += note_shapes(level, overlay.notes, layout)
     texts += panel_texts(level, overlay, layout)
     return OverlayShapes(
@@ -155,8 +156,8 @@ _SHORTEST = 0.45
 """The length of the arrow of an improbable action, as a share of that of the most likely one."""
 _LEAST = 0.005
 """The probability below which an action has no arrow."""
-_RIM = "#ffffff"
-_SHADE = "#000000"
+_RIM = 2.0
+"""The width of the rim that makes an arrow visible on every background."""
 
 Lengths = Mapping[int, float]
 """The length of the arrow of each action, as a share of the longest."""
@@ -205,11 +206,11 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
-    for ink, rim, opacity in ((_SHADE, 3.2, 0.3), (_RIM, 2.0, 1.0)):
-        if lines:
-            yield Path(lines, stroke=ink, width=_WIDTH + 2 * rim, cap="round", opacity=opacity)
-        if tips:
-            yield Path(tips, stroke=ink, width=2 * rim, opacity=opacity)
+    rim = rim_on([color])
+    if lines:
+        yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
+    if tips:
+        yield Path(tips, stroke=rim, width=2 * _RIM)
     if lines:
         yield Path(lines, stroke=color, width=_WIDTH, cap="round")
     if tips:

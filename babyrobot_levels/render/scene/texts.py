@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.colors import ink_on, plate_for
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 _END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5
-
-NO_TILES: Mapping[Cell, str] = {}
 
 
 def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
@@ -78,7 +76,10 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
 
 
 def coordinate_texts(
-    level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
+    level: GridWorld,
+    layout: Layout,
+    slots: Slots,
+    colors_of: Callable[[Cell], Sequence[str]] | None = None,
 ) -> Iterator[Shape]:
     """Yield the coordinates of each free cell, at its left; arrows of warps are cut off there.
 
@@ -86,7 +87,8 @@ def coordinate_texts(
         level: the level.
         layout: where its cells are.
         slots: what stands where in them.
-        tiles: the colours of the cells of a heat map.
+        colors_of: returns the colours of a cell, from the north clockwise; by default, that of
+            its ground.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     crossed, grounds = crossed_cells(level, layout), CellGrounds(level)
@@ -96,9 +98,10 @@ def coordinate_texts(
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
-            text, ground = f"{x},{y}", tiles.get((x, y), grounds[x, y])
-            fill = ink_on([ground], fills.get((x, y), colors.arrows))
+            # They lie on the northern and the western part of a cell with values of actions.
+            text, below = f"{x},{y}", colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
+            fill = ink_on(below, fills.get((x, y), colors.arrows))
             if (x, y) in crossed:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH + 2
-                yield Rect(box.left - 1, box.bottom - 9, width, 11, ground, radius=3)
+                yield Rect(box.left - 1, box.bottom - 9, width, 11, below[0], radius=3)
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")
