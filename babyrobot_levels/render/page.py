@@ -51,8 +51,14 @@ SCRIPTS = (
     "link.js",
     "things.js",
     "game.js",
+    "result.js",
     "paint.js",
+    "view.js",
+    "gestures.js",
     "picture.js",
+    "trail.js",
+    "legend.js",
+    "speech.js",
     "page.js",
 )
 """The parts of the page's script, in the order of their dependencies."""

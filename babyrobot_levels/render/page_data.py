@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
@@ -19,7 +19,14 @@ from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.render.colors import gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
-from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
+from babyrobot_levels.render.page_tables import (
+    CHEER,
+    EVENTS,
+    HEADING_POSES,
+    POSES,
+    good_ends,
+    rows_of,
+)
 from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
@@ -37,6 +44,8 @@ from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
+
+World = TypeVar("World", bound="GridWorld")
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
@@ -58,6 +67,9 @@ _ROBOT_COLORS = ("robot", "puddle")
 _OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
 """The colours that it has in any theme but those of greys."""
 
+MAX_QUANTILES = 101
+"""The most quantiles of returns on a page."""
+
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
 
@@ -75,12 +87,17 @@ class Guide:
         overlay: the values and optimal actions of the cells, which the page can show.
         expected_return: the policy's expected return from the starts; it may be infinite.
         turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
+        random_return: the expected return of random actions, if it is known.
+        quantiles: quantiles of the policy's return at evenly spaced probabilities, ascending, at
+            most `MAX_QUANTILES`; empty if they are unknown.
     """
 
     policy: Sequence[int]
     overlay: Overlay
     expected_return: float
     turning: Guide | None = None
+    random_return: float | None = None
+    quantiles: Sequence[float] = ()
 
 
 def without_panels(level: GridWorld) -> GridWorld:
@@ -101,6 +118,11 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {states:,} states is too large for a page; "
             f"the limit is {MAX_STATES:,} states"
         )
+    return bare(level)
+
+
+def bare(level: World) -> World:
+    """Return the level without the panels and the compass."""
     display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
 
@@ -132,8 +154,7 @@ def page_data(
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
-        "policy": list(guide.policy) if guide is not None else None,
-        "best": _best(guide),
+        **_answers(guide),
     }
 
 
@@ -194,7 +215,8 @@ def facts(level: GridWorld) -> Iterator[tuple[str, str]]:
 def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str, Any]:
     """Return the picture, what it shows of things and of a robot that turns, and the rules.
 
-    A rule is its sample, shapes of a cell in the picture's palette, and its text.
+    A rule is its sample, shapes of a cell in the picture's palette, its text, and the runs of cells
+    that it is about, each as its first cell and its length.
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
     cell; otherwise they are marks. What the level tells of its cells is there twice: as it is seen
@@ -243,10 +265,22 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     if marks.packed:
         picture["marks"] = marks.packed
     data["rules"] = [
-        [pack(sample_shapes(level, rule.sample), palette), rule.text] for rule in rules_of(level)
+        [pack(sample_shapes(level, rule.sample), palette), rule.text, _runs(rule.cells)]
+        for rule in rules_of(level)
     ]
     picture["palette"] = palette.colors
     return data
+
+
+def _runs(cells: Sequence[int]) -> list[int]:
+    """Return ascending numbers as runs: the first number and the length of each."""
+    runs: list[int] = []
+    for cell in cells:
+        if runs and cell == runs[-2] + runs[-1]:
+            runs[-1] += 1
+        else:
+            runs += [cell, 1]
+    return runs
 
 
 def _overlays(level: GridWorld, guide: Guide, *, turns: bool = False) -> Iterator[Overlay]:
@@ -261,15 +295,36 @@ def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]
     return {
         "on": on,
         "heading": SIDES.index(level.heading),
-        "policy": list(guide.policy) if guide is not None else None,
-        "best": _best(guide),
+        **_answers(guide),
     }
 
 
-def _best(guide: Guide | None) -> str:
-    if guide is None or not math.isfinite(guide.expected_return):
-        return ""
-    return number(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+def _answers(guide: Guide | None) -> dict[str, Any]:
+    """Return the optimal policy, and what is known about its return."""
+    if guide is None:
+        return {"policy": None, "best": ""}
+    data: dict[str, Any] = {"policy": list(guide.policy), "best": ""}
+    if math.isfinite(guide.expected_return):
+        data["best"] = _rounded(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+        random = guide.random_return
+        data["returns"] = {
+            "best": _brief(guide.expected_return),
+            "random": _brief(random) if random is not None and math.isfinite(random) else None,
+            "quantiles": list(map(_brief, guide.quantiles)),
+        }
+    return data
+
+
+def _rounded(value: float) -> str:
+    """Return a number with two decimals, or two digits where it is small."""
+    if abs(value) >= 0.1 or abs(value) < 1e-6:
+        return number(value)
+    return np.format_float_positional(value, 2, unique=False, fractional=False, trim="-")
+
+
+def _brief(value: float) -> float | int:
+    """Return a number with six digits."""
+    return _short(float(f"{value:.6g}"))
 
 
 def playable(level: GridWorld) -> dict[str, Any]:
@@ -300,6 +355,8 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "starts": mdp.start.nonzero()[0].tolist(),
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
+        "discount": _short(level.discount),
+        "good": good_ends(level),
         "rows": rows,
         "table": table,
         "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),

@@ -97,6 +97,13 @@ def to_png(
     return buffer.getvalue()
 
 
+def pixels_to_png(pixels: NDArray[np.uint8]) -> bytes:
+    """Return pixels, uint8 `[height, width, 3]`, as a PNG file."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
 def _paint(
     scene: Scene,
     size: tuple[int, int] | None,

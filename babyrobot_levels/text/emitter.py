@@ -25,6 +25,11 @@ def emit_field(name: str, value: Any) -> str:
     return emit({name: value})
 
 
+def emit_entry(value: Any, indent: int = 0) -> list[str]:
+    """Return an entry of a list, as whole lines that are indented by so many blanks."""
+    return lines_of(_container([value]), " " * indent)
+
+
 def flow(value: Any) -> str:
     """Return a value as YAML on one line."""
     # What comes from data has no comments, which alone keep a value from it.

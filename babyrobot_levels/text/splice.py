@@ -1,21 +1,29 @@
-"""Changed fields written into an existing text, so that comments and layout stay as they are."""
+"""Changed values written into an existing text, so that comments and layout stay as they are.
+
+Mappings and lists whose entries stand on lines of their own are changed entry by entry, at any
+depth; every other value that changes is written anew in its place. Comments on lines of their own
+always stay, those behind a value as long as there is an entry that they can stand behind.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, field
+from difflib import SequenceMatcher
 from typing import Any
 
-from babyrobot_levels.text.document import Document
-from babyrobot_levels.text.emitter import emit_field
+from babyrobot_levels.text.comments import Comment, comments
+from babyrobot_levels.text.document import Document, Node
+from babyrobot_levels.text.emitter import emit_entry, emit_field, flow
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile
 
 
 def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:
-    """Return `text` with its top-level fields changed to `data`, or None where that is not safe.
+    """Return `text` with its fields changed to `data`, or None where that is not safe.
 
-    Fields that are equal are not touched. New fields are put where `order` wants them.
+    What is equal is not touched. New fields are put where `order` wants them.
     """
     document = _read(text)
     if document is None:
@@ -24,22 +32,14 @@ def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:
         return text
     if document.source.line(document.root.span.start.line)[:1] == "{":
         return None
-    lines = list(document.source.lines)
-    changes: list[tuple[int, int, list[str]]] = []
-    for name in document.root.keys:
-        if name not in data or document.data[name] != data[name]:
-            first, last = _lines_of(document, name)
-            new = [] if name not in data else _new_lines(document, name, data[name], first, last)
-            changes.append((first, last, new))
-    for name in [name for name in order if name in data and name not in document.root.keys]:
-        row = _place_for(document, name, order)
-        changes.append((row, row, emit_field(name, data[name]).splitlines()))
-    # From the bottom up, so that no change moves the lines of another.
-    for first, last, new in sorted(changes, key=lambda change: change[:2], reverse=True):
-        lines[first:last] = new
-    result = ("\r\n" if "\r\n" in text else "\n").join(lines)
-    check = _read(result)
-    return result if check is not None and check.data == data else None
+    for is_deep in (True, False):
+        splicer = _Splicer(document, is_deep)
+        splicer.change_mapping(document.root, data, order, 0)
+        result = splicer.result()
+        check = _read(result)
+        if check is not None and check.data == data:
+            return result
+    return None
 
 
 def _read(text: str) -> Document | None:
@@ -50,30 +50,161 @@ def _read(text: str) -> Document | None:
     return document if isinstance(document.data, dict) and not document.issues else None
 
 
-def _lines_of(document: Document, name: str) -> tuple[int, int]:
-    """Return the lines of a field, from 0, the last one exclusive."""
-    first = document.root.keys[name].span.start.line - 1
-    end = document.root.children[name].span.end
-    last = end.line if end.column > 1 else end.line - 1
-    while last > first + 1 and not document.source.lines[last - 1].strip():
-        last -= 1
-    return first, max(last, first + 1)
+Lines = tuple[int, int]
+"""The first line of an entry, from 0, and the line behind its last one."""
 
 
-def _new_lines(document: Document, name: str, value: Any, first: int, last: int) -> list[str]:
-    """Return the lines that take a field's place; a comment behind a short value stays."""
-    new = emit_field(name, value).splitlines()
-    span = document.root.children[name].span
-    if len(new) == 1 and last - first == 1 and span.start.line == span.end.line == first + 1:
-        old = document.source.lines[first]
-        shown = new[0].partition(": ")[2]
-        return [old[: span.start.column - 1] + shown + old[span.end.column - 1 :]]
-    return new
+@dataclass(slots=True)
+class _Splicer:
+    """Collects changes of whole lines.
+
+    Args:
+        document: the text.
+        is_deep: whether entries are changed one by one, instead of whole top-level fields. That
+            is not safe where an entry is an alias of another.
+    """
+
+    document: Document
+    is_deep: bool
+    _changes: list[tuple[int, int, list[str]]] = field(default_factory=list)
+    _comments: list[Comment] | None = None
+
+    def result(self) -> str:
+        """Return the text with all changes."""
+        source = self.document.source
+        lines = list(source.lines)
+        # From the bottom up, so that no change moves the lines of another.
+        self._changes.sort(key=lambda change: change[:2])
+        for first, last, new in reversed(self._changes):
+            lines[first:last] = new
+        return ("\r\n" if "\r\n" in source.text else "\n").join(lines)
+
+    def change_mapping(
+        self, node: Node, data: dict[str, Any], order: Sequence[str], indent: int
+    ) -> None:
+        """Change the entries of a mapping that stand on lines of their own."""
+        for name in node.keys:
+            place = self._lines_of(node.keys[name], node.children[name])
+            if name not in data:
+                self._changes.append((*place, self._kept(place, indent)))
+            elif node.children[name].data != data[name]:
+                self._change_value(name, node.children[name], data[name], place, indent)
+        for name in [name for name in order if name in data and name not in node.keys]:
+            row = self._place_for(node, name, order)
+            self._changes.append((row, row, self._field(name, data[name], indent)))
+
+    def _change_list(self, node: Node, values: list[Any], indent: int) -> None:
+        """Change the entries of a list that stand on lines of their own."""
+        places = [self._lines_of(each, each) for each in _entries(node)]
+        before, after = ([flow(value) for value in entries] for entries in (node.data, values))
+        matcher = SequenceMatcher(None, before, after, autojunk=False)
+        for kind, i, j, k, m in matcher.get_opcodes():
+            if kind == "equal":
+                continue
+            pairs = min(j - i, m - k)
+            for old, new in zip(range(i, i + pairs), range(k, k + pairs), strict=True):
+                self._change_value(None, node.children[old], values[new], places[old], indent)
+            for old in range(i + pairs, j):
+                self._changes.append((*places[old], self._kept(places[old], indent)))
+            row = places[i + pairs - 1][1] if i + pairs else places[0][0]
+            lines = [line for value in values[k + pairs : m] for line in emit_entry(value, indent)]
+            if lines:
+                self._changes.append((row, row, lines))
+
+    def _change_value(
+        self, name: str | None, node: Node, value: Any, place: Lines, indent: int
+    ) -> None:
+        """Change the value of an entry: a field with its name, or an entry of a list."""
+        inner = self._indent_of_block(node, place, name is None) if self.is_deep else None
+        if inner is not None and type(value) is type(node.data):
+            # What hangs on a dash keeps its first field, which shares the line.
+            if isinstance(value, dict) and (name is not None or next(iter(node.keys)) in value):
+                self.change_mapping(node, value, list(value), inner)
+                return
+            if isinstance(value, list) and value:
+                self._change_list(node, value, inner)
+                return
+        self._changes.append((*place, self._written(name, node, value, place, indent)))
+
+    def _written(
+        self, name: str | None, node: Node, value: Any, place: Lines, indent: int
+    ) -> list[str]:
+        """Return the lines of an entry that is written anew, with the comments that it had."""
+        new = emit_entry(value, indent) if name is None else self._field(name, value, indent)
+        span, (first, last) = node.span, place
+        fits = len(new) == 1 and last - first == 1
+        if fits and span.start.line == span.end.line == first + 1:
+            old = self.document.source.lines[first]
+            lead = " " * indent + ("- " if name is None else f"{name}: ")
+            shown = new[0][len(lead) :] if new[0].startswith(lead) else flow(value)
+            return [old[: span.start.column - 1] + shown + old[span.end.column - 1 :]]
+        return [*self._kept(place, indent, behind=True), *new]
+
+    @staticmethod
+    def _field(name: str, value: Any, indent: int) -> list[str]:
+        return [
+            (" " * indent + line) if line else "" for line in emit_field(name, value).splitlines()
+        ]
+
+    def _kept(self, place: Lines, indent: int, *, behind: bool = False) -> list[str]:
+        """Return the comments on an entry's lines, as lines of their own.
+
+        Args:
+            place: the lines of the entry.
+            indent: the indentation of the new lines.
+            behind: whether those that stand behind a value are kept too.
+        """
+        if self._comments is None:
+            self._comments = comments(self.document)
+        return [
+            " " * indent + comment.text
+            for comment in self._comments
+            if place[0] < comment.span.start.line <= place[1] and (comment.is_alone or behind)
+        ]
+
+    def _lines_of(self, start: Node, value: Node) -> Lines:
+        """Return the lines from a node to the end of a value."""
+        first, end = start.span.start.line - 1, value.span.end
+        last = end.line if end.column > 1 else end.line - 1
+        lines = self.document.source.lines
+        while last > first + 1 and not lines[last - 1].strip():
+            last -= 1
+        return first, max(last, first + 1)
+
+    def _indent_of_block(self, node: Node, place: Lines, hangs: bool) -> int | None:
+        """Return the indentation of a container's entries; None if they share lines.
+
+        Args:
+            node: the container.
+            place: the lines of the entry that it is the value of.
+            hangs: whether that is an entry of a list, behind whose dash it may begin.
+        """
+        source = self.document.source
+        if not node.children or source.text[node.first : node.first + 1] in ("[", "{"):
+            return None
+        starts = list(node.keys.values()) if isinstance(node.data, dict) else []
+        starts = starts or _entries(node)
+        rows = [start.span.start.line for start in starts]
+        if len(set(rows)) < len(rows) or rows[0] - 1 < place[0] or rows[-1] > place[1]:
+            return None
+        if isinstance(node.data, dict):
+            return starts[0].span.start.column - 1 if hangs or rows[0] - 1 > place[0] else None
+        begins = [start.span.start for start in starts]
+        leads = [source.line(begin.line)[: begin.column - 1] for begin in begins]
+        # A dash on another line than its entry, or a dash behind another one.
+        if any(lead.strip() != "-" for lead in leads) or rows[0] - 1 == place[0]:
+            return None
+        return leads[0].index("-")
+
+    def _place_for(self, node: Node, name: str, order: Sequence[str]) -> int:
+        """Return the line before which a new field belongs."""
+        before = [other for other in order[: order.index(name)] if other in node.keys]
+        lines = [self._lines_of(node.keys[other], node.children[other]) for other in before]
+        if lines:
+            return max(last for _, last in lines)
+        return min(key.span.start.line - 1 for key in node.keys.values())
 
 
-def _place_for(document: Document, name: str, order: Sequence[str]) -> int:
-    """Return the line before which a new field belongs."""
-    before = [other for other in order[: order.index(name)] if other in document.root.keys]
-    if before:
-        return max(_lines_of(document, other)[1] for other in before)
-    return min(_lines_of(document, other)[0] for other in document.root.keys)
+def _entries(node: Node) -> list[Node]:
+    """Return the entries of a list."""
+    return [node.children[index] for index in range(len(node.data))]

@@ -136,7 +136,7 @@ def test_of_a_large_level_the_part_around_the_robot_is_shown(tmp_path: Path) -> 
 
 
 def test_drawings_stay_for_as_long_as_the_speed_says(tmp_path: Path) -> None:
-    for speed, least, most in ((1, 1.5, 10), (50, 0.03, 1.4)):
+    for speed, least, most in ((1, 1.45, 10), (50, 0.03, 1.4)):
         level = {"version": 1, "size": [3, 3], "display": {"robot": {"speed": speed}}}
         code = WALK.format(level=level, actions=[2] * 6) + "print('took', took)"
         took = float(in_terminal(tmp_path, code).rpartition("took")[2])

@@ -402,7 +402,7 @@ def test_a_field_that_is_gone_takes_its_lines_with_it(tmp_path: Path) -> None:
 
 def test_comments_above_and_below_a_changed_field_stay(tmp_path: Path) -> None:
     text = saved(brl.loads(FILE).replace(puddles=[{"at": [3, 0]}]), tmp_path)
-    assert "# Puddles are wet.\npuddles:\n  - {at: [3, 0]}\n" in text
+    assert "# Puddles are wet.\npuddles:\n- at: [3, 0]\n  # a comment inside\n" in text
     assert text.endswith("\nrewards: {step: -1}\n# The end.\n")
     assert text.startswith(FILE[: FILE.index("puddles:")])
 

@@ -21,8 +21,10 @@ from babyrobot_levels.render.raster import Painter
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import flag_shapes, pad_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
+from babyrobot_levels.render.scene.marks import mark_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import arrow_lengths, arrow_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes
@@ -83,8 +85,10 @@ def _figures(
     slots = Slots(level, layout, overlay)
     colors, grounds = level.resolved_theme.colors, CellGrounds(level)
     yield "puddle", puddle_shapes(level, layout)
-    yield "wind", wind_shapes(level, layout, slots)
-    yield "warp", warp_shapes(level, layout, slots)
+    effects = effects_of(level)
+    yield "wind", wind_shapes(effects.winds, slots, colors.arrows)
+    yield "warp", warp_shapes(level, layout, slots, effects)
+    yield "mark", mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
     yield "wall", wall_shapes(level, layout)
     yield "compass", [*compass_shapes(level, layout)][1:]
     for cell in level.starts:

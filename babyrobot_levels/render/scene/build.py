@@ -7,8 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
+from babyrobot_levels.render.scene.marks import mark_shapes, sheen_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
@@ -163,9 +165,12 @@ def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 def sign_shapes(
     level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what the level tells of its cells: wind, warps, and texts."""
-    yield from wind_shapes(level, layout, slots)
-    yield from warp_shapes(level, layout, slots)
+    """Yield what the level tells of its cells: what they do, wind, warps, and texts."""
+    effects, color = effects_of(level), level.resolved_theme.colors.arrows
+    yield from sheen_shapes(effects.skids, layout, slots)
+    yield from wind_shapes(effects.winds, slots, color)
+    yield from warp_shapes(level, layout, slots, effects)
+    yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
     yield from end_texts(level, layout, slots)
     yield from label_shapes(level, slots)
     if coordinates:

@@ -64,11 +64,11 @@ class Heat:
     @cached_property
     def values(self) -> dict[Cell, float]:
         """The values that are shown: of cells in which the robot can stand, and not 0 in ends."""
-        slots = self.slots
+        slots, standing = self.slots, self.slots.acting | self.slots.ends
         return {
             cell: value
             for cell, value in each_cell(self.overlay.values, self.layout)
-            if value is not None and (cell in slots.acting or (value and cell in slots.ends))
+            if value is not None and (value or cell in slots.acting) and cell in standing
         }
 
     @cached_property

@@ -91,17 +91,21 @@ def coordinate_texts(
             its ground.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    crossed, grounds = crossed_cells(level, layout), CellGrounds(level)
+    crossed, grounds = crossed_cells(level, layout, slots), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
+            text = f"{x},{y}"
             # They lie on the northern and the western part of a cell with values of actions.
-            text, below = f"{x},{y}", colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
+            below = colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
+            is_end = slots.is_small((x, y)) and (x, y) in fills
+            if is_end:
+                below = [grounds[x, y]]
             fill = ink_on(below, fills.get((x, y), colors.arrows))
-            if (x, y) in crossed:
-                width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH + 2
-                yield Rect(box.left - 1, box.bottom - 9, width, 11, below[0], radius=3)
+            if is_end or (x, y) in crossed:
+                width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
+                yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")

@@ -3,6 +3,7 @@ const MOST_SHAPES = 200000;
 const MOST_PLACES = 6e6; // Numbers in all paths together.
 const MOST_OUTCOMES = 2e7; // Numbers in the rows of all states and actions together.
 const MOST_THINGS = 1000;
+const MOST_QUANTILES = 101;
 const FARTHEST = 1e8; // In tenths of a pixel.
 
 /** A defect of a link, with a message for people. */
@@ -51,6 +52,9 @@ function checked(data) {
   need(Number.isFinite(data.margin) && data.margin >= 0 && data.margin <= 1000);
   need(Number.isFinite(data.speed) && data.speed > 0 && data.speed <= 100);
   const movers = (data.things ?? []).filter(({ kind }) => kind === "mover").length;
+  const { discount = 1, good = [0, 0] } = data;
+  need(Number.isFinite(discount) && discount > 0 && discount <= 1);
+  for (const least of list(good, 2, 2)) need(Number.isFinite(least));
   checkRows(data.rows, states, COMMON.events.length * (1 + movers));
   checkTable(data, states);
   checkAdvice(data, states);
@@ -98,7 +102,10 @@ function checkTexts({ title, description, best, seed, facts, shown, robot, goal 
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   // The samples of rules are shapes, which are checked as they are painted.
-  for (const rule of list(rules, 20)) text(list(rule, 2, 2)[1]);
+  for (const [, words, runs] of list(rules, 20).map((rule) => list(rule, 3, 3))) {
+    text(words);
+    list(runs).forEach((number) => whole(number, 0, COMMON.max_cells));
+  }
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
   list(robot, COMMON.robot.length, 2).forEach(color);
 }
@@ -148,19 +155,30 @@ function checkTable({ rows, table, starts, possible }, states) {
 }
 
 /** Policies, and the marks of values and policies: one number for each state. */
-function checkAdvice({ policy, walker, marks, turns, picture }, states) {
+function checkAdvice({ policy, walker, marks, returns, turns, picture }, states) {
   need(walker === null || walker === "random" || (walker === "best" && policy !== null));
   checkNumbers(policy, states, 4);
+  checkReturns(returns);
   const last = list(picture?.marks ?? []).length - 1;
   for (const name of ["heat", "values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
   if (turns === undefined) return;
   need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");
   whole(turns.heading, 0, 3);
   text(turns.best);
+  checkReturns(turns.returns);
   checkNumbers(turns.policy, 4 * states, 2);
   for (const name of ["heat", "values"]) {
     checkNumbers(turns.marks?.[name] ?? null, 4 * states, last);
   }
+}
+
+/** The returns of the optimal policy, ascending, with their average, and that of random actions. */
+function checkReturns(returns) {
+  if (returns === undefined) return;
+  need(returns !== null && Number.isFinite(returns.best));
+  need(returns.random === null || Number.isFinite(returns.random));
+  const quantiles = list(returns.quantiles, MOST_QUANTILES);
+  need(quantiles.every((value, at) => Number.isFinite(value) && !(value < quantiles[at - 1])));
 }
 
 function checkNumbers(numbers, count, most) {

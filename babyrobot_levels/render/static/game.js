@@ -11,24 +11,46 @@ class Game {
     this.cells = data.width * data.height;
     this.things = new Things(data);
     this.isTurning = isTurning;
-    this.seed(data.seed);
+    this.begin(data.seed);
   }
 
-  /** Start the first episode of a seed. */
-  seed(seed) {
+  /** Start the episode of a seed: as text, a whole number. */
+  begin(seed) {
+    this.seed = seed;
     this.random = new Generator(seed);
     this.policyRandom = new Generator(seed);
     this.reset();
   }
 
-  /** Start the next episode. */
+  /** Start an episode with the next random numbers. */
   reset() {
-    const { starts } = this.data;
+    const { starts, turns } = this.data;
     this.state = starts[this.random.integer(starts.length)];
-    this.heading = this.isTurning ? this.data.turns.heading : null;
+    this.heading = this.isTurning ? turns.heading : null;
     this.steps = 0;
     this.total = 0;
     this.end = null;
+    this.past = []; // What `undo` goes back to.
+    this.undone = 0;
+    this.hints = 0;
+    this.isHinted = false;
+  }
+
+  /** The seed of the next episode with other random numbers. */
+  get nextSeed() {
+    return String((BigInt(this.seed) + 1n) % 10n ** 40n);
+  }
+
+  /** What is known about the robot as it moves: the whole data, or those of one that turns. */
+  get known() {
+    return this.isTurning ? this.data.turns : this.data;
+  }
+
+  /** Go back to before the last action; the same action will have the same outcome again. */
+  undo() {
+    const { place, ...before } = this.past.pop();
+    Object.assign(this, before, { end: null, undone: this.undone + 1, isHinted: false });
+    this.random.restore(place);
   }
 
   /** The number of the configuration at hand. */
@@ -63,16 +85,32 @@ class Game {
 
   /** Return the action of the watched policy here; -1 if it has none. */
   advice() {
-    const { walker, policy } = this.data;
-    if (walker === "best") return (this.isTurning ? this.data.turns.policy : policy)[this.number];
+    if (this.data.walker === "best") return this.best;
     if (this.isTurning) return this.policyRandom.integer(3);
     const possible = [0, 1, 2, 3, 4].filter((action) => this.isPossible(action));
     return possible[this.policyRandom.integer(possible.length)];
   }
 
+  /** The action of the optimal policy here; -1 if there is none. */
+  get best() {
+    return this.end === null ? this.known.policy?.[this.number] ?? -1 : -1;
+  }
+
+  /** Return the action of the optimal policy here, and count that it was asked for. */
+  hint() {
+    const action = this.best;
+    if (action >= 0 && !this.isHinted) {
+      this.hints += 1;
+      this.isHinted = true;
+    }
+    return action;
+  }
+
   /** Take an action and return the outcome. */
   step(action) {
-    const from = this.state;
+    const { state: from, heading, steps, total } = this;
+    this.past.push({ state: from, heading, steps, total, place: this.random.place });
+    this.isHinted = false;
     const { rows, table, max_steps: most } = this.data;
     const move = this.moveOf(action);
     const outcomes = rows[table[5 * from + move]];
@@ -87,18 +125,32 @@ class Game {
     const [, shift, reward, isOver, code, drawn] = outcomes.slice(at, at + OUTCOME_LENGTH);
     const next = from + shift;
     this.state = next;
+    this.total += reward * (this.data.discount ?? 1) ** steps;
     this.steps += 1;
-    this.total += reward;
     if (this.isTurning && action !== FORWARD) this.heading = (this.heading + 3 + 2 * action) % 4;
     // The number of an event also tells which mover hits the robot.
     const { events, cheer, headings } = COMMON;
     const hit = this.things.of("mover")[Math.floor(code / events.length) - 1] ?? null;
-    if (isOver) this.end = hit !== null ? "hit" : this.isExit(next) ? "exit" : "over";
+    if (isOver) this.end = this.endOf(next, reward, hit);
     else if (this.steps === most) this.end = "time";
     const event = events[code % events.length];
     const pose = this.isTurning ? headings[Number(event === "skid")][this.heading] : drawn;
-    const after = this.end === "exit" ? cheer : pose;
+    const after = this.isGood ? cheer : pose;
     return { from, action, move, next, reward, event, hit, pose, after };
+  }
+
+  /** How the last step ended the episode: at an exit or elsewhere, well or badly. */
+  endOf(state, reward, hit) {
+    if (hit !== null) return "hit";
+    const isExit = this.isExit(state);
+    const [atExit, elsewhere] = this.data.good ?? [-Infinity, Number.MIN_VALUE];
+    const isGood = reward >= (isExit ? atExit : elsewhere);
+    return isExit ? (isGood ? "exit" : "wrong") : (isGood ? "good" : "over");
+  }
+
+  /** Whether the episode ended well. */
+  get isGood() {
+    return this.end === "exit" || this.end === "good";
   }
 
   isExit(state) {
@@ -137,11 +189,19 @@ class Game {
     return [step, ...(hit === null ? [] : [`Hit by the ${hit.name}`]), ...changes].join(". ");
   }
 
+  /** Describe an action as a piece of advice. */
+  describeHint(action) {
+    const turns = ["turn left", "turn right", "move forward"];
+    return `Hint: ${this.isTurning ? turns[action] : action ? `move ${SIDES[action]}` : "stay"}.`;
+  }
+
   /** Describe how the episode ended. */
   describeEnd() {
     const after = `after ${this.steps} step${this.steps === 1 ? "" : "s"}`;
     const how = {
       exit: `Exit reached ${after}!`,
+      wrong: `Exit reached ${after}.`,
+      good: `The episode ended ${after}!`,
       hit: `The episode ended ${after}.`,
       over: `The episode ended ${after}.`,
       time: `Time limit reached ${after}.`,
@@ -150,7 +210,14 @@ class Game {
   }
 }
 
-/** Return a number with at most two decimals and a minus sign. */
+/** Return a number with two decimals, or two digits where it is small. */
+function rounded(number) {
+  const size = Math.abs(number);
+  if (size >= 0.1) return Math.round(number * 100) / 100;
+  return size < 1e-6 ? 0 : Number(number.toPrecision(2));
+}
+
+/** Return a rounded number as text, with a minus sign. */
 function formatted(number) {
-  return String(Math.round(number * 100) / 100 + 0).replace("-", "\u2212");
+  return String(rounded(number)).replace("-", "\u2212");
 }

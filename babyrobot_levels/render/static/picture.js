@@ -1,7 +1,6 @@
 // The picture: the level, and the robot moving in it.
 const SHIFTS = [[0, 0], [0, -1], [1, 0], [0, 1], [-1, 0]];
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
-const CELLS = [22, 112]; // The smallest and the largest cells, in pixels.
 
 /** Return the picture of a level as an SVG element. */
 function levelPicture(data) {
@@ -27,16 +26,26 @@ function levelPicture(data) {
   },
   element("title", {}, title),
   element("defs", {}, ...sprites(robot), ...things.definitions),
-  ...layer("base"),
-  answer("heat", "values"),
-  ...layer("grid"),
-  element("g", { id: "signs" }, ...layer("signs")),
-  element("g", { id: "beside" }, ...layer("beside")),
+  element(
+    "g",
+    { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
+    ...layer("base"),
+    answer("heat", "values"),
+    ...layer("grid"),
+    element("g", { id: "signs" }, ...layer("signs")),
+    element("g", { id: "beside" }, ...layer("beside")),
+  ),
   things.still,
   answer("policy"),
   answer("values"),
   element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
   things.moving);
+}
+
+/** Return whether a colour, such as that of the cells, is dark. */
+function isDark(given) {
+  const [red, green, blue] = given.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+  return 0.3 * red + 0.6 * green + 0.1 * blue < 100;
 }
 
 /** Return the robot's symbols for all poses and phases, in the colours of a level.
@@ -48,27 +57,18 @@ function sprites(robot) {
     element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer(layer))));
 }
 
-/** The picture of a game in the element that shows it. */
+/** The picture of a game in the view that shows it. */
 class Picture {
-  constructor(game, svg, stage) {
+  constructor(game, svg, view) {
     this.game = game;
-    this.stage = stage;
+    this.view = view;
     this.robot = svg.querySelector("#robot");
     this.sprite = this.robot.querySelector("use");
     this.things = new ThingsLayer(game, svg);
     this.marks = new MarksLayer(game, svg);
-    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    this.calm = view.calm;
     this.running = null;
-    stage.replaceChildren(svg);
-    this.fit(svg);
-  }
-
-  /** Fit the picture into the window within limits; a larger one can be scrolled. */
-  fit(svg) {
-    const { width, height } = svg.viewBox.baseVal;
-    const [least, most] = CELLS.map((pixels) => (pixels * width) / COMMON.cell);
-    const room = `min(100%, max(50vh, 100vh - 17rem) * ${(width / height).toFixed(3)})`;
-    svg.style.width = `clamp(${least.toFixed(0)}px, ${room}, ${most.toFixed(0)}px)`;
+    view.show(svg);
   }
 
   /** Show the robot at a place, in a pose and a phase of its move. */
@@ -87,7 +87,7 @@ class Picture {
     this.draw(this.game.place(state), standing);
     this.things.stand(state);
     this.marks.stand();
-    this.follow();
+    this.view.follow();
   }
 
   stop() {
@@ -121,25 +121,10 @@ class Picture {
       if (isThere) {
         this.things.stand(next);
         this.marks.stand();
-        this.follow();
+        this.view.follow();
         then();
       }
     };
     this.running = requestAnimationFrame(frame);
-  }
-
-  /** Scroll so that the robot is visible: large levels do not fit. */
-  follow() {
-    const frame = this.stage.getBoundingClientRect();
-    const robot = this.robot.getBoundingClientRect();
-    const margin = 1.5 * robot.width;
-    const isSeen = robot.left > frame.left + margin && robot.right < frame.right - margin &&
-      robot.top > frame.top + margin && robot.bottom < frame.bottom - margin;
-    if (isSeen) return;
-    this.stage.scrollTo({
-      left: this.stage.scrollLeft + robot.left - frame.left - (frame.width - robot.width) / 2,
-      top: this.stage.scrollTop + robot.top - frame.top - (frame.height - robot.height) / 2,
-      behavior: this.calm.matches ? "auto" : "smooth",
-    });
   }
 }

@@ -11,6 +11,16 @@ class Generator {
     this.half = null;
   }
 
+  /** What `restore` takes to draw the same numbers again. */
+  get place() {
+    return [this.state, this.half];
+  }
+
+  restore([state, half]) {
+    this.state = state;
+    this.half = half;
+  }
+
   next64() {
     const multiplier = 0x2360ed051fc65da44385df649fccf645n;
     this.state = BigInt.asUintN(128, this.state * multiplier + this.increment);

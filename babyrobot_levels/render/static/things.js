@@ -34,6 +34,12 @@ class Things {
       cells[values[configuration]]);
   }
 
+  /** Return the items, switches and movers in a cell. */
+  at(configuration, cell) {
+    return this.all.filter(({ cells, values }) =>
+      cells !== undefined && cells[values[configuration]].includes(cell));
+  }
+
   /** Describe what the exits need while they are locked. */
   needs(configuration) {
     const [exit] = this.of("exit");

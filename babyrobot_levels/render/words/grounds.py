@@ -22,8 +22,7 @@ class Ground:
     """A kind of ground.
 
     Attributes:
-        cell: one of its cells.
-        count: the number of its cells.
+        cells: the numbers of its cells, row by row.
         color: its colour; None for that of all other cells.
         label: the label of its area, which may be empty.
         reward: the reward for entering it.
@@ -32,8 +31,7 @@ class Ground:
         warp: the warp in it.
     """
 
-    cell: tuple[int, int]
-    count: int
+    cells: tuple[int, ...]
     color: str | None
     label: str
     reward: float
@@ -64,27 +62,26 @@ def grounds_of(level: GridWorld) -> Iterator[Ground]:
     left_out = np.frombuffer(level.grid().blocked_cells, np.uint8).astype(bool)
     left_out[[y * width + x for x, y in level.exits]] = True
     places = np.flatnonzero((flat >= 0).any(axis=0) & ~left_out)
-    kinds, first, counts = np.unique(flat[:, places], axis=1, return_index=True, return_counts=True)
-    wet = {puddle.at for puddle in level.puddles}
-    for index in np.argsort(first):
-        y, x = divmod(int(places[first[index]]), width)
+    kinds, kind = np.unique(flat[:, places], axis=1, return_inverse=True)
+    by_kind = np.argsort(kind.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(kind.ravel()))[:-1]
+    cells = [tuple(places[part].tolist()) for part in np.split(by_kind, ends)]
+    wet = {y * width + x for x, y in (puddle.at for puddle in level.puddles)}
+    for index in sorted(range(kinds.shape[1]), key=lambda index: cells[index][0]):
         *areas, warp = kinds[:, index].tolist()
-        ground = _ground(level, (x, y), int(counts[index]), areas, warp)
-        if ground.ends or (x, y) not in wet:
+        ground = _ground(level, cells[index], areas, warp)
+        if ground.ends or ground.cells[0] not in wet:
             yield ground
 
 
-def _ground(
-    level: GridWorld, cell: tuple[int, int], count: int, areas: list[int], warp: int
-) -> Ground:
+def _ground(level: GridWorld, cells: tuple[int, ...], areas: list[int], warp: int) -> Ground:
     def given(name: str) -> Area | None:
         number = areas[_PROPERTIES.index(name)]
         return level.areas[number] if number >= 0 else None
 
     color, label, reward, skid, ends = (given(name) for name in _PROPERTIES)
     return Ground(
-        cell=cell,
-        count=count,
+        cells=cells,
         color=color.color if color else None,
         label=phrases.name_of(label.label) if label else "",
         reward=reward.reward if reward and reward.reward is not None else level.rewards.step,

@@ -6,7 +6,7 @@ They are also the legend of a picture: each names the sample that is drawn besid
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -25,9 +25,6 @@ MOST = 12
 _MOST_GROUNDS = 6
 """The most kinds of ground that are told."""
 
-Told = Iterator[tuple[str, str]]
-"""Samples and texts of rules."""
-
 
 class Rule(NamedTuple):
     """A rule in words.
@@ -36,10 +33,16 @@ class Rule(NamedTuple):
         sample: the name of the sample that is drawn beside it, for `sample_shapes`; empty for
             none.
         text: one printable line.
+        cells: the numbers of the cells that it is about, row by row; none if it is about more
+            than cells.
     """
 
     sample: str
     text: str
+    cells: tuple[int, ...] = ()
+
+
+Told = Iterator[Rule]
 
 
 def rules_of(level: GridWorld) -> tuple[Rule, ...]:
@@ -48,32 +51,37 @@ def rules_of(level: GridWorld) -> tuple[Rule, ...]:
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
     """
-    return tuple(Rule(sample, text) for sample, text in islice(_told(level), MOST))
+    return tuple(islice(_told(level), MOST))
 
 
 def _told(level: GridWorld) -> Told:
     grounds = sorted(grounds_of(level), key=lambda ground: -abs(ground.reward))
     yield from _exits(level)
     yield from _grounds(level, [ground for ground in grounds if ground.ends])
-    yield "ground", f"each step: {phrases.reward(level.rewards.step)}"
-    yield from thing_rules(level)
+    yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
+    yield from (Rule(sample, text) for sample, text in thing_rules(level))
     if level.skid is not None:
-        yield "ground", f"each move: {phrases.skidding(as_skid(level.skid))}"
+        yield Rule("ground", f"each move: {phrases.skidding(as_skid(level.skid))}")
     yield from _puddles(level)
     yield from _grounds(level, [ground for ground in grounds if not ground.ends])
     yield from _wind(level)
     yield from _glass(level)
     yield from _step_rewards(level)
     if level.max_steps is not None:
-        yield "", f"the episode ends after {phrases.counted(level.max_steps, 'step')}"
+        yield Rule("", f"the episode ends after {phrases.counted(level.max_steps, 'step')}")
     if level.discount != 1:
-        yield "", f"discount {phrases.amount(level.discount)}"
-    if any(level.grid().blocked_cells):
-        yield "blocked", "blocked: cannot be entered"
+        yield Rule("", f"discount {phrases.amount(level.discount)}")
+    blocked = tuple(cell for cell, found in enumerate(level.grid().blocked_cells) if found)
+    if blocked:
+        yield Rule("blocked", "blocked: cannot be entered", blocked)
+    text = "start: episodes begin here"
     if len(level.starts) > 1:
-        yield "start", f"start: one of {len(level.starts):,} cells, drawn at random"
-    else:
-        yield "start", "start: episodes begin here"
+        text = f"start: one of {len(level.starts):,} cells, drawn at random"
+    yield Rule("start", text, _numbers(level, level.starts))
+
+
+def _numbers(level: GridWorld, cells: Iterable[tuple[int, int]]) -> tuple[int, ...]:
+    return tuple(sorted(y * level.size[0] + x for x, y in cells))
 
 
 def _exits(level: GridWorld) -> Told:
@@ -83,28 +91,30 @@ def _exits(level: GridWorld) -> Told:
     if level.exit_one_of is not None:
         where = f"in one of {len(level.exits)} cells, "
     pays = phrases.reward(level.rewards.exit)
-    yield "exit", f"exit: {where}ends the episode, {pays}"
+    text = f"exit: {where}ends the episode, {pays}"
+    yield Rule("exit", text, _numbers(level, level.exits))
 
 
 def _puddles(level: GridWorld) -> Told:
-    sizes = {puddle.size for puddle in level.puddles}
     for size in ("small", "large"):
-        if size in sizes:
+        if cells := [puddle.at for puddle in level.puddles if puddle.size == size]:
             kind = getattr(level.puddle_types, size)
             skids = phrases.skidding(as_skid(kind.skid))
-            yield f"puddle-{size}", f"{size} puddle: {phrases.reward(kind.reward)}, {skids}"
+            text = f"{size} puddle: {phrases.reward(kind.reward)}, {skids}"
+            yield Rule(f"puddle-{size}", text, _numbers(level, cells))
 
 
 def _grounds(level: GridWorld, grounds: list[Ground]) -> Told:
     """Yield what kinds of ground do; those of the same name that do the same once."""
     arrows = sum(_name(ground) == "warp" for ground in grounds) > 1
-    told: dict[str, str] = {}
+    told: dict[str, list[int]] = defaultdict(list)
     for ground in grounds:
         effects = list(_effects(level, ground, arrows=arrows))
         if effects:
-            x, y = ground.cell
-            told.setdefault(f"{_name(ground)}: {', '.join(effects)}", f"cell:{x},{y}")
-    yield from islice(((sample, text) for text, sample in told.items()), _MOST_GROUNDS)
+            told[f"{_name(ground)}: {', '.join(effects)}"] += ground.cells
+    for text, cells in islice(told.items(), _MOST_GROUNDS):
+        y, x = divmod(cells[0], level.size[0])
+        yield Rule(f"cell:{x},{y}", text, tuple(sorted(cells)))
 
 
 def _name(ground: Ground) -> str:
@@ -153,7 +163,7 @@ def _wind(level: GridWorld) -> Told:
                 if sign * push > 0:
                     places[sign * push].append(number)
             if places:
-                yield f"wind:{side}", f"wind: pushes {_pushes(places, side, lines)}"
+                yield Rule(f"wind:{side}", f"wind: pushes {_pushes(places, side, lines)}")
 
 
 def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:
@@ -180,16 +190,16 @@ def _glass(level: GridWorld) -> Told:
         often = f"{100 * least:.3g} to {100 * most:.3g} % of the time"
     bounce = level.rewards.bounce
     more = f", a bounce {phrases.reward(bounce)} more" if bounce else ""
-    yield "glass", f"glass wall: lets through {often}{more}"
+    yield Rule("glass", f"glass wall: lets through {often}{more}")
 
 
 def _step_rewards(level: GridWorld) -> Told:
     rewards = level.rewards
     if rewards.bump is not None:
-        yield "wall", f"bumping into a wall: {phrases.reward(rewards.bump)}"
+        yield Rule("wall", f"bumping into a wall: {phrases.reward(rewards.bump)}")
     if rewards.stay is not None:
-        yield "ground", f"staying: {phrases.reward(rewards.stay)}"
+        yield Rule("ground", f"staying: {phrases.reward(rewards.stay)}")
     if rewards.closer is not None:
-        yield "ground", f"a step closer to the exit: {phrases.reward(rewards.closer)}"
+        yield Rule("ground", f"a step closer to the exit: {phrases.reward(rewards.closer)}")
     if rewards.farther is not None:
-        yield "ground", f"a step away from the exit: {phrases.reward(rewards.farther)}"
+        yield Rule("ground", f"a step away from the exit: {phrases.reward(rewards.farther)}")

@@ -130,7 +130,8 @@ def test_a_seed_and_the_same_actions_give_the_environments_episode(
     ground.page.locator("#seed").fill("7")
     ground.page.locator("#seed").press("Enter")
     ground.page.locator("#stage").focus()
-    state, _ = env.reset(seed=7)
+    seed = 7
+    state, _ = env.reset(seed=seed)
     chosen = np.random.default_rng(1)
     total = 0.0
     for _ in range(40):
@@ -141,9 +142,9 @@ def test_a_seed_and_the_same_actions_give_the_environments_episode(
         assert ground.state == state
         assert ground.number("return") == pytest.approx(total, abs=0.006)
         if terminated or truncated:
-            total = 0.0
-            state, _ = env.reset()
-            ground.press("r")
+            total, seed = 0.0, seed + 1
+            state, _ = env.reset(seed=seed)
+            ground.press("n")
             assert ground.state == state
 
 
@@ -372,12 +373,26 @@ EVIL = (
 
 def test_hostile_texts_are_texts(ground: Playground) -> None:
     data = copy.deepcopy(DATA)
-    data |= {"title": EVIL, "description": EVIL, "best": EVIL, "facts": [[EVIL, EVIL]]}
+    data |= {
+        "title": EVIL,
+        "description": EVIL,
+        "goal": EVIL,
+        "best": EVIL,
+        "facts": [[EVIL, EVIL]],
+    }
     data["picture"]["layers"]["grid"] = [[0, 0, [[3, 0, 9, 9, EVIL, 90]]]]
     ground.follow(played(data))
     expect(ground.page.locator("#notice")).to_be_hidden()
     assert ground.page.title() == EVIL
-    for place in ("h1", "#description", "#best", "#facts dt", "#facts dd", "#stage text >> nth=0"):
+    for place in (
+        "h1",
+        "#description",
+        "#message",
+        "#best",
+        "#facts dt",
+        "#facts dd",
+        "#stage text >> nth=0",
+    ):
         assert ground.page.locator(place).text_content() == EVIL
     ground.press("d", "v", "b", "p")
     assert ground.page.evaluate("() => window.hacked") is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -66,16 +67,20 @@ def test_walls_stop_him_and_it_costs(ground: Playground) -> None:
     ground.wait_until_there()
 
 
-def test_buttons_of_shut_sides_look_shut(ground: Playground) -> None:
+def test_buttons_of_closed_sides_say_so(ground: Playground) -> None:
     ground.open(WORLD)
     shut = ground.page.locator(".pad .shut")
     assert {shut.nth(i).get_attribute("aria-label") for i in range(shut.count())} == {
-        "North",
-        "West",
+        "North, closed",
+        "West, closed",
     }
+    # By more than a colour: each has a wall on its side.
+    thick = "button => [button.dataset.control, getComputedStyle(button).borderTopWidth]"
+    assert ground.page.locator("[data-control=north]").evaluate(thick) == ["north", "6px"]
+    assert ground.page.locator("[data-control=east]").evaluate(thick) == ["east", "1px"]
 
 
-def test_the_exit_ends_it_and_restart_begins_again(ground: Playground) -> None:
+def test_the_exit_ends_it_and_retry_begins_again(ground: Playground) -> None:
     ground.open(WORLD)
     ground.press("s", "s", "d", "d", "d")
     assert (ground.state, ground.kind) == (11, "exit")
@@ -86,7 +91,7 @@ def test_the_exit_ends_it_and_restart_begins_again(ground: Playground) -> None:
     assert (ground.state, ground.number("steps"), ground.number("return")) == (0, 0, 0)
     ground.press("d")
     assert ground.state == 1
-    ground.page.get_by_role("button", name="Restart").click()
+    ground.page.get_by_role("button", name="Retry").click()
     assert ground.state == 0
 
 
@@ -141,8 +146,9 @@ def test_a_seed_and_the_same_actions_give_the_environments_episode(
         if terminated or truncated:
             episodes += 1
             total = 0.0
-            state, _ = env.reset()
-            ground.press("r")
+            seed += 1
+            state, _ = env.reset(seed=seed)
+            ground.press("n")
             assert ground.state == state
     assert skids > 10
     assert episodes > 0
@@ -314,8 +320,8 @@ def test_a_finger_plays_it(browser: Browser, tmp_path: Path) -> None:
     ground.open(WORLD)
     ground.page.get_by_role("button", name="East", exact=True).tap()
     assert ground.state == 1
-    for name in ("North", "East", "South", "West", "Stay", "Restart"):
-        box = ground.page.get_by_role("button", name=name, exact=True).bounding_box()
+    for name in ("North", "East", "South", "West", "Stay", "Undo", "Retry", "New luck"):
+        box = ground.page.get_by_role("button", name=re.compile(f"^{name}")).bounding_box()
         assert box is not None
         assert min(box["width"], box["height"]) >= 44
     assert ground.faults == []

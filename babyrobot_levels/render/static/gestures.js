@@ -1,0 +1,54 @@
+// Gestures on the picture: swipes move the robot, pinches zoom, drags scroll.
+const SWIPE = 28; // Pixels that tell a swipe from a tap.
+
+/**
+ * Listen to the pointers over the stage of a view.
+ *
+ * A finger that swipes calls `swipe` with the number of a side, once until it is lifted. Two
+ * fingers zoom and scroll, and so do a mouse that drags and a wheel with the control key.
+ */
+function listenToGestures(view, swipe) {
+  const { stage } = view;
+  const fingers = new Map();
+  let start = null; // Where the swipe began; null after it has been taken.
+
+  const spread = () => {
+    const [[ax, ay], [bx, by]] = [...fingers.values()];
+    return [(ax + bx) / 2, (ay + by) / 2, Math.hypot(bx - ax, by - ay)];
+  };
+
+  stage.addEventListener("pointerdown", ({ pointerType, pointerId, button, clientX, clientY }) => {
+    if (button !== 0) return;
+    fingers.set(pointerId, [clientX, clientY]);
+    start = pointerType !== "mouse" && fingers.size === 1 ? [clientX, clientY] : null;
+  });
+  addEventListener("pointermove", ({ pointerType, pointerId, clientX, clientY }) => {
+    const last = fingers.get(pointerId);
+    if (last === undefined) return;
+    if (fingers.size === 2) {
+      const [x, y, distance] = spread();
+      fingers.set(pointerId, [clientX, clientY]);
+      const [atX, atY, apart] = spread();
+      stage.scrollBy(x - atX, y - atY);
+      view.zoomTo((view.zoom * apart) / Math.max(1, distance), [atX, atY]);
+      return;
+    }
+    fingers.set(pointerId, [clientX, clientY]);
+    if (pointerType === "mouse") {
+      stage.scrollBy(last[0] - clientX, last[1] - clientY);
+    } else if (start !== null) {
+      const [dx, dy] = [clientX - start[0], clientY - start[1]];
+      if (Math.max(Math.abs(dx), Math.abs(dy)) < SWIPE) return;
+      start = null;
+      swipe(Math.abs(dx) > Math.abs(dy) ? (dx > 0 ? 2 : 4) : dy > 0 ? 3 : 1);
+    }
+  });
+  for (const name of ["pointerup", "pointercancel"]) {
+    addEventListener(name, ({ pointerId }) => fingers.delete(pointerId));
+  }
+  stage.addEventListener("wheel", (event) => {
+    if (!event.ctrlKey) return;
+    event.preventDefault();
+    view.zoomTo(view.zoom * ZOOM_STEP ** (-event.deltaY / 100), [event.clientX, event.clientY]);
+  }, { passive: false });
+}

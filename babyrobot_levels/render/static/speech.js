@@ -1,0 +1,40 @@
+// What is told to people who do not see the picture.
+const MOST_EXITS = 3;
+
+/** Return a list in words. */
+function listed(words, last = "and") {
+  return words.join(", ").replace(/, ([^,]*)$/, ` ${last} $1`);
+}
+
+/** Return which sides of the robot's cell are closed. */
+function closedSides(game) {
+  const sides = [1, 2, 3, 4].filter((move) => !((game.data.possible[game.state] >> move) & 1));
+  if (sides.length === 0) return "No side is closed.";
+  return `Closed: ${listed(sides.map((side) => SIDES[side]))}.`;
+}
+
+/** Return where the robot is, what is around it, and where the exits lie. */
+function surroundings(game) {
+  const { width, height } = game.data;
+  const [x, y] = game.place(game.state);
+  const facing = game.isTurning ? ` and faces ${SIDES[game.heading + 1]}` : "";
+  const exits = game.things.exitsOf(game.configuration)
+    .map((exit) => game.place(exit))
+    .map(([left, top]) => [left - x, top - y])
+    .sort(([a, b], [c, d]) => Math.abs(a) + Math.abs(b) - Math.abs(c) - Math.abs(d));
+  const name = exits.length === 1 ? "The exit" : "An exit";
+  return [
+    `The robot is at [${x}, ${y}]${facing}.`,
+    closedSides(game),
+    ...exits.slice(0, MOST_EXITS).map(([dx, dy]) => `${name} is ${direction(dx, dy)}.`),
+    `The level has ${width} columns and ${height} rows.`,
+  ].join(" ");
+}
+
+/** Return a distance in cells, in words. */
+function direction(dx, dy) {
+  const parts = [[Math.abs(dx), dx > 0 ? "east" : "west"], [Math.abs(dy), dy > 0 ? "south" : "north"]]
+    .filter(([cells]) => cells > 0)
+    .map(([cells, side]) => `${cells} ${side}`);
+  return parts.length === 0 ? "here" : listed(parts);
+}

@@ -1,0 +1,127 @@
+// The view: which part of the picture is seen, and how large.
+const LARGEST_CELL = 128; // In pixels, while the whole picture is seen.
+const LEAST_CELL = 20; // In pixels: of larger levels a part is seen at first,
+const CELL_OF_PART = 32; // with cells of this size.
+const MOST_ZOOM = 12;
+const ZOOM_STEP = 1.4;
+const MAP_SIDE = 120; // The longer side of the map, in pixels.
+
+/** The stage, in which a picture is zoomed and scrolled, and a map that shows which part. */
+class View {
+  constructor(stage, map) {
+    this.stage = stage;
+    this.map = map;
+    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
+    new ResizeObserver(() => this.svg && this.zoomTo(this.zoom)).observe(stage);
+    stage.addEventListener("scroll", () => this.drawMap());
+    const seek = ({ buttons, clientX, clientY }) => {
+      if (buttons === 0) return;
+      const { left, top, width } = map.getBoundingClientRect();
+      const scale = this.svg.getBoundingClientRect().width / width;
+      stage.scrollTo(scale * (clientX - left) - stage.clientWidth / 2,
+        scale * (clientY - top) - stage.clientHeight / 2);
+    };
+    map.addEventListener("pointerdown", seek);
+    map.addEventListener("pointermove", seek);
+  }
+
+  /** Show a picture: the whole, or the part around the robot if its cells were too small. */
+  show(svg) {
+    this.svg = svg;
+    this.robot = svg.querySelector("#robot");
+    this.stage.replaceChildren(svg);
+    const { width, height } = svg.viewBox.baseVal;
+    this.size = [width, height];
+    this.stage.parentElement.style.setProperty("--ratio", (width / height).toFixed(3));
+    this.map.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this.map.style.width = `${(MAP_SIDE * width) / Math.max(width, height)}px`;
+    this.map.querySelector("image").removeAttribute("href");
+    const fitting = (COMMON.cell * this.fittingWidth()) / width;
+    this.zoomTo(fitting < LEAST_CELL ? CELL_OF_PART / fitting : 1);
+  }
+
+  /** Show the whole picture. */
+  fit() {
+    this.zoomTo(1);
+  }
+
+  /** Return the width at which the whole picture is seen. */
+  fittingWidth() {
+    const { clientWidth, clientHeight } = this.stage;
+    const padding = 2 * parseFloat(getComputedStyle(this.stage).paddingLeft);
+    const [width, height] = this.size;
+    const fitting = Math.min(clientWidth - padding, ((clientHeight - padding) * width) / height);
+    return Math.max(1, Math.min(fitting, (LARGEST_CELL * width) / COMMON.cell));
+  }
+
+  /** Show the picture so many times larger than it fits; a point of the window, or the robot, stays. */
+  zoomTo(zoom, point = null) {
+    const { svg, stage } = this;
+    const [width, height] = this.size;
+    const [x, y] = point ?? [0, 0];
+    const before = svg.getBoundingClientRect();
+    this.zoom = Math.min(MOST_ZOOM, Math.max(1, zoom));
+    const wide = this.fittingWidth() * this.zoom;
+    svg.style.width = `${wide}px`;
+    svg.style.height = `${(wide * height) / width}px`;
+    const isPart = this.zoom > 1;
+    stage.classList.toggle("wide", isPart);
+    this.map.toggleAttribute("hidden", !isPart);
+    if (point === null) {
+      this.follow(false);
+    } else {
+      const after = svg.getBoundingClientRect();
+      const scale = after.width / before.width;
+      stage.scrollBy(after.left - x + scale * (x - before.left), after.top - y + scale * (y - before.top));
+    }
+    this.drawMap();
+  }
+
+  /** Scroll so that the robot is seen, with the cells around it. */
+  follow(isGliding = true) {
+    const { stage } = this;
+    const frame = stage.getBoundingClientRect();
+    const robot = this.robot.getBoundingClientRect();
+    const margin = 1.5 * robot.width;
+    const isSeen = robot.left > frame.left + margin && robot.right < frame.right - margin &&
+      robot.top > frame.top + margin && robot.bottom < frame.bottom - margin;
+    if (!isSeen) {
+      stage.scrollTo({
+        left: stage.scrollLeft + robot.left - frame.left - (frame.width - robot.width) / 2,
+        top: stage.scrollTop + robot.top - frame.top - (frame.height - robot.height) / 2,
+        behavior: isGliding && !this.calm.matches ? "smooth" : "auto",
+      });
+    }
+    this.drawMap();
+  }
+
+  /** Show on the map where the robot is, and which part of the picture is seen. */
+  drawMap() {
+    if (this.zoom === 1) return;
+    const [image, dot, frame] = this.map.children;
+    const [width, height] = this.size;
+    const set = (shape, attributes) => Object.entries(attributes).forEach(([name, value]) =>
+      shape.setAttribute(name, value));
+    if (!image.hasAttribute("href")) set(image, { width, height, href: this.still() });
+    const { left, top, width: wide } = this.svg.getBoundingClientRect();
+    const scale = width / wide;
+    const seen = this.stage.getBoundingClientRect();
+    set(frame, {
+      x: Math.max(0, scale * (seen.left - left)),
+      y: Math.max(0, scale * (seen.top - top)),
+      width: Math.min(width, scale * seen.width),
+      height: Math.min(height, scale * seen.height),
+    });
+    const { e, f } = this.robot.transform.baseVal[0]?.matrix ?? { e: 0, f: 0 };
+    const half = COMMON.cell / 2;
+    set(dot, { cx: e + half, cy: f + half, r: (4 * Math.max(width, height)) / MAP_SIDE });
+  }
+
+  /** Return the level without what moves, as an image of its own. */
+  still() {
+    const copy = this.svg.cloneNode(false);
+    copy.removeAttribute("style");
+    copy.append(this.svg.querySelector("#ground").cloneNode(true));
+    return `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
+  }
+}
