@@ -89,9 +89,9 @@ def warp_shapes(
             yield Ellipse(*centre, size * radius, size * radius, fill)
 
 
-def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
-    """Return the cells that arrows of warps or the tracks of movers cross, or a large puddle."""
-    cells = {puddle.at for puddle in level.puddles if puddle.size == "large"}
+def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells in which texts may lie on puddles, arrows of warps or tracks of movers."""
+    cells = {puddle.at for puddle in level.puddles}
     for warp in level.warps:
         if not isinstance(warp.to, str) and warp.to != warp.at:
             ends = slots.icon(warp.at).centre, slots.icon(warp.to).centre
@@ -101,6 +101,7 @@ def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
         if mover.within is not None:
             (left, top), (width, height) = mover.within.at, mover.within.size
             cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
+        cells.update(mover.path or ())
     return cells
 
 
@@ -229,8 +230,8 @@ def wind_shapes(winds: Mapping[Cell, tuple[int, int]], slots: Slots, color: str)
         commands += _chevrons(box.centre, _scale(box), east, south)
     for size, commands in by_size.items():
         lines, width = tuple(commands), 3.4 * size
-        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round", opacity=0.4)
-        yield Path(lines, stroke=color, width=width, cap="round", opacity=0.9)
+        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round", opacity=0.85)
+        yield Path(lines, stroke=color, width=width, cap="round")
 
 
 def _chevrons(centre: Point, size: float, east: int, south: int) -> Iterator[Command]:

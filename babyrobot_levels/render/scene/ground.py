@@ -193,7 +193,10 @@ def shore_shapes(
             radius = _RADIUS[puddle.size]
             outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
             points = [(x + dx, y + dy) for dx, dy in outline]
-            yield Path(smooth(points), fill=rim_on(faint))
+            rim = rim_on(faint)
+            yield Path(smooth(points), fill=rim)
+            if puddle.size == "small":
+                yield from _drops(*puddle.at, x, y, radius, rim, _SHORE_WIDTH)
 
 
 def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
@@ -214,13 +217,13 @@ def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
 
 
 def _drops(
-    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str
+    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str, more: float = 0.0
 ) -> Iterator[Shape]:
     angle = 2 * math.pi * _noise(x, y, 200)
     for turn, size, distance in ((0.0, 3.4, 1.55), (0.75, 2.2, 1.5)):
         drop_x = centre_x + distance * radius * math.cos(angle + turn)
         drop_y = centre_y + _FLATTEN * distance * radius * math.sin(angle + turn)
-        yield Ellipse(drop_x, drop_y, size, _FLATTEN * size, fill)
+        yield Ellipse(drop_x, drop_y, size + more, _FLATTEN * size + more, fill)
 
 
 def _highlight(centre_x: float, centre_y: float, radius: float) -> Path:

@@ -32,7 +32,7 @@ from babyrobot_levels.render.scene.walls import casing_shapes
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-FRAME = 4.0
+FRAME = 6.5
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
 _MOVES = {action.name[0]: action for action in list(Action)[1:]}

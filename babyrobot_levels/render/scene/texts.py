@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.colors import ink_on, plate_for
-from babyrobot_levels.render.scene.arrows import crossed_cells
+from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
@@ -38,6 +38,10 @@ def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]
                 yield Rect(box.left, box.top, box.width, box.height, ground, radius=3.0)
                 yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, ink, bold=True)
             else:
+                if slots.shown.fills_cells:
+                    # Its cell may have another colour.
+                    left, width = box.centre[0] - 19, 38
+                    yield Rect(left, box.top - 1, width, box.height + 2, ground, radius=3.0)
                 yield Text(box.centre[0], box.bottom, word, _END_SIZE, ink, bold=True)
 
 
@@ -81,7 +85,7 @@ def coordinate_texts(
     slots: Slots,
     colors_of: Callable[[Cell], Sequence[str]] | None = None,
 ) -> Iterator[Shape]:
-    """Yield the coordinates of each free cell, at its left; arrows of warps are cut off there.
+    """Yield the coordinates of each free cell, at its left, where nothing crosses them.
 
     Args:
         level: the level.
@@ -91,7 +95,7 @@ def coordinate_texts(
             its ground.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    crossed, grounds = crossed_cells(level, layout, slots), CellGrounds(level)
+    busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
@@ -105,7 +109,7 @@ def coordinate_texts(
             if is_end:
                 below = [grounds[x, y]]
             fill = ink_on(below, fills.get((x, y), colors.arrows))
-            if is_end or (x, y) in crossed:
+            if is_end or (x, y) in busy:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
                 yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")
