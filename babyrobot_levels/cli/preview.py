@@ -26,12 +26,9 @@ from babyrobot_levels.cli.pictures import (
     gif,
     page,
     picture,
-    policy_text,
     solution_of,
-    takes_pictures,
-    text_picture,
-    values_text,
 )
+from babyrobot_levels.cli.texts import solution_text, takes_pictures, text_picture
 from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
@@ -188,15 +185,15 @@ def preview(
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
     made: str | bytes
-    with working("drawing"):
+    with working("drawing") as report:
         if chosen in _TEXTS:
             made = _text(shown, options, plain=chosen is PictureFormat.ASCII or output is not None)
         elif chosen is PictureFormat.GIF:
-            made = gif(shown, options)
+            made = gif(shown, options, report)
         elif chosen is PictureFormat.HTML:
             made = page(shown, options)
         else:
-            made = picture(shown, options, svg=chosen is PictureFormat.SVG)
+            made = picture(shown, options, report, svg=chosen is PictureFormat.SVG)
     if output is not None:
         save(output, made, force=force, marks=True)
     elif isinstance(made, str):
@@ -267,17 +264,17 @@ def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
     configuration = None if options.held is None else configuration_of(level, options.held)
     if not (options.values or options.policy):
         return text_picture(level, plain=plain, configuration=configuration)
-    solution = solution_of(level)
     plain = plain or not takes_pictures()
-    if options.policy:
-        text = policy_text(level, solution, plain=plain, configuration=configuration)
-    else:
-        text = text_picture(level, plain=plain, configuration=configuration)
-    if options.values and level.size[0] > WIDEST:
+    if options.values and plain and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
-    elif options.values:
-        text += "\n" + values_text(level, solution, configuration)
-    return text
+    return solution_text(
+        level,
+        solution_of(level),
+        values=options.values,
+        policy=options.policy is not None,
+        plain=plain,
+        configuration=configuration,
+    )
 
 
 preview.command_class = PreviewCommand  # type: ignore[attr-defined]

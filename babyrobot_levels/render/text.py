@@ -50,6 +50,7 @@ WIDEST = 16
 _ARROWS, _PLAIN_ARROWS = "·↑→↓←", ".^>v<"
 """The characters of the actions, from `stay` on."""
 
+_BLACK = (0, 0, 0)
 _BAR = 24
 """The columns of the bar in the legend of a scale."""
 
@@ -161,9 +162,7 @@ class TextPainter:
         drawn = self._at(configuration, heading, colors, room and room.columns)
         situation = situation_of(self._level, configuration)
         taken = drawn.taken | ({robot} if robot else frozenset())
-        marks = marks_of(
-            self._level, situation, plain=self._plain, taken=taken, cells=drawn.cells
-        )
+        marks = marks_of(self._level, situation, plain=self._plain, taken=taken, cells=drawn.cells)
         shown = marks
         if robot is not None:
             mark = Mark(self._robots[-1 if heading is None else heading])
@@ -185,6 +184,31 @@ class TextPainter:
             lines = [palette.line(line, n) if n in rows else "" for n, line in enumerate(lines)]
         return [*cut_out(lines, *window), *below] if room else [*lines, *below]
 
+    def blocks(self, *, configuration: int | None = None, colors: int) -> list[str]:
+        """Return the lines of a small picture: a cell has two columns and one line.
+
+        Cells and walls are blocks of colour, two in each character. Arrows and numbers are not
+        shown, nor is what has no colour.
+
+        Args:
+            configuration: what is where; None is the level as a whole.
+            colors: how many colours the terminal shows, 16, 256 or all.
+        """
+        cells, drawn = Cells(1, 0), self._at(configuration, None, colors, 1)
+        situation = situation_of(self._level, configuration)
+        marks = marks_of(self._level, situation, plain=False, cells=cells)
+        ends = {*self._level.starts, *situation.exits}
+        fills = {cell: color for cell, color in drawn.fills.items() if cell not in ends}
+        palette = self._palette(drawn._replace(cells=cells, fills=fills), None, marks, colors)
+        lines = unicode_lines(self._drawing, [[" "] * len(row) for row in self._drawing.cells])
+        pixels: list[list[Rgb | None]] = [
+            [palette.style(row, column, each)[each in " ·"] for column, each in enumerate(line)]
+            for row, line in enumerate(lines)
+        ]
+        pixels.append([None] * len(lines[0]))
+        pairs = zip(pixels[::2], pixels[1::2], strict=True)
+        return [*(_half_blocks(*pair, colors) for pair in pairs), *drawn.below]
+
     def _palette(
         self,
         drawn: _Drawn,
@@ -194,9 +218,7 @@ class TextPainter:
     ) -> Palette:
         if self._grounds is None:
             self._grounds = Grounds(self._level)
-        return Palette(
-            self._level, self._grounds, drawn.fills, robot, marks, drawn.cells, colors
-        )
+        return Palette(self._level, self._grounds, drawn.fills, robot, marks, drawn.cells, colors)
 
     def _at(
         self, configuration: int | None, heading: int | None, colors: int, columns: int | None
@@ -206,7 +228,10 @@ class TextPainter:
         key = at_hand, colors, columns
         if self._drawn is None or self._drawn[0] != key:
             overlay = self._overlay.at(*at_hand)
-            drawn = self._painted(overlay, colors, columns) if colors else self._lined(overlay)
+            if colors and not self._plain:
+                drawn = self._painted(overlay, colors, columns)
+            else:
+                drawn = self._lined(overlay)
             self._drawn = key, drawn
         return self._drawn[1]
 
@@ -236,12 +261,16 @@ class TextPainter:
         }
         form = form_of(values.values(), overlay.precision)
         numbers = {cell: _number(value, form) for cell, value in values.items()}
-        cells = Cells(2 + max(map(len, numbers.values()), default=0), 0)
-        width = self._level.size[0]
-        if columns is not None and (cells.width + 1) * width + 1 > columns:
-            numbers = {}
-        if not numbers:
-            cells = Cells(3, 0) if arrows or values else USUAL
+        longest = max(map(len, numbers.values()), default=0)
+        # A blank between arrow and number is left out where that lets the numbers fit.
+        fitting = (
+            Cells(longest + more, 0)
+            for more in ((3, 2) if arrows else (2,))
+            if columns is None or (longest + more + 1) * self._level.size[0] < columns
+        )
+        cells = next(fitting, None) if numbers else None
+        if cells is None:
+            numbers, cells = {}, Cells(3, 0) if arrows or values else USUAL
         contents = [
             [
                 _content(symbol, arrows.get((x, y), ""), numbers.get((x, y), ""), cells)
@@ -288,6 +317,16 @@ def _number(value: float, form: Form) -> str:
     return form.text(value)
 
 
+def _half_blocks(above: Sequence[Rgb | None], below: Sequence[Rgb | None], colors: int) -> str:
+    """Return a line whose characters show two blocks of colour each."""
+    parts, last = [], ""
+    for top, foot in zip(above, below, strict=True):
+        code = escape(top or _BLACK, foot, colors)
+        parts.append(("" if code == last else code) + "▀")
+        last = code
+    return "".join(parts) + RESET
+
+
 # -- parts of a picture -----------------------------------------------------------------------
 
 
@@ -312,12 +351,8 @@ def _window(
     if all(step * count < free for step, count, free in zip(steps, size, room, strict=True)):
         return _Window(0, 0, steps[0] * size[0] + 1, 2 * size[1] + 1), []
     free = room.columns, room.lines - 1
-    shown = [
-        min(count, max(1, (free[axis] - 1) // steps[axis])) for axis, count in enumerate(size)
-    ]
-    first = [
-        min(max(0, at[axis] - shown[axis] // 2), size[axis] - shown[axis]) for axis in (0, 1)
-    ]
+    shown = [min(count, max(1, (free[axis] - 1) // steps[axis])) for axis, count in enumerate(size)]
+    first = [min(max(0, at[axis] - shown[axis] // 2), size[axis] - shown[axis]) for axis in (0, 1)]
     last = [first[axis] + shown[axis] - 1 for axis in (0, 1)]
     width, height = (min(steps[axis] * shown[axis] + 1, free[axis]) for axis in (0, 1))
     words = f"cells {first} to {last} of {size[0]} x {size[1]}"
