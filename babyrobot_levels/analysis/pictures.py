@@ -7,12 +7,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.mdp.states import configuration_with, initial_configuration
-from babyrobot_levels.render.scene.overlay import Overlay
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -20,6 +17,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.render.gif import Step
     from babyrobot_levels.render.page_data import Guide, WatchedPolicy
     from babyrobot_levels.render.raster import Progress
+    from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
 
 MAX_STEPS = 500
@@ -174,7 +172,7 @@ def _checked(scale: float | None) -> float | None:
 
 
 def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
-    """Return what a picture shows over the cells: nothing in terminal states.
+    """Return what a picture shows over the cells.
 
     Args:
         level: the level.
@@ -195,16 +193,8 @@ def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
         from babyrobot_levels.analysis.solver.optimum import solve
 
         given |= dict.fromkeys(asked, solve(level))
-    overlay = overlay_from(given, level)
-    parts = overlay.parts
-    if parts is None:
-        return _going_on(level, overlay, None)
-
-    @lru_cache(maxsize=64)
-    def part(configuration: int | None, heading: int | None) -> Overlay:
-        return _going_on(level, parts(configuration, heading), configuration)
-
-    return replace(part(None, None), parts=part)
+    shown = {key: _going_on(level, key, value) for key, value in given.items()}
+    return overlay_from(shown, level)
 
 
 def _asks(key: str, value: Any) -> bool:
@@ -214,27 +204,24 @@ def _asks(key: str, value: Any) -> bool:
     return key != "visits" and (value is True or (key == "policy" and isinstance(value, str)))
 
 
-def _going_on(level: Level, overlay: Overlay, configuration: int | None) -> Overlay:
-    """Return an overlay without values and actions where the episode is over."""
-    width, height = level.size
+def _going_on(level: Level, key: str, given: Any) -> Any:
+    """Return values of states or actions without those of configurations in which all is over.
+
+    Pictures leave them out where no episode can go on in any configuration.
+    """
+    table = getattr(given, key, given)
+    if not (level.has_things and key in ("values", "action_values") and hasattr(table, "ndim")):
+        return given
+    import numpy as np
+
     mdp = level.compile()
-    if configuration is None:
-        configuration = initial_configuration(level)
-    first = configuration * width * height
-    over = mdp.is_terminal[first : first + width * height].reshape(height, width).tolist()
-
-    def kept(rows: Any, nothing: Any) -> Any:
-        return rows and [
-            [nothing if ends else cell for cell, ends in zip(row, line, strict=True)]
-            for row, line in zip(rows, over, strict=True)
-        ]
-
-    return replace(
-        overlay,
-        values=kept(overlay.values, None),
-        actions=kept(overlay.actions, ()),
-        action_values=kept(overlay.action_values, ()),
-    )
+    axes = table.ndim - (key == "action_values")
+    if (*table.shape[:1], *table.shape[axes - 2 : axes]) != mdp.shape or axes not in (3, 4):
+        return given
+    over = mdp.is_terminal.reshape(mdp.shape)
+    # Of a robot that turns, there is an axis of headings before height.
+    over = over[:, np.newaxis] if axes == 4 else over
+    return np.where(over[..., np.newaxis] if key == "action_values" else over, np.nan, table)
 
 
 def policy_of(solution: Solution) -> list[int]:

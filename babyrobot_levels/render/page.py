@@ -16,8 +16,10 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 import zlib
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -25,7 +27,6 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.language.share_code import PLAY_MARK, VERSION, encode
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.render.page_data import (
-    LAYERS,
     Guide,
     TooLargeError,
     WatchedPolicy,
@@ -37,9 +38,20 @@ from babyrobot_levels.render.page_data import (
 )
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
+from babyrobot_levels.render.scene.tones import toned
+from babyrobot_levels.render.svg import (
+    FONT,
+    elements,
+    escaped,
+    label_elements,
+    labelled,
+    number,
+    to_svg,
+)
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -109,9 +121,10 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style = _static("page.css")
-    script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
-    icon = to_svg(Scene(CELL, CELL, robot_shapes(level.resolved_theme, 0, 0)))
+    style = _code("page.css")
+    script = "\n".join(['"use strict";', *map(_code, SCRIPTS)])
+    theme = level.resolved_theme
+    icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
         title=escaped(title_of(level)),
         description=escaped(data["description"]),
@@ -136,16 +149,21 @@ def embedded_json(data: Any) -> str:
 
 def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
     """Return the picture that is shown without JavaScript."""
-    overlay = guide.overlay if guide is not None else None
+    overlay = Overlay()
+    if guide is not None:
+        answers = guide.overlay.at()
+        overlay = Overlay(
+            values=answers.values if "values" in shown else None,
+            actions=answers.actions if "policy" in shown else None,
+        )
     layers = build_layers(level, robot=False, overlay=overlay)
-    scene = layers["base"]
-    names = ["base", "grid", "things", *(LAYERS[name] for name in shown), "movers"]
+    scene = replace(layers["base"], description=describe(level, robot=False))
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
-        f'width="{number(scene.width)}" height="{number(scene.height)}" role="img" '
+        f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',
-        f"<title>{escaped(scene.title)}</title>",
-        *(elements(layers[name].shapes) for name in names),
+        label_elements(scene),
+        *(elements(layers[name].shapes) for name in layers if name != "text"),
         "</svg>",
     ]
     return "\n".join(part for part in parts if part)
@@ -166,6 +184,12 @@ def _security_policy(style: str, script: str) -> str:
         f"default-src 'none'; img-src data:; style-src 'sha256-{style_hash}'; "
         f"script-src 'sha256-{script_hash}'; base-uri 'none'; form-action 'none'"
     )
+
+
+def _code(name: str) -> str:
+    """Return a script or style without indentation and comments, which make pages larger."""
+    text = re.sub(r"/\*[\s\S]*?\*/|^\s*//.*", "", _static(name), flags=re.MULTILINE)
+    return re.sub(r"^\s+", "", text, flags=re.MULTILINE)
 
 
 def _static(name: str) -> str:

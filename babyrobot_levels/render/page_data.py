@@ -7,15 +7,16 @@ one: the page's script plays and paints either, and knows nothing else about lev
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.render.colors import gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -27,19 +28,25 @@ from babyrobot_levels.render.page_tables import (
     rows_of,
 )
 from babyrobot_levels.render.page_things import things_data
-from babyrobot_levels.render.scene.build import build_layers
+from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
-from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.shapes import Shape
+from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
+from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
 from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
+
+World = TypeVar("World", bound="GridWorld")
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
@@ -50,8 +57,8 @@ MAX_STATES = 200_000
 MAX_NUMBERS = 2_000_000
 """The most numbers of the distinct rows of a page's tables."""
 
-LAYERS = {"base": "base", "grid": "grid", "policy": "underlay", "values": "overlay"}
-"""The layers of a page's picture and their names in a scene; the robot is not one of them."""
+LAYERS = {"heat": "heat", "policy": "underlay", "values": "overlay"}
+"""The layers of a page's picture that show answers, and their names in a scene."""
 
 WatchedPolicy = Literal["best", "random"]
 
@@ -60,6 +67,9 @@ _ROBOT_COLORS = ("robot", "puddle")
 
 MAX_QUANTILES = 101
 """The most quantiles of returns on a page."""
+
+_OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
+"""The colours that it has in any theme but those of greys."""
 
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
@@ -109,6 +119,11 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {states:,} states is too large for a page; "
             f"the limit is {MAX_STATES:,} states"
         )
+    return bare(level)
+
+
+def bare(level: World) -> World:
+    """Return the level without the panels and the compass."""
     display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
 
@@ -134,9 +149,10 @@ def page_data(
         "description": (level.description or "").strip(),
         "facts": list(facts(level)),
         **playable(level),
-        "robot": [hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS],
+        "robot": [hexadecimal(color) for color in _robot_colors(colors)],
         **_picture(level, guide, turns=turns),
         "goal": goal_of(level),
+        "alt": describe(level),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -146,7 +162,8 @@ def page_data(
 
 def common_data() -> dict[str, Any]:
     """Return what is the same for all levels: the robot's pictures, and the meaning of codes."""
-    palette = Palette(_ROBOT_COLORS)
+    names = (*_ROBOT_COLORS, *_OWN_COLORS)
+    palette = Palette(names)
     theme = Theme.model_construct(colors=Colors.model_construct(robot="robot", puddle="puddle"))
     sprites = [
         [
@@ -164,10 +181,17 @@ def common_data() -> dict[str, Any]:
         "max_states": MAX_STATES,
         "headings": HEADING_POSES,
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
-        "robot": _ROBOT_COLORS,
+        "robot": names,
         "palette": palette.colors,
         "sprites": sprites,
     }
+
+
+def _robot_colors(colors: Colors) -> Iterator[str]:
+    """Yield the colours of the robot that differ between themes, in the order of `common_data`."""
+    yield from (getattr(colors, name) for name in _ROBOT_COLORS)
+    if is_gray(colors):
+        yield from map(gray, _OWN_COLORS)
 
 
 def title_of(level: GridWorld) -> str:
@@ -197,32 +221,49 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     that it is about, each as its first cell and its length.
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
-    cell; otherwise they are marks.
+    cell; otherwise they are marks. What the level tells of its cells is there twice: as it is seen
+    alone, and beside answers.
     """
     may_turn = turns or "heading" in level.model_fields_set
     has_marks = level.has_things or may_turn
-    overlay = guide.overlay if guide is not None and not has_marks else None
-    layers = build_layers(level, robot=False, overlay=overlay)
-    layout, palette = layout_of(level), Palette()
+    overlay = guide.overlay.at() if guide is not None else Overlay()
+    layout = layout_of(level, overlay=overlay)
+    palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
+    alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
+    own = level.display.coordinates
+    bare = build_layers(level, robot=False, layout=layout)
+    shapes: dict[str, Iterable[Shape]] = {
+        "base": bare["base"].shapes,
+        "grid": floor_shapes(level, layout),
+        "signs": sign_shapes(level, layout, alone, own),
+    }
+    if guide is not None:
+        shapes["beside"] = sign_shapes(level, layout, beside, own)
+    if guide is not None and not has_marks:
+        layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
+        shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
     picture: dict[str, Any] = {
         "width": round(layout.width),
         # Without the strip for what is held, which the page has outside of the picture.
         "height": round(layout.top_height),
-        "layers": {
-            name: pack(layers[layer].shapes, palette, layout.margin)
-            for name, layer in LAYERS.items()
-        },
+        "layers": {name: pack(each, palette, layout.margin) for name, each in shapes.items()},
     }
     data: dict[str, Any] = {"picture": picture}
     if level.has_things:
         data["things"], picture["looks"] = things_data(level, layout, palette)
-    marks = Marks(level, layout, palette)
-    count = level.compile().num_configurations
-    if has_marks and guide is not None:
-        overlays = [guide.overlay.at(number) for number in range(count)]
-        data["marks"] = {"values": marks.values(overlays), "policy": marks.actions(overlays)}
+    turning = guide.turning if guide is not None and may_turn else None
+    moves, turned = (
+        [*_overlays(level, guide)] if guide is not None and has_marks else [],
+        [*_overlays(level, turning, turns=True)] if turning is not None else [],
+    )
+    marks = Marks(level, layout, palette, beside, [*moves, *turned])
+    if moves:
+        data["marks"] = marks.values(moves) | {"policy": marks.actions(moves)}
+        picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
     if may_turn:
-        data["turns"] = _turns(level, guide.turning if guide is not None else None, marks, on=turns)
+        data["turns"] = _turns(level, turning, on=turns)
+        if turned:
+            data["turns"]["marks"] = marks.values(turned)
     if marks.packed:
         picture["marks"] = marks.packed
     data["rules"] = [
@@ -244,21 +285,20 @@ def _runs(cells: Sequence[int]) -> list[int]:
     return runs
 
 
-def _turns(level: GridWorld, guide: Guide | None, marks: Marks, *, on: bool) -> dict[str, Any]:
+def _overlays(level: GridWorld, guide: Guide, *, turns: bool = False) -> Iterator[Overlay]:
+    """Yield what a guide shows in each configuration, and in each heading of one that turns."""
+    for configuration in range(level.compile().num_configurations):
+        for heading in range(HEADINGS) if turns else (None,):
+            yield guide.overlay.at(configuration, heading)
+
+
+def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]:
     """Return what a page knows about the robot that turns, and whether it does so at first."""
-    data: dict[str, Any] = {
+    return {
         "on": on,
         "heading": SIDES.index(level.heading),
         **_answers(guide),
     }
-    if guide is not None:
-        overlays = (
-            guide.overlay.at(number, heading)
-            for number in range(level.compile().num_configurations)
-            for heading in range(HEADINGS)
-        )
-        data["marks"] = {"values": marks.values(overlays)}
-    return data
 
 
 def _answers(guide: Guide | None) -> dict[str, Any]:

@@ -83,7 +83,7 @@ class _Things:
                 shown.add(number)
         for number in sorted(shown):
             situation = situation_of(self.level, number)
-            for piece in pieces(self.level, self.layout, situation, self.slots):
+            for piece in pieces(self.level, self.layout, situation):
                 if piece.name not in self.pieces:
                     self.pieces[piece.name] = self.add(piece.shapes), piece
 

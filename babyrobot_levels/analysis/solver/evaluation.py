@@ -97,6 +97,7 @@ def evaluation_of(
         actions=actions,
         diverging_cells=space.cells(diverging),
         diverging_condition=space.condition(diverging),
+        level=level,
     )
 
 

@@ -98,6 +98,7 @@ def solve(level: Any, discount: float | None = None, *, actions: str = "all") ->
         method="policy iteration",
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
+        level=level,
     )
 
 

@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.text.errors import BabyRobotError
 
@@ -140,7 +142,7 @@ class Result:
             values["policy"] = PolicyArray(values["policy"], values["actions"])
 
 
-class StateResult(Result):
+class StateResult(Shown, Result):
     """A result with arrays over states."""
 
     def at(self, configuration: int, heading: str | None = None) -> Self:
@@ -202,6 +204,7 @@ class Evaluation(StateResult):
             which an episode may go on for ever, so that the sum of its rewards diverges.
         diverging_condition: what is held and on in that loop, as words: `while key is held`;
             empty where nothing can be, or where it changes.
+        level: the level; None in what earlier versions pickled.
     """
 
     __module__ = "babyrobot_levels"
@@ -215,6 +218,7 @@ class Evaluation(StateResult):
     actions: str
     diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
     diverging_condition: str = field(default="", kw_only=True)
+    level: Level | None = field(default=None, kw_only=True)
 
     @property
     def first_action(self) -> int:

@@ -8,6 +8,8 @@ from operator import gt, or_
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.runs import rectangles, runs
+from babyrobot_levels.render.colors import GRAPHICS, contrast, ink_on, rim_on
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -34,20 +36,19 @@ _EDGE = 3.0
 def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the ground, from the bottom up."""
     colors = level.resolved_theme.colors
-    blocked = level.grid().blocked_cells
+    blocked, grounds = level.grid().blocked_cells, CellGrounds(level)
     yield Rect(layout.margin, layout.margin, layout.grid_width, layout.grid_height, colors.base)
     for area in level.areas:
         if area.color is not None:
             yield _cells(layout, area.at, area.size, area.color)
     yield from _blocked(layout, blocked, colors.blocked)
-    yield from line_shapes(level, layout)
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
-        yield from _pad(layout, cell, colors.start_text)
+        yield from pad_shapes(layout, cell, ink_on([grounds[cell]], colors.start_text))
     # A drawn exit is another one in each episode.
     for cell in level.exits if level.exit_one_of is None else ():
         yield _cells(layout, cell, (1, 1), colors.exit)
-        yield from flag_shapes(layout, cell, colors.exit_text)
+        yield from flag_shapes(layout, cell, ink_on([grounds[cell]], colors.exit_text))
 
 
 def line_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -61,10 +62,10 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
     return Rect(*layout.corner(*at), size[0] * CELL, size[1] * CELL, fill)
 
 
-def _pad(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
+def pad_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
     """Yield the pad of a start."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-    for radius, opacity in ((20, 0.25), (12, 0.35)):
+    for radius, opacity in ((20, 0.15), (12, 0.9)):
         yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
 
 
@@ -144,7 +145,7 @@ _SHORE = "#000000"
 
 def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the puddles: water, a lighter middle, a highlight, and drops beside small ones."""
-    fill = level.resolved_theme.colors.puddle
+    fill, grounds = level.resolved_theme.colors.puddle, CellGrounds(level)
     for puddle in level.puddles:
         x, y = puddle.at
         centre_x, centre_y = layout.corner(x + 0.5, y + 0.5)
@@ -152,8 +153,11 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         outline = _puddle_outline(x, y, radius)
         if puddle.size == "small":
             yield from _drops(x, y, centre_x, centre_y, radius, fill)
+        shore, strength = _SHORE, 0.22
+        if contrast(fill, ground := grounds[puddle.at]) < GRAPHICS:
+            shore, strength = rim_on([ground]), 1.0
         for scale, colour, opacity in (
-            (1.06, _SHORE, 0.22),
+            (1.06, shore, strength),
             (1.0, fill, 1.0),
             (0.74, _WHITE, 0.16),
         ):

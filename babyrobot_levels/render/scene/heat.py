@@ -7,14 +7,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.ground import line_shapes
-from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout
+from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
-from babyrobot_levels.render.scene.scale import STEPS, Scale, count_scale, scale_of
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
@@ -29,13 +29,13 @@ from babyrobot_levels.render.scene.slots import Box, Cell, Slots
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_FRAME = 4.0
+FRAME = 4.0
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
 _OVERLAP = 0.5
 """How far tiles reach under their neighbours: nothing shines through between them."""
 
-_BAR, _BAR_TOP = 9.0, 4.0
+_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 32
 _LONGEST_BAR = 260.0
 _LEGEND_SIZE = 9.5
 
@@ -59,11 +59,11 @@ class Heat:
     @cached_property
     def values(self) -> dict[Cell, float]:
         """The values that are shown: of cells in which the robot can stand, and not 0 in ends."""
-        slots = self.slots
+        slots, standing = self.slots, self.slots.acting | self.slots.ends
         return {
             cell: value
             for cell, value in each_cell(self.overlay.values, self.layout)
-            if value is not None and (cell in slots.acting or (value and cell in slots.ends))
+            if value is not None and (value or cell in slots.acting) and cell in standing
         }
 
     @cached_property
@@ -107,16 +107,17 @@ class Heat:
 
     @property
     def shapes(self) -> Iterator[Shape]:
-        """The tiles and triangles, the lines between them, and frames in the grounds' colours."""
+        """The tiles and triangles, and frames in the colours of the grounds below."""
         if not self.overlay.has_colors:
             return
         yield from _tiles(self.tiles, self.layout)
         yield from self._triangles()
         if self.tiles or self.action_values:
-            yield from line_shapes(self.level, self.layout)
             yield from _frames(self.level, {*self.tiles, *self.action_values}, self.layout)
         if self.layout.legend:
-            yield from self._legend()
+            numbers = (self.scale.low, self.scale.high)
+            form = form_of(numbers, self.overlay.precision)
+            yield from legend_shapes(self.level, self.layout, self.scale, form)
 
     def _triangles(self) -> Iterator[Shape]:
         parts: dict[str, list[Command]] = defaultdict(list)
@@ -140,33 +141,35 @@ class Heat:
         if diagonals:
             yield Path(tuple(diagonals), stroke=self.level.resolved_theme.colors.lines, width=0.8)
 
-    def _legend(self) -> Iterator[Shape]:
-        """Yield the bar with the colours, the lowest and highest number, and zero between."""
-        scale, layout, colors = self.scale, self.layout, self.level.resolved_theme.colors
-        top, ink = layout.top_height - LEGEND, colors.text_fg
-        yield Rect(0, top, layout.left_width, LEGEND, colors.text_bg)
-        length = min(layout.grid_width - 16, _LONGEST_BAR)
-        left = (layout.left_width - length) / 2
-        yield from self._bar(left, top + _BAR_TOP, length)
-        form = replace(form_of((scale.low, scale.high), self.overlay.precision), size=_LEGEND_SIZE)
-        texts = Box(left, top + _BAR_TOP + _BAR, left + length, top + LEGEND)
-        if scale.low == scale.high:
-            yield from number_shapes(scale.low, form, texts, ink, bold=False)
-            return
-        yield from number_shapes(scale.low, form, texts, ink, anchor="start", bold=False)
-        yield from number_shapes(scale.high, form, texts, ink, anchor="end", bold=False)
-        if scale.is_diverging:
-            x = left - length * scale.low / (scale.high - scale.low)
-            yield Rect(x - 0.5, top + _BAR_TOP - 1, 1, _BAR + 2, ink)
-            low, high = (0.6 * form.size * len(form.text(end)) for end in (scale.low, scale.high))
-            if left + low < x - 10 and x + 10 < left + length - high:
-                zero = texts._replace(left=x - 10, right=x + 10)
-                yield from number_shapes(0.0, Form(0, form.size), zero, ink, bold=False)
 
-    def _bar(self, left: float, top: float, length: float) -> Iterator[Shape]:
-        step = length / STEPS
-        for index, color in enumerate(self.scale.strip(STEPS)):
-            yield Rect(left + index * step, top, length - index * step, _BAR, color)
+def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> Iterator[Shape]:
+    """Yield the legend: a bar with the colours, the lowest and highest number, and zero between."""
+    colors = level.resolved_theme.colors
+    top, ink = layout.top_height - LEGEND, colors.text_fg
+    yield Rect(0, top, layout.left_width, LEGEND, colors.text_bg)
+    length = min(layout.grid_width - 16, _LONGEST_BAR)
+    left = (layout.left_width - length) / 2
+    yield from _bar(scale, left, top + _BAR_TOP, length)
+    form = replace(form, size=_LEGEND_SIZE)
+    texts = Box(left, top + _BAR_TOP + _BAR, left + length, top + LEGEND)
+    if scale.low == scale.high:
+        yield from number_shapes(scale.low, form, texts, ink, bold=False)
+        return
+    yield from number_shapes(scale.low, form, texts, ink, anchor="start", bold=False)
+    yield from number_shapes(scale.high, form, texts, ink, anchor="end", bold=False)
+    if scale.is_diverging:
+        x = left - length * scale.low / (scale.high - scale.low)
+        yield Rect(x - 0.5, top + _BAR_TOP - 1, 1, _BAR + 2, ink)
+        low, high = (0.6 * form.size * len(form.text(end)) for end in (scale.low, scale.high))
+        if left + low < x - 10 and x + 10 < left + length - high:
+            zero = texts._replace(left=x - 10, right=x + 10)
+            yield from number_shapes(0.0, Form(0, form.size), zero, ink, bold=False)
+
+
+def _bar(scale: Scale, left: float, top: float, length: float) -> Iterator[Shape]:
+    step = length / _BAR_STEPS
+    for index, color in enumerate(scale.strip(_BAR_STEPS)):
+        yield Rect(left + index * step, top, length - index * step, _BAR, color)
 
 
 def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
@@ -183,9 +186,10 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
         parts[color] += polygon(corners)
 
     for y in range(layout.rows + 1):
+        row = [(tiles.get((x, y)), x) for x in range(layout.columns)]
         found = set()
-        for color, run in groupby(range(layout.columns), lambda x: tiles.get((x, y))):
-            cells = [*run]
+        for color, run in groupby(row, itemgetter(0)):
+            cells = [x for _, x in run]
             if color is not None:
                 found.add((cells[0], len(cells), color))
         for run in [run for run in growing if run not in found]:
@@ -198,16 +202,16 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
 
 def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shape]:
     """Yield frames inside the cells whose ground has a colour of its own."""
-    grounds = _grounds(level)
+    grounds = grounds_of(level)
     parts: dict[str, list[Command]] = defaultdict(list)
     for x, y in sorted(cells & grounds.keys()):
         color, (left, top) = grounds[x, y], layout.corner(x, y)
         right, foot = left + CELL, top + CELL
         for dx, dy, corners in (
-            (0, -1, (left, top, right, top + _FRAME)),
-            (1, 0, (right - _FRAME, top, right, foot)),
-            (0, 1, (left, foot - _FRAME, right, foot)),
-            (-1, 0, (left, top, left + _FRAME, foot)),
+            (0, -1, (left, top, right, top + FRAME)),
+            (1, 0, (right - FRAME, top, right, foot)),
+            (0, 1, (left, foot - FRAME, right, foot)),
+            (-1, 0, (left, top, left + FRAME, foot)),
         ):
             if grounds.get((x + dx, y + dy)) != color:
                 parts[color] += _outline(corners)
@@ -215,7 +219,7 @@ def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shap
         yield Path(tuple(commands), fill=color)
 
 
-def _grounds(level: GridWorld) -> dict[Cell, str]:
+def grounds_of(level: GridWorld) -> dict[Cell, str]:
     """Return the colours of the cells whose colours mean something."""
     colors = level.resolved_theme.colors
     grounds: dict[Cell, str] = {}

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, Commands, Spot, default_color
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -140,38 +142,33 @@ def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float, look: Cell) 
 
 # -- where they may be, in the picture of the level as a whole --------------------------------
 
-_TRACK, _REGION = 0.6, 0.2
-"""The opacities of paths and of rectangles."""
+_REGION = 0.2
+"""The opacity of rectangles."""
 
 
 def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the paths and the rectangles of movers, faintly."""
-    colors = level.resolved_theme.colors
+    colors, grounds = level.resolved_theme.colors, CellGrounds(level)
     for mover in level.movers:
         if mover.within is not None:
             color = mover.color or default_color("wanderer", colors)
             (left, top), (width, height) = mover.within.at, mover.within.size
             x, y = layout.corner(left, top)
-            box = x + 5, y + 5, width * CELL - 10, height * CELL - 10
+            box = x + 7, y + 7, width * CELL - 14, height * CELL - 14
             yield Rect(*box, color, radius=12, opacity=_REGION)
-            yield Path(
-                rounded(*box, 12),
-                stroke=colors.arrows,
-                width=2.0,
-                dash=(2.0, 7.0),
-                cap="round",
-                opacity=_TRACK,
-            )
+            cells = ((left + dx, top + dy) for dx in range(width) for dy in range(height))
+            # Its edge lies half inside.
+            below = {grounds[cell] for cell in cells}
+            below |= {mixed(color, ground, _REGION) for ground in below}
+            yield _dotted(rounded(*box, 12), ink_on(below, colors.arrows, GRAPHICS), 2.0)
         elif track := _track(mover.path or (), is_loop=not mover.back):
             points = [layout.corner(x + 0.5, y + 0.5) for x, y in track]
-            yield Path(
-                polyline(points),
-                stroke=colors.arrows,
-                width=3.0,
-                dash=(2.0, 7.0),
-                cap="round",
-                opacity=_TRACK,
-            )
+            below = {grounds[cell] for cell in track}
+            yield _dotted(polyline(points), ink_on(below, colors.arrows, GRAPHICS), 3.0)
+
+
+def _dotted(commands: Commands, color: str, width: float) -> Path:
+    return Path(commands, stroke=color, width=width, dash=(2.0, 7.0), cap="round")
 
 
 def _track(path: Sequence[Cell], *, is_loop: bool) -> Sequence[Cell]:

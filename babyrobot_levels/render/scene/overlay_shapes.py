@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.heat import Heat
-from babyrobot_levels.render.scene.layout import CELL, Layout
+from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import panel_texts
 from babyrobot_levels.render.scene.scale import ink_on
 from babyrobot_levels.render.scene.shapes import (
@@ -80,9 +80,12 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
         # Their arrows pass through other cells.
         covered = {*layout.cells()}
     form = number_form(heat.values.values(), overlay.precision)
-    if form.is_readable(layout):
+    if form.is_readable(layout) and slots.shown.number:
         for cell, value in heat.values.items():
-            yield from value_label(value, form, cell, heat, has_ground=cell in covered)
+            color = heat.scale.color(value)
+            box = slots.plan(cell).number.moved(*layout.corner(*cell))
+            ground = color if cell in covered else None
+            yield from number_shapes(value, form, box, ink_on(color), ground)
     form = form_of(heat.visits.values(), 0, CELL / 2 - 4 if slots.shown.second else CELL - 8)
     if form.is_readable(layout):
         for cell, count in heat.visits.items():
@@ -100,16 +103,6 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
 def number_form(values: Iterable[float | None], precision: int) -> Form:
     """Return the form of values at the foot of cells."""
     return form_of(values, precision, CELL - 8)
-
-
-def value_label(
-    value: float, form: Form, cell: Cell, heat: Heat, *, has_ground: bool
-) -> Iterator[Shape]:
-    """Yield a value at the foot of its cell, in the ink of its colour."""
-    box = heat.slots.plan(cell).number.moved(*heat.layout.corner(*cell))
-    color = heat.scale.color(value)
-    ground = color if has_ground or cell in heat.action_values else None
-    yield from number_shapes(value, form, box, ink_on(color), ground)
 
 
 def _action_labels(heat: Heat) -> Iterator[Shape]:

@@ -10,13 +10,16 @@ from babyrobot_levels.language.looks import Display
 from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.effects import Effects, effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout
+from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.movers import mover_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Shape, scaled, shifted
 from babyrobot_levels.render.scene.situation import situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import pieces
 from babyrobot_levels.render.scene.walls import wall_shapes
 
@@ -55,7 +58,11 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
     if kind in ("wall", "glass"):
         yield from _wall(level, is_glass=kind == "glass")
     elif kind == "wind":
-        yield from wind_shapes(_small(level, wind=Wind(**{what: (1,)})), _layout())
+        small = _small(level, wind=Wind(**{what: (1,)}), skid=None)
+        yield from _effects(small, effects_of(small))
+    elif kind == "ground":
+        small = _small(level)
+        yield from _effects(small, effects_of(small))
     elif kind == "item":
         item = next(item for item in level.items if item.name == what)
         color = item.color or default_color(item.picture, level.resolved_theme.colors)
@@ -64,7 +71,7 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         switch = next(switch for switch in level.switches if switch.name == what)
         plate = switch.model_copy(update={"at": _HERE, "label": None})
         small = _small(level, switches=(plate,))
-        for piece in pieces(small, _layout(), situation_of(small, None)):
+        for piece in pieces(small, _layout(), situation_of(small, None), _slots(small)):
             yield from piece.shapes
     elif kind == "mover":
         yield from mover_shapes(level, int(what), _SPOT)
@@ -92,6 +99,10 @@ def _layout(columns: int = 1) -> Layout:
     return Layout(columns, 1, 0.0, 0.0, 0.0)
 
 
+def _slots(small: GridWorld, columns: int = 1) -> Slots:
+    return Slots(small, _layout(columns), Overlay())
+
+
 def _ground(small: GridWorld) -> Iterator[Shape]:
     yield from ground_shapes(small, _layout())
     yield from puddle_shapes(small, _layout())
@@ -107,15 +118,20 @@ def _cell(level: GridWorld, cell: tuple[int, int]) -> Iterator[Shape]:
     ]
     puddles = [Puddle(at=_HERE, size=puddle.size) for puddle in level.puddles if puddle.at == cell]
     yield from _ground(_small(level, areas=tuple(areas), puddles=tuple(puddles)))
-    for warp in level.warps:
-        if warp.at == cell and isinstance(warp.to, str):
-            small = _small(level, warps=(warp.model_copy(update={"at": _HERE}),))
-            yield from warp_shapes(small, _layout())
-        elif warp.at == cell:
-            # The arrow to the next cell, in half the size.
-            there = warp.model_copy(update={"at": _HERE, "to": (1, 0)})
-            shapes = warp_shapes(_small(level, warps=(there,)), _layout(2))
-            yield from shifted(scaled(shapes, 0.5), 0, CELL / 4)
+    effects = effects_of(level).at(cell)
+    warps = [warp.model_copy(update={"at": _HERE}) for warp in level.warps if warp.at == cell]
+    if warps and warps[0].to != "start":
+        # The arrow to the next cell, in half the size.
+        there = warps[0].model_copy(update={"to": (1, 0)})
+        shapes = _effects(_small(level, size=(2, 1), warps=(there,)), effects)
+        yield from shifted(scaled(shapes, 0.5), 0, CELL / 4)
+    else:
+        yield from _effects(_small(level, warps=tuple(warps)), effects)
+
+
+def _effects(small: GridWorld, effects: Effects) -> Iterator[Shape]:
+    layout = _layout(small.size[0])
+    yield from effect_shapes(small, layout, _slots(small, layout.columns), effects)
 
 
 def _wall(level: GridWorld, *, is_glass: bool) -> Iterator[Shape]:

@@ -15,7 +15,7 @@ from functools import lru_cache
 
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.render.colors import contrast, rgba
-from babyrobot_levels.render.scene.icons import is_gray
+from babyrobot_levels.render.scene.tones import is_gray
 
 STEPS = 64
 """The number of steps of a scale: equal neighbours are painted as one."""

@@ -76,12 +76,16 @@ Shape = Rect | Ellipse | Path | Text
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture: shapes in painting order, without a background; `width`, `height` in pixels."""
+    """A picture: shapes in painting order, without a background; `width`, `height` in pixels.
+
+    `title` and `description` are its texts for people who do not see it; they may be empty.
+    """
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+    description: str = ""
 
 
 def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shape]:
@@ -138,9 +142,9 @@ def scaled(
                     )
                     for letter, places in shape.commands
                 )
-                dash = (
-                    None if shape.dash is None else (scale * shape.dash[0], scale * shape.dash[1])
-                )
+                dash = shape.dash
+                if dash is not None:
+                    dash = scale * dash[0], scale * dash[1]
                 yield replace(shape, commands=commands, width=scale * shape.width, dash=dash)
 
 

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Literal
 from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline
@@ -27,6 +29,9 @@ _GLASS_DASHES = (None, (13.0, 3.0), (5.0, 6.0))
 _NUMBER_SIZE, _NUMBER_HEIGHT = 8.5, 11.0
 """The font size of the number on a glass wall, and the height of its ground."""
 
+_CASING = 1.5
+"""How far the casing of a wall is seen on both of its sides, in pixels."""
+
 Edge = tuple[bool, int, int]
 """A side of a cell: whether it is vertical, and the corner `(x, y)` of the grid where it begins."""
 
@@ -42,11 +47,22 @@ class _Style:
     """The colour of the two edges of a glass wall; empty for a solid one."""
     dash: tuple[float, float] | None = None
 
+    @property
+    def outline(self) -> str:
+        """The colour at its sides."""
+        return self.rim or self.color
+
+    @property
+    def cap(self) -> Literal["butt", "round"]:
+        """How its ends look."""
+        return "butt" if self.fit or self.rim else "round"
+
 
 def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
-    Walls with a colour or width of their own are painted on top of the others. Glass has the more
+    Walls with a colour or width of their own are painted on top of the others. Where a wall does
+    not stand out from the ground beside it, a casing below all walls does. Glass has the more
     gaps, the more often it lets the robot through, and says how often.
     """
     colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
@@ -63,6 +79,7 @@ def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     }
     outer = dict.fromkeys(_outer_edges(layout), border)
     own = _own_styles(level, inner | outer)
+    yield from _casings(level, layout, inner | outer | own)
     for styles, lowest in ((inner, (*glass, solid)), (outer, (border,))):
         drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
         for edge, style in styles.items():
@@ -117,6 +134,37 @@ def _edge(wall: Wall, x: int, y: int) -> Edge:
     return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
 
 
+def _casings(level: GridWorld, layout: Layout, styles: dict[Edge, _Style]) -> Iterator[Shape]:
+    """Yield thin lines, black or white, beside the walls that are like the ground there."""
+    grounds, blocked = CellGrounds(level), level.grid().blocked_cells
+    faint = {
+        color: {each for each in grounds.distinct if contrast(color, each) < GRAPHICS}
+        for color in {style.outline for style in styles.values()}
+    }
+    if not any(faint.values()):
+        return
+    drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
+    for edge, style in styles.items():
+        down, x, y = edge
+        beside = {
+            side: grounds[column, row]
+            for side, column, row in ((-1, x - down, y - (not down)), (1, x, y))
+            if 0 <= column < layout.columns and 0 <= row < layout.rows
+            if not blocked[row * layout.columns + column]
+        }
+        unclear = {side for side, color in beside.items() if color in faint[style.outline]}
+        if unclear and style.width > 0:
+            rim = rim_on(beside[side] for side in unclear)
+            drawn.setdefault((rim, style, sum(unclear)), []).append(edge)
+    for (rim, style, side), edges in drawn.items():
+        # On one side, a line beside the wall; on both, a wider one below it.
+        away = side * (style.width + _CASING) / 2
+        width = _CASING if side else style.width + 2 * _CASING
+        commands = tuple(_commands(layout, edges, away))
+        cap: Literal["butt", "round"] = "butt" if side else style.cap
+        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=cap)
+
+
 def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape]:
     commands = tuple(_commands(layout, edges))
     if not commands:
@@ -126,8 +174,7 @@ def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape
         for color, width in ((style.rim, 1.0), (style.color, 0.7), (_GLASS_CORE, 0.25)):
             yield Path(commands, stroke=color, width=width * style.width, dash=style.dash)
     else:
-        cap: Literal["butt", "round"] = "butt" if style.fit else "round"
-        yield Path(commands, stroke=style.color, width=style.width, cap=cap)
+        yield Path(commands, stroke=style.color, width=style.width, cap=style.cap)
 
 
 def _numbers(layout: Layout, chances: dict[Edge, float]) -> Iterator[Shape]:
@@ -156,12 +203,14 @@ def _percent(chance: float) -> str:
     return ">99%" if text == "100%" and chance < 1 else text
 
 
-def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
-    """Yield one line for all edges that follow each other."""
+def _commands(layout: Layout, edges: list[Edge], away: float = 0.0) -> Iterator[Command]:
+    """Yield one line for all edges that follow each other, so far to the right of them or below."""
     for line in _lines(edges):
         (down, first_x, first_y), (_, last_x, last_y) = line[0], line[-1]
         end = (last_x, last_y + 1) if down else (last_x + 1, last_y)
-        yield from polyline([layout.corner(first_x, first_y), layout.corner(*end)])
+        dx, dy = (away, 0.0) if down else (0.0, away)
+        corners = (layout.corner(first_x, first_y), layout.corner(*end))
+        yield from polyline((x + dx, y + dy) for x, y in corners)
 
 
 def _lines(edges: list[Edge]) -> Iterator[Sequence[Edge]]:

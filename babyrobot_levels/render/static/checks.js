@@ -97,8 +97,10 @@ function checkThings({ things = [], picture }, cells) {
   return configurations;
 }
 
-function checkTexts({ title, description, best, seed, facts, shown, robot, goal = "", rules = [] }) {
-  for (const value of [title, description, best, seed, goal]) text(value);
+function checkTexts(data) {
+  const { title, description, best, seed, facts, shown, robot } = data;
+  const { goal = "", alt = "", rules = [] } = data; // Links of earlier versions have none.
+  for (const value of [title, description, best, seed, goal, alt]) text(value);
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   // The samples of rules are shapes, which are checked as they are painted.
@@ -107,7 +109,7 @@ function checkTexts({ title, description, best, seed, facts, shown, robot, goal 
     list(runs).forEach((number) => whole(number, 0, COMMON.max_cells));
   }
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
-  list(robot, COMMON.robot.length, COMMON.robot.length).forEach(color);
+  list(robot, COMMON.robot.length, 2).forEach(color);
 }
 
 /** Rows: outcome distributions, whose probabilities add up to 1. */
@@ -160,14 +162,16 @@ function checkAdvice({ policy, walker, marks, returns, turns, picture }, states)
   checkNumbers(policy, states, 4);
   checkReturns(returns);
   const last = list(picture?.marks ?? []).length - 1;
-  for (const name of ["values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
+  for (const name of ["heat", "values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
   if (turns === undefined) return;
   need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");
   whole(turns.heading, 0, 3);
   text(turns.best);
   checkReturns(turns.returns);
   checkNumbers(turns.policy, 4 * states, 2);
-  checkNumbers(turns.marks?.values ?? null, 4 * states, last);
+  for (const name of ["heat", "values"]) {
+    checkNumbers(turns.marks?.[name] ?? null, 4 * states, last);
+  }
 }
 
 /** The returns of the optimal policy, ascending, with their average, and that of random actions. */

@@ -104,6 +104,7 @@ function show(message, kind = "") {
 
 /** Show on the button of an action whether that side is closed. */
 function showButton(button) {
+  if (button.closest("[hidden]")) return;
   const isShut = game.end === null && !game.isPossible(Number(button.dataset.action));
   const [name] = button.getAttribute("aria-label").split(",");
   button.classList.toggle("shut", isShut);
@@ -251,7 +252,9 @@ function toggle(name) {
   if (button.hidden) return;
   const isShown = button.getAttribute("aria-pressed") !== "true";
   button.setAttribute("aria-pressed", isShown);
-  find(name).classList.toggle("hidden", !isShown);
+  for (const layer of name === "values" ? ["heat", name] : [name]) {
+    find(layer).classList.toggle("hidden", !isShown);
+  }
   picture.marks.stand();
 }
 

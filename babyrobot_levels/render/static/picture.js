@@ -11,9 +11,11 @@ function levelPicture(data) {
   const [width, height] = [whole(picture.width, 1, 1e7), whole(picture.height, 1, 1e7)];
   list(palette, 100000).forEach(color);
   const painter = new Painter(palette);
-  const layer = (name) => painter.layer(layers[name]);
+  // Parts of links that were made before have fewer layers.
+  const layer = (name) => painter.layer(layers[name] ?? []);
   const things = thingElements(data, painter);
-  const hidden = (name) => ({ id: name, class: shown.includes(name) ? undefined : "hidden" });
+  const answer = (id, name = id) =>
+    element("g", { id, class: shown.includes(name) ? undefined : "hidden" }, ...layer(id));
   return element("svg", {
     viewBox: `0 0 ${width} ${height}`,
     width,
@@ -23,11 +25,20 @@ function levelPicture(data) {
     "stroke-linejoin": "round",
   },
   element("title", {}, title),
+  element("desc", { id: "alt" }, data.alt ?? ""),
   element("defs", {}, ...sprites(robot), ...things.definitions),
-  element("g", { id: "ground", class: isDark(palette[0]) ? "dark" : undefined }, ...layer("base"), ...layer("grid")),
+  element(
+    "g",
+    { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
+    ...layer("base"),
+    answer("heat", "values"),
+    ...layer("grid"),
+    element("g", { id: "signs" }, ...layer("signs")),
+    element("g", { id: "beside" }, ...layer("beside")),
+  ),
   things.still,
-  element("g", hidden("policy"), ...layer("policy")),
-  element("g", hidden("values"), ...layer("values")),
+  answer("policy"),
+  answer("values"),
   element("g", { id: "robot" }, element("use", { width: COMMON.cell, height: COMMON.cell })),
   things.moving);
 }
@@ -38,7 +49,8 @@ function isDark(given) {
   return 0.3 * red + 0.6 * green + 0.1 * blue < 100;
 }
 
-/** Return the robot's symbols for all poses and phases, in the colours of a level. */
+/** Return the robot's symbols for all poses and phases, in the colours of a level.
+ *  Colours that the level does not change are their own names. */
 function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);

@@ -154,7 +154,7 @@ class MarksLayer {
   constructor(game, svg) {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];
-    this.layers = ["values", "policy"].map((name) => svg.querySelector(`#${name}`));
+    this.layers = ["heat", "values", "policy"].map((name) => svg.querySelector(`#${name}`));
     this.shown = this.layers.map(() => []);
   }
 

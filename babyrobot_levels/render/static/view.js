@@ -14,10 +14,12 @@ class View {
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     new ResizeObserver(() => this.svg && this.zoomTo(this.zoom)).observe(stage);
     stage.addEventListener("scroll", () => this.drawMap());
-    const seek = ({ buttons, offsetX, offsetY }) => {
+    const seek = ({ buttons, clientX, clientY }) => {
       if (buttons === 0) return;
-      const scale = this.svg.clientWidth / map.clientWidth;
-      stage.scrollTo(scale * offsetX - stage.clientWidth / 2, scale * offsetY - stage.clientHeight / 2);
+      const { left, top, width } = map.getBoundingClientRect();
+      const scale = this.svg.getBoundingClientRect().width / width;
+      stage.scrollTo(scale * (clientX - left) - stage.clientWidth / 2,
+        scale * (clientY - top) - stage.clientHeight / 2);
     };
     map.addEventListener("pointerdown", seek);
     map.addEventListener("pointermove", seek);
@@ -101,8 +103,8 @@ class View {
     const set = (shape, attributes) => Object.entries(attributes).forEach(([name, value]) =>
       shape.setAttribute(name, value));
     if (!image.hasAttribute("href")) set(image, { width, height, href: this.still() });
-    const scale = width / this.svg.clientWidth;
-    const { left, top } = this.svg.getBoundingClientRect();
+    const { left, top, width: wide } = this.svg.getBoundingClientRect();
+    const scale = width / wide;
     const seen = this.stage.getBoundingClientRect();
     set(frame, {
       x: Math.max(0, scale * (seen.left - left)),
