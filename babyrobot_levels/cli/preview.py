@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,9 +17,10 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    width_of,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, file_of, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
     PictureOptions,
@@ -30,6 +32,7 @@ from babyrobot_levels.cli.pictures import (
 )
 from babyrobot_levels.cli.texts import solution_text, takes_pictures, text_picture
 from babyrobot_levels.render.text import WIDEST
+from babyrobot_levels.text.errors import BabyRobotError, LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
@@ -155,16 +158,23 @@ def preview(
         ),
     ] = None,
     force: ForceOption = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Repeat whenever the level is saved.")
+    ] = False,
 ) -> None:
     """Draw a level in the terminal, or save it as a picture, an animated GIF or a web page.
 
-    The suffix of FILE chooses the format. An HTML page can be played in any browser.
+    The suffix of FILE chooses the format. An HTML page can be played in any browser. A picture or
+    page that this command has written, and that has not been changed since, is overwritten without
+    --force.
 
     Examples:
 
       babyrobot preview final-maze
 
       babyrobot preview levels/first.yaml -o first.png
+
+      babyrobot preview levels/first.yaml --watch
 
       babyrobot preview frozen-lake --values --policy -o answers.svg
 
@@ -180,20 +190,46 @@ def preview(
     if held is not None and chosen in _PLAYED:
         fail("--held is for text and still pictures", "leave out --held")
     times = _scale(scale, cell, chosen)
-    shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-    options = PictureOptions(values, policy, seed or 0, times, held)
+    if watch and output is None and chosen not in _TEXTS:
+        fail("--watch needs a file to write to", "add -o FILE")
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
-    made: str | bytes
-    with working("drawing") as report:
-        if chosen in _TEXTS:
-            made = _text(shown, options, plain=chosen is PictureFormat.ASCII or output is not None)
-        elif chosen is PictureFormat.GIF:
-            made = gif(shown, options, report)
-        elif chosen is PictureFormat.HTML:
-            made = page(shown, options)
-        else:
-            made = picture(shown, options, report, svg=chosen is PictureFormat.SVG)
+    options = PictureOptions(values, policy, seed or 0, times, held)
+    plain = chosen is PictureFormat.ASCII or output is not None
+
+    def made() -> str | bytes:
+        with working("drawing") as report:
+            shown = _prepared(load_level(level), theme, coordinates, maze_seed)
+            if chosen in _TEXTS:
+                return _text(shown, options, plain=plain)
+            if chosen is PictureFormat.GIF:
+                return gif(shown, options, report)
+            if chosen is PictureFormat.HTML:
+                return page(shown, options)
+            return picture(shown, options, report, svg=chosen is PictureFormat.SVG)
+
+    for result in _each_time(made, file_of(level)) if watch else [made()]:
+        _put(result, chosen, output, force=force)
+
+
+def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
+    """Yield a picture whenever a level is saved; of a level with errors, these are shown."""
+    from babyrobot_levels.cli.watching import each_change
+
+    for _ in each_change(lambda: [file]):
+        try:
+            yield made()
+        except LevelError as error:
+            note(error.shown(width_of(sys.stderr)))
+        except BabyRobotError as error:
+            note(f"error: {error}")
+        except typer.Exit:
+            # The reason has been shown.
+            continue
+
+
+def _put(made: str | bytes, chosen: PictureFormat, output: Path | None, *, force: bool) -> None:
+    """Write a picture to a file, or to standard output."""
     if output is not None:
         save(output, made, force=force, marks=True)
     elif isinstance(made, str):
@@ -242,7 +278,6 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level with the theme, coordinates and maze that are asked for."""
     from babyrobot_levels.analysis.pictures import dressed
-    from babyrobot_levels.text.errors import LevelError
 
     try:
         level = dressed(level, theme=theme, coordinates=coordinates or None)

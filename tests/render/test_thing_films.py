@@ -24,8 +24,8 @@ from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
-from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.terminal import ALL_COLORS
 from babyrobot_levels.render.text import TextPainter, unicode_drawing
 
