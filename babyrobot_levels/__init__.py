@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import (
         UndefinedReturnError as UndefinedReturnError,
     )
+    from babyrobot_levels.analysis.strip import strip as strip
     from babyrobot_levels.convert.babyrobot.reading import from_setup as from_setup
     from babyrobot_levels.convert.conversion import ConversionWarning as ConversionWarning
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
@@ -139,6 +140,7 @@ _HOMES = {
     "score": "scoring.score",
     "simulate": "analysis.solver.evaluation",
     "solve": "analysis.solver.optimum",
+    "strip": "analysis.strip",
     "success_within": "analysis.solver.evaluation",
     "value_iteration": "analysis.learning.sweeps",
 }

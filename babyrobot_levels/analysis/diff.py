@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
 
 Ints = NDArray[np.intp]
@@ -30,8 +31,8 @@ LIMIT = 10
 _RULES = ("skid", "wind", "rewards", "hit", "heading")
 
 
-@dataclass(frozen=True)
-class Difference:
+@dataclass(frozen=True, repr=False)
+class Difference(Shown):
     """What changed from one level to another.
 
     Attributes:
@@ -47,6 +48,7 @@ class Difference:
         random_return: the same for going in a random direction that is open.
         beside: what differs but is not part of the MDP: texts, looks, limits.
         things: the items, switches, movers and doors that differ, are new, or are gone.
+        levels: the levels, before and after; None in what earlier versions pickled.
 
     Cells, walls and transitions are those that both levels have, counted from the top-left corner;
     transitions also only of configurations that both have. There, things that only one of the
@@ -66,6 +68,21 @@ class Difference:
     random_return: tuple[float | None, float | None]
     beside: tuple[Change, ...]
     things: Changes = NO_CHANGES
+    levels: tuple[Level, Level] | None = field(default=None, kw_only=True, compare=False)
+
+    def __repr__(self) -> str:
+        counts = {
+            "things": self.things,
+            "cells": self.cells,
+            "walls": self.walls,
+            "transitions": self.transitions,
+        }
+        numbers = [f"{name}={changes.count}" for name, changes in counts.items() if changes.total]
+        names = [change.name for change in (*self.game, *self.beside)]
+        return (
+            f"<Difference same_game={self.same_game} {' '.join(numbers)} "
+            f"fields={names} best_return={self.best_return[0]}->{self.best_return[1]}>"
+        )
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -110,13 +127,14 @@ def diff(
         same_game=one.digest == two.digest and not mazes_differ,
         digests=(one.digest, two.digest),
         game=(*_shape_changes(one, two), *rules),
-        cells=_cell_changes(one, two, limit),
-        walls=_wall_changes(one, two, limit),
+        cells=cell_changes(one, two, limit),
+        walls=wall_changes(one, two, limit),
         transitions=transition_changes(one, two, _common_cells(one, two), limit),
         best_return=(measured[0].best_return, measured[1].best_return),
         random_return=(measured[0].random_return, measured[1].random_return),
         beside=tuple(_changes_beside(*given)),
         things=thing_changes(*given, limit),
+        levels=(one, two),
     )
 
 
@@ -226,7 +244,7 @@ def _common_cells(before: Level, after: Level) -> tuple[Ints, Ints]:
     return (y * before.size[0] + x).ravel(), (y * after.size[0] + x).ravel()
 
 
-def _cell_changes(before: Level, after: Level, limit: int | None) -> Changes:
+def cell_changes(before: Level, after: Level, limit: int | None) -> Changes:
     """Return the cells with other properties: blocked, wet, slippery, costly, ending, warping."""
     cells = _common_cells(before, after)
     tables = [
@@ -299,7 +317,7 @@ def _number(cell: tuple[int, int], level: Level) -> int:
 # -- walls ---------------------------------------------------------------------------------
 
 
-def _wall_changes(before: Level, after: Level, limit: int | None) -> Changes:
+def wall_changes(before: Level, after: Level, limit: int | None) -> Changes:
     """Return the sides between free cells that were opened, closed, or made of glass."""
     cells = _common_cells(before, after)
     width = min(before.size[0], after.size[0])

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.cells import PuddleTypes
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.graph import Successors, distances
 from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
 
@@ -45,7 +46,7 @@ def metrics(level: Any) -> Metrics:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Metrics:
+class Metrics(Shown):
     """The metrics of a level. Each is computed when it is first read.
 
     - Shape: `cells`, `dead_ends`, `corridors`, `junctions`, `loops`. A wall of glass is a wall.

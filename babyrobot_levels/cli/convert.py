@@ -29,6 +29,7 @@ from babyrobot_levels.cli.inputs import (
     load_level,
     with_seed,
 )
+from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import PictureOptions, picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.cli.schema import schema_for
@@ -171,7 +172,6 @@ def import_level(
         write(text)
     else:
         save(output, text, force=force)
-        write(f"wrote {one_line(str(output))}\n")
 
 
 _ENVIRONMENT = re.compile(r"([\w.]+:)?[\w./-]+-v\d+")
@@ -321,7 +321,8 @@ def export_level(
     made: str | bytes
     beside: Mapping[str, bytes] = {}
     if chosen in (ExportFormat.PNG, ExportFormat.SVG):
-        made = picture(loaded, PictureOptions(), svg=chosen is ExportFormat.SVG)
+        with working("drawing") as report:
+            made = picture(loaded, PictureOptions(), report, svg=chosen is ExportFormat.SVG)
     else:
         from babyrobot_levels.convert.formats import export
 
@@ -331,7 +332,7 @@ def export_level(
     if output is not None:
         for name, data in beside.items():
             save(output.parent / name, data, force=force)
-        save(output, made, force=force)
+        save(output, made, force=force, marks=chosen in (ExportFormat.PNG, ExportFormat.SVG))
         return
     for name in beside:
         note(f"note: {name}, the picture of the tiles, is only written with -o FILE")

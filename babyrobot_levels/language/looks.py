@@ -67,11 +67,11 @@ class Colors(Model):
     """The ground."""
     lines: Color = "#777777"
     """The dashed lines between the cells."""
-    start: Color = "#ed1818"
+    start: Color = "#c61414"
     """The ground of a start."""
     start_text: Color = "#ffffff"
     """The text on a start."""
-    exit: Color = "green"
+    exit: Color = "#007200"
     """The ground of an exit."""
     exit_text: Color = "#ffffff"
     """The text on an exit."""
@@ -81,7 +81,7 @@ class Colors(Model):
     """The walls."""
     arrows: Color = "#00008b"
     """Arrows: warps, wind, policies."""
-    text_bg: Color = "rgba(60,60,60,0.7)"
+    text_bg: Color = "rgba(60,60,60,0.75)"
     """The ground of a panel."""
     text_fg: Color = "#ffffff"
     """The text of a panel, and texts on the grid."""
@@ -187,13 +187,13 @@ BUILTIN_THEMES: dict[str, Theme] = {
         base="#1e1e1e",
         lines="#707070",
         start="#007acc",
-        exit="#ff1d18",
+        exit="#e51914",
         border="#cc5500",
         walls="#cc5500",
         arrows="#cccccc",
         text_bg="rgba(40,40,40,0.85)",
         text_fg="#cccccc",
-        blocked="#3c3c3c",
+        blocked="#6e6e6e",
         puddle="#3b9ddd",
         robot="#b9c4cf",
     ),
@@ -202,14 +202,14 @@ BUILTIN_THEMES: dict[str, Theme] = {
         6,
         base="#beb8eb",
         lines="#5e5c6c",
-        start="#5299d3",
+        start="#1b69ae",
         exit="#0b5563",
         border="#5e5c6c",
         walls="#5e5c6c",
-        arrows="#0b5563",
+        arrows="#0a4d5a",
         text_bg="rgba(40,40,40,0.85)",
         text_fg="#cccccc",
-        blocked="#7d7a94",
+        blocked="#656279",
         puddle="#38699d",
         robot="#4a5568",
     ),
@@ -218,14 +218,15 @@ BUILTIN_THEMES: dict[str, Theme] = {
         6,
         base="#588157",
         lines="#84a98c",
-        start="#a3b18a",
-        exit="#354f52",
-        border="#344e41",
-        walls="#344e41",
-        arrows="#354f52",
+        start="#d6dfc4",
+        start_text="#1f3329",
+        exit="#1e3234",
+        border="#1f3329",
+        walls="#1f3329",
+        arrows="#1e3234",
         text_bg="rgba(40,40,40,0.85)",
         text_fg="#cccccc",
-        blocked="#3a5a40",
+        blocked="#1f3323",
         puddle="#bfe3fa",
         robot="#d5dbe1",
     ),

@@ -9,19 +9,23 @@ from contextlib import suppress
 from dataclasses import dataclass, fields
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, SupportsIndex, overload
 
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code, load_file
 from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
+from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.text.files import SUFFIXES, is_file, read_source
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.words import nearest
 
 MAX_NEAREST = 3
+MAX_LISTED = 20
+"""How many levels the text of a list names."""
+
 _LINES = {
     key: re.compile(rf"^{key}:[ \t]*([\"']?)([a-z0-9-]+)\1(?:[ \t]+#.*)?[ \t]*$", re.MULTILINE)
     for key in ("name", "kind")
@@ -38,8 +42,8 @@ class LevelFile:
     place: Place
 
 
-@dataclass(frozen=True, slots=True)
-class LevelInfo:
+@dataclass(frozen=True, slots=True, repr=False)
+class LevelInfo(Shown):
     """A level in the catalogue.
 
     Attributes:
@@ -62,6 +66,10 @@ class LevelInfo:
     path: Path
     origin: str = ""
 
+    def __repr__(self) -> str:
+        title = "" if self.title is None else f" {self.title!r}"
+        return f"<LevelInfo {self.name!r}: {self.size[0]}x{self.size[1]}{title}>"
+
     def __setstate__(self, state: Sequence[Any]) -> None:
         # Pickles of version 0.1 have no origin.
         for field, value in zip(fields(self), [*state, ""], strict=False):
@@ -78,6 +86,26 @@ class LevelInfo:
             "path": str(self.path),
             "from": self.origin,
         }
+
+
+class LevelList(Shown, list[LevelInfo]):
+    """A list of levels, which shows itself as a table. Its slices are such lists, too."""
+
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> LevelInfo: ...
+    @overload
+    def __getitem__(self, index: slice) -> LevelList: ...
+    def __getitem__(self, index: SupportsIndex | slice) -> LevelInfo | LevelList:
+        found = super().__getitem__(index)
+        return LevelList(found) if isinstance(found, list) else found
+
+    def __repr__(self) -> str:
+        lines = [
+            f"  {info.name}  {info.size[0]}x{info.size[1]}  {info.title or ''}".rstrip()
+            for info in self[:MAX_LISTED]
+        ]
+        more = [f"  … and {len(self) - MAX_LISTED} more"] if len(self) > MAX_LISTED else []
+        return "\n".join([f"{len(self)} level{'s' * (len(self) != 1)}", *lines, *more])
 
 
 def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
@@ -106,7 +134,7 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
         return load_code(level)
     if "\n" in level:
         raise LevelError(message="this is the text of a level; `loads` reads it")
-    if _looks_like_path(level):
+    if looks_like_path(level):
         return _load_path(Path(level))
     return load_file(find(level))
 
@@ -131,12 +159,12 @@ def find(name: str, first: Sequence[Place] = ()) -> Path:
     raise LevelNotFoundError(name, [other for other in near if not is_suite_file(known[other])])
 
 
-def levels() -> list[LevelInfo]:
+def levels() -> LevelList:
     """Return all valid levels that have names, sorted by name."""
     return catalogue()[0]
 
 
-def catalogue() -> tuple[list[LevelInfo], list[Path]]:
+def catalogue() -> tuple[LevelList, list[Path]]:
     """Return all levels that have names, sorted by name, and the files that are not valid."""
     found: dict[str, LevelInfo] = {}
     others: dict[str, LevelInfo] = {}
@@ -154,7 +182,8 @@ def catalogue() -> tuple[list[LevelInfo], list[Path]]:
         )
         # As in `find`: the first place wins, and files called so win over those that say so.
         (found if file.name == name else others).setdefault(name, info)
-    return sorted({**others, **found}.values(), key=lambda info: info.name), broken
+    known = {**others, **found}.values()
+    return LevelList(sorted(known, key=lambda info: info.name)), broken
 
 
 def level_files() -> Iterator[LevelFile]:
@@ -192,7 +221,7 @@ def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Pa
     Raises:
         SuiteNotFoundError: nothing has that name.
     """
-    if not isinstance(suite, str) or _looks_like_path(suite):
+    if not isinstance(suite, str) or looks_like_path(suite):
         path = Path(suite)
         if not is_file(path):
             raise SuiteNotFoundError(str(path), nearest_files(path), is_file=True)
@@ -208,7 +237,7 @@ def suite_path(text: str) -> Path | None:
     if is_code(text) or "\n" in text:
         return None
     try:
-        path = Path(text) if _looks_like_path(text) else find(text)
+        path = Path(text) if looks_like_path(text) else find(text)
     except LevelNotFoundError:
         return None
     return path if is_file(path) and is_suite_file(path) else None
@@ -244,7 +273,8 @@ def _files_of_pack(pack: str | None, first: Sequence[Place]) -> Iterator[LevelFi
             yield from files_in(place)
 
 
-def _looks_like_path(text: str) -> bool:
+def looks_like_path(text: str) -> bool:
+    """Tell whether an argument is the path of a file, and not the name of a level."""
     path = Path(text)
     if path.suffix in SUFFIXES or text.startswith((".", "~")) or path.is_absolute():
         return True

@@ -6,11 +6,11 @@ import os
 import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.documents import level_from_mapping
 from babyrobot_levels.language.looks import Theme
+from babyrobot_levels.library.shown import later
 from babyrobot_levels.mdp.gridworld import GridWorld
 
 if TYPE_CHECKING:
@@ -167,7 +167,7 @@ class Level(GridWorld):
             UndefinedReturnError: the level has no solution that could be shown.
             ValueError: another argument does not fit the level.
         """
-        picture: str = _pictures().to_svg(
+        picture: str = later("pictures").to_svg(
             self,
             values=values,
             policy=policy,
@@ -198,7 +198,7 @@ class Level(GridWorld):
         Args and errors are those of `to_svg`. Without a `scale`, a cell has 64 pixels, and fewer in
         large levels: no side of the picture has more than 4,000.
         """
-        picture: bytes = _pictures().to_png(
+        picture: bytes = later("pictures").to_png(
             self,
             values=values,
             policy=policy,
@@ -242,7 +242,7 @@ class Level(GridWorld):
             UndefinedReturnError: the level has no solution that could be followed or shown.
             ValueError: another argument does not fit the level, or the film is too large.
         """
-        film: bytes = _pictures().to_gif(
+        film: bytes = later("pictures").to_gif(
             self,
             policy=policy,
             seed=seed,
@@ -262,6 +262,7 @@ class Level(GridWorld):
         seed: int = 0,
         coordinates: bool | None = None,
         theme: Any = None,
+        answers: bool = True,
     ) -> str:
         """Return a page on which the level can be played, as `babyrobot preview` makes it.
 
@@ -273,14 +274,23 @@ class Level(GridWorld):
             seed: the random seed of the first episode.
             coordinates: whether cells show their coordinates; by default, what the level says.
             theme: another theme: a name, or a mapping as in a level file.
+            answers: whether the page knows the solution: values, optimal actions, hints, and how
+                good a return is. With False, nothing of it is in the page.
 
         Raises:
             LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
             UndefinedReturnError: the level has no solution that could be shown.
-            ValueError: the level is too large for a page, or there is no such policy.
+            ValueError: the level is too large for a page, there is no such policy, or answers are
+                to be shown without answers.
         """
-        page: str = _pictures().to_html(
-            self, values=values, policy=policy, seed=seed, coordinates=coordinates, theme=theme
+        page: str = later("pictures").to_html(
+            self,
+            values=values,
+            policy=policy,
+            seed=seed,
+            coordinates=coordinates,
+            theme=theme,
+            answers=answers,
         )
         return _saved(page, path)
 
@@ -303,12 +313,6 @@ class Level(GridWorld):
         import gymnasium
 
         return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
-
-
-def _pictures() -> Any:
-    # What a picture shows may have to be solved, and solving belongs to a later room. It is named
-    # here, as an entry point is, because these methods are where users look for pictures.
-    return resolve_name("babyrobot_levels.analysis.pictures")
 
 
 def _saved(made: Made, path: str | os.PathLike[str] | None) -> Made:

@@ -56,6 +56,7 @@ def over(color: str, ground: Rgb) -> Rgb:
     return red, green, blue
 
 
+@lru_cache(maxsize=1024)
 def mixed(color: str, ground: str, share: float = 1.0) -> str:
     """Return a colour of which only a share is left on a ground, as `#rrggbb`.
 
@@ -115,6 +116,19 @@ def ink_on(grounds: Iterable[str], preferred: str, least: float = TEXT) -> str:
     below = tuple(grounds)
     is_clear = min(contrast(preferred, ground) for ground in below) >= least
     return preferred if is_clear else rim_on(below)
+
+
+def plate_for(ink: str, preferred: str) -> str:
+    """Return the background of a text that is readable whatever lies below it.
+
+    Args:
+        ink: the colour of the text.
+        preferred: the background to use if it suffices, on black and on white; else it is black or
+            white.
+    """
+    seen = (mixed(preferred, below) for below in (_DARK, _LIGHT))
+    is_readable = min(contrast(ink, ground) for ground in seen) >= TEXT
+    return preferred if is_readable else rim_on([ink])
 
 
 def _luminance(color: Rgb) -> float:

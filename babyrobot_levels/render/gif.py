@@ -25,6 +25,7 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
 from babyrobot_levels.render.scene.situation import Cell, is_at_open_exit, place_of, situation_of
 from babyrobot_levels.render.scene.things import held_pieces
+from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:
@@ -261,7 +262,7 @@ class _Painter:
     def _picture(self, shapes: tuple[Shape, ...]) -> Translucent:
         """Return shapes of a cell as a picture."""
         side = max(1, round(self._scale * CELL))
-        scene = Scene(CELL, CELL, shapes)
+        scene = Scene(CELL, CELL, toned(shapes, self._level.resolved_theme.colors))
         return translucent(lambda ground: to_rgb(scene, (side, side), ground))
 
     def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Place) -> Patch:
@@ -297,6 +298,7 @@ class _Painter:
         held = held_pieces(self._level, strip, situation_of(self._level, configuration))
         shapes += tuple(shape for piece in held for shape in piece.shapes)
         size = round(self._scale * strip.width), round(self._scale * strip.height)
+        shapes = toned(shapes, self._level.resolved_theme.colors)
         pixels = to_rgb(Scene(strip.width, strip.height, shapes), size)
         pixels = pixels[math.ceil(self._scale * top) :, math.ceil(self._scale * left) :]
         if top == 0.0:

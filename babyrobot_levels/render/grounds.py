@@ -18,6 +18,7 @@ from babyrobot_levels.render.scene.shapes import Scene, shifted
 from babyrobot_levels.render.scene.situation import Situation, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import Piece, pieces
+from babyrobot_levels.render.scene.tones import toned
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -205,7 +206,8 @@ class Grounds:
     def _painted(
         self, scene: Scene, size: tuple[int, int], ground: str = "white"
     ) -> NDArray[np.uint8]:
-        pixels = to_rgb(scene, size, ground)
+        shapes = toned(scene.shapes, self._level.resolved_theme.colors)
+        pixels = to_rgb(replace(scene, shapes=shapes), size, ground)
         return _gray(pixels) if self._grayscale else pixels
 
 

@@ -6,16 +6,18 @@ one: the page's script plays and paints either, and knows nothing else about lev
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.render.colors import gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -32,16 +34,20 @@ from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
-from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
+from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
 from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
+
+World = TypeVar("World", bound="GridWorld")
 
 MAX_CELLS = 16_384
 """The most cells of a level on a page: 128 by 128."""
@@ -62,6 +68,9 @@ _ROBOT_COLORS = ("robot", "puddle")
 
 MAX_QUANTILES = 101
 """The most quantiles of returns on a page."""
+
+_OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
+"""The colours that it has in any theme but those of greys."""
 
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
@@ -111,6 +120,11 @@ def without_panels(level: GridWorld) -> GridWorld:
             f"a level of {states:,} states is too large for a page; "
             f"the limit is {MAX_STATES:,} states"
         )
+    return bare(level)
+
+
+def bare(level: World) -> World:
+    """Return the level without the panels and the compass."""
     display = {"side_panel": "none", "bottom_panel": "none", "compass": False}
     return level.model_copy(update={"display": level.display.model_copy(update=display)})
 
@@ -136,9 +150,10 @@ def page_data(
         "description": (level.description or "").strip(),
         "facts": list(facts(level)),
         **playable(level),
-        "robot": [hexadecimal(getattr(colors, name)) for name in _ROBOT_COLORS],
+        "robot": [hexadecimal(color) for color in _robot_colors(colors)],
         **_picture(level, guide, turns=turns),
         "goal": goal_of(level),
+        "alt": describe(level),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -147,12 +162,25 @@ def page_data(
 
 
 def common_data() -> dict[str, Any]:
-    """Return what is the same for all levels: the robot's pictures, and the meaning of codes."""
-    palette = Palette(_ROBOT_COLORS)
+    """Return what is the same for all levels: the robot's pictures, and the meaning of codes.
+
+    Each shape of the robot is there once; its picture in a pose and a phase, of a cell at (0, 0),
+    is a list of the shapes' numbers (`sprites`, `[poses][phases]`).
+    """
+    names = (*_ROBOT_COLORS, *_OWN_COLORS)
+    palette = Palette(names)
     theme = Theme.model_construct(colors=Colors.model_construct(robot="robot", puddle="puddle"))
+    shapes: dict[str, int] = {}
     sprites = [
         [
-            pack(robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)), palette)
+            [
+                shapes.setdefault(json.dumps(shape, separators=(",", ":")), len(shapes))
+                for _, _, packed in pack(
+                    robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)),
+                    palette,
+                )
+                for shape in packed
+            ]
             for phase in range(PHASES)
         ]
         for pose in POSES
@@ -166,10 +194,18 @@ def common_data() -> dict[str, Any]:
         "max_states": MAX_STATES,
         "headings": HEADING_POSES,
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
-        "robot": _ROBOT_COLORS,
+        "robot": names,
         "palette": palette.colors,
+        "shapes": list(map(json.loads, shapes)),
         "sprites": sprites,
     }
+
+
+def _robot_colors(colors: Colors) -> Iterator[str]:
+    """Yield the colours of the robot that differ between themes, in the order of `common_data`."""
+    yield from (getattr(colors, name) for name in _ROBOT_COLORS)
+    if is_gray(colors):
+        yield from map(gray, _OWN_COLORS)
 
 
 def title_of(level: GridWorld) -> str:
@@ -205,7 +241,8 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     may_turn = turns or "heading" in level.model_fields_set
     has_marks = level.has_things or may_turn
     overlay = guide.overlay.at() if guide is not None else Overlay()
-    layout, palette = layout_of(level, overlay=overlay), Palette()
+    layout = layout_of(level, overlay=overlay)
+    palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
     alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
     own = level.display.coordinates
     bare = build_layers(level, robot=False, layout=layout)
@@ -214,6 +251,7 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         "grid": floor_shapes(level, layout),
         "signs": sign_shapes(level, layout, alone, own),
     }
+    shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
         shapes["beside"] = sign_shapes(level, layout, beside, own)
     if guide is not None and not has_marks:

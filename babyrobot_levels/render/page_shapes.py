@@ -22,7 +22,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
 from typing import Any
 
-from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.colors import gray, rgba
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -53,10 +53,11 @@ class Palette:
 
     Args:
         names: names that are kept as they are, besides colours.
+        is_gray: whether all colours become greys.
     """
 
-    def __init__(self, names: Iterable[str] = ()) -> None:
-        self._names = frozenset(names)
+    def __init__(self, names: Iterable[str] = (), *, is_gray: bool = False) -> None:
+        self._names, self._is_gray = frozenset(names), is_gray
         self._places: dict[str, int] = {}
 
     @property
@@ -68,7 +69,9 @@ class Palette:
         """Return the index of a colour; -1 for none."""
         if color is None:
             return -1
-        key = color if color in self._names else hexadecimal(color)
+        key = color
+        if color not in self._names:
+            key = hexadecimal(gray(color) if self._is_gray else color)
         return self._places.setdefault(key, len(self._places))
 
 

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
+from PIL.PngImagePlugin import PngInfo
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import (
@@ -24,6 +25,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     Text,
 )
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -93,8 +95,25 @@ def to_png(
     image = _paint(scene, size, "white", progress)
     if colors is not None:
         image = image.quantize(colors)
-    image.save(buffer, "PNG", compress_level=4 if colors is None else 9)
+    level = 4 if colors is None else 9
+    image.save(buffer, "PNG", compress_level=level, pnginfo=_texts(scene))
     return buffer.getvalue()
+
+
+def pixels_to_png(pixels: NDArray[np.uint8]) -> bytes:
+    """Return pixels, uint8 `[height, width, 3]`, as a PNG file."""
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+def _texts(scene: Scene) -> PngInfo:
+    """Return the scene's title and description as texts of a PNG file."""
+    texts = PngInfo()
+    for key, text in (("Title", scene.title), ("Description", scene.description)):
+        if text:
+            texts.add_text(key, one_line(text))
+    return texts
 
 
 def _paint(
@@ -113,7 +132,7 @@ def _paint(
         )
     samples = min(_MAX_SAMPLES, math.isqrt(MAX_PIXELS // (width * height)))
     image = Image.new("RGB", (samples * width, samples * height), rgba(background)[:3])
-    painter = _Painter(image, scene, samples)
+    painter = Painter(image, scene, samples)
     for count, shape in enumerate(scene.shapes, 1):
         painter.paint(shape)
         if progress is not None and count % _REPORTED == 0:
@@ -126,7 +145,7 @@ def _default_size(scene: Scene) -> tuple[int, int]:
     return max(1, round(scale * scene.width)), max(1, round(scale * scene.height))
 
 
-class _Painter:
+class Painter:
     """Paints shapes on an image that is `samples` times as large as the picture will be."""
 
     def __init__(self, image: Image.Image, scene: Scene, samples: int) -> None:

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
 import pytest
 
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.render.scene.build import build_base
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.colors import contrast
+from babyrobot_levels.render.page_tables import good_ends
+from babyrobot_levels.render.raster import polylines, to_rgb
+from babyrobot_levels.render.scene.build import build_base, build_scene
+from babyrobot_levels.render.scene.effects import End, effects_of
+from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.shapes import Path, Shape, Text
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Shape, Text
 
 MARGIN = 3
 """The default theme's free space: half of its outer wall, in whole pixels."""
@@ -69,3 +79,259 @@ def test_glass_has_more_gaps_the_more_often_it_lets_the_robot_through() -> None:
         return share
 
     assert gap(0.1) < gap(0.5) < gap(0.99)
+
+
+# -- ends ----------------------------------------------------------------------------------
+
+
+def ends(**fields: Any) -> dict[tuple[int, int], End]:
+    return effects_of(level(**fields)).ends
+
+
+def test_an_end_is_good_if_it_pays() -> None:
+    areas = [
+        {"at": [1, 1], "reward": 20, "ends": True},
+        {"at": [2, 2], "reward": 3, "ends": True},
+        {"at": [3, 3], "reward": -10, "ends": True},
+    ]
+    assert ends(areas=areas, exit="none") == {
+        (1, 1): End(is_good=True, costs=False, strength=3),
+        (2, 2): End(is_good=True, costs=False, strength=1),
+        (3, 3): End(is_good=False, costs=True, strength=2),
+    }
+
+
+@pytest.mark.parametrize(
+    ("reward", "step", "exit_reward", "is_good"),
+    [
+        # A frozen lake: the hole pays nothing, the exit something.
+        (0, 0, 1, False),
+        # It is not what the exit is for.
+        (0, -1, 0, False),
+        # There is no better end.
+        (0, -1, None, True),
+        (-1, -1, None, True),
+    ],
+)
+def test_an_end_that_pays_nothing_is_good_only_if_there_are_no_exits_and_none_pays_more(
+    reward: float, step: float, exit_reward: float | None, is_good: bool
+) -> None:
+    fields: dict[str, Any] = {"areas": [{"at": [1, 1], "reward": reward, "ends": True}]}
+    if exit_reward is None:
+        fields |= {"exit": "none", "rewards": {"step": step}}
+    else:
+        fields |= {"rewards": {"step": step, "exit": exit_reward}}
+    (end,) = ends(**fields).values()
+    assert end.is_good == is_good
+
+
+@pytest.mark.parametrize("name", ["treasure-chests", "frozen-lake", "russell-norvig-4x3"])
+def test_pictures_and_pages_take_the_same_ends_for_good(name: str) -> None:
+    mdp, found = load(name).compile(), effects_of(load(name)).ends
+    _, least = good_ends(load(name))
+    entered = (mdp.probability > 0) & mdp.terminal & ~mdp.is_terminal[:, None, None]
+    paid = dict(zip(mdp.next_state[entered].tolist(), mdp.reward[entered].tolist(), strict=True))
+    assert found
+    for (x, y), end in found.items():
+        assert end.is_good == (paid[y * mdp.width + x] >= least)
+
+
+def test_exits_blocked_cells_and_warps_are_no_ends_of_areas() -> None:
+    fields = {
+        "areas": [{"at": [1, 1], "size": [4, 4], "ends": True}],
+        "blocked": [{"at": [1, 1], "size": [4, 3]}],
+        "warps": [{"at": [1, 4], "to": [0, 0]}],
+    }
+    assert set(ends(**fields)) == {(2, 4), (3, 4)}
+
+
+# -- rewards -------------------------------------------------------------------------------
+
+
+def test_areas_pay_or_cost_beside_a_plain_step() -> None:
+    areas = [
+        {"at": [1, 0], "reward": 9},
+        {"at": [2, 0], "reward": -3},
+        {"at": [3, 0], "reward": -21},
+        {"at": [1, 1], "reward": -1},
+        {"at": [2, 1], "reward": -0.5},
+    ]
+    found = effects_of(level(areas=areas))
+    # That of (2, 1) is only cheaper than other cells.
+    assert found.pays == {(1, 0): 2}
+    assert found.costs == {(2, 0): 1, (3, 0): 3}
+
+
+def test_a_price_that_is_the_same_everywhere_is_not_shown() -> None:
+    areas = [{"at": [0, 0], "size": [5, 5], "reward": -4}, {"at": [2, 2], "reward": -7}]
+    found = effects_of(level(areas=areas))
+    assert (found.pays, set(found.costs)) == ({}, {(2, 2)})
+
+
+def test_puddles_and_exits_have_no_signs() -> None:
+    fields = {
+        "areas": [{"at": [3, 4], "size": [2, 1], "reward": -4}],
+        "puddles": [{"at": [3, 4]}],
+        "skid": 0.3,
+    }
+    found = effects_of(level(**fields))
+    assert found.costs == {}
+    assert not {(3, 4), (4, 4)} & set(found.skids)
+
+
+def test_the_reward_of_a_warp_replaces_that_of_its_cell() -> None:
+    fields = {
+        "areas": [{"at": [1, 0], "size": [3, 1], "reward": -4}],
+        "warps": [
+            {"at": [1, 0], "to": "start", "reward": -100},
+            {"at": [2, 0], "to": [4, 0]},
+            {"at": [3, 0], "to": [4, 0], "when": "leave", "reward": 10},
+        ],
+    }
+    found = effects_of(level(**fields))
+    assert found.costs == {(1, 0): 3}
+    assert found.pays == {(3, 0): 1}
+
+
+# -- slippery cells and wind ---------------------------------------------------------------
+
+
+def test_glints_tell_the_chance_to_skid_coarsely() -> None:
+    areas = [
+        {"at": [0, 0], "size": [5, 1], "skid": 0},
+        {"at": [0, 1], "size": [5, 1], "skid": 0.3},
+        {"at": [0, 2], "size": [5, 1], "skid": 0.9},
+    ]
+    found = effects_of(level(areas=areas, skid={"probability": 0.1, "to": "sides"})).skids
+    assert {y: {found.get((x, y)) for x in range(4)} for y in range(5)} == {
+        0: {None},
+        1: {2},
+        2: {3},
+        3: {1},
+        4: {1},
+    }
+
+
+@pytest.mark.parametrize("cell", [8, 16, 64])
+def test_a_slippery_level_looks_unlike_a_dry_one_at_any_size(cell: int) -> None:
+    wet, dry = (
+        to_rgb(build_scene(load(name), cells_only=True), (4 * cell, 4 * cell)).astype(int)
+        for name in ("frozen-lake", "frozen-lake-dry")
+    )
+    difference = np.abs(wet - dry).max(axis=2).reshape(4, cell, 4, cell).max(axis=(1, 3))
+    slippery = effects_of(load("frozen-lake")).skids
+    assert {(x, y) for y, x in np.argwhere(difference > 20)} == set(slippery)
+
+
+def test_wind_is_not_shown_where_the_robot_is_not_left_to_it() -> None:
+    fields = {
+        "wind": {"north": [1] * 5, "east": [0, 0, 2, 0, 0]},
+        "areas": [{"at": [0, 2], "ends": True}],
+        "blocked": [{"at": [1, 2]}],
+        "warps": [{"at": [2, 2], "to": [0, 0]}],
+    }
+    found = effects_of(level(**fields)).winds
+    assert {cell: push for cell, push in found.items() if cell[1] == 2} == {
+        (3, 2): (2, -1),
+        (4, 2): (2, -1),
+    }
+    assert (4, 4) not in found
+
+
+# -- pictures ------------------------------------------------------------------------------
+
+MARKS = {
+    "chest": {"ends": True, "reward": 5},
+    "hole": {"ends": True, "reward": 0},
+    "trap": {"ends": True, "reward": -5},
+    "plus": {"reward": 5},
+    "minus": {"reward": -5},
+}
+
+
+def marked(kind: str, size: list[int]) -> Any:
+    rewards = {"step": -1, "exit": 1}
+    return level(rewards=rewards, areas=[{"at": [1, 1], "size": size, **MARKS[kind]}])
+
+
+def test_each_mark_is_another_figure() -> None:
+    plain = level(rewards={"step": -1, "exit": 1})
+    pictures = {kind: tuple(added(marked(kind, [1, 1]), plain)) for kind in MARKS}
+    assert all(pictures.values())
+    assert len({*pictures.values()}) == len(MARKS)
+
+
+@pytest.mark.parametrize("kind", MARKS)
+def test_many_marks_are_as_many_shapes_as_one(kind: str) -> None:
+    plain = level(rewards={"step": -1, "exit": 1})
+    one, many = (added(marked(kind, size), plain) for size in ([1, 1], [3, 2]))
+    assert len(many) == len(one)
+
+
+@pytest.mark.parametrize("kind", MARKS)
+def test_marks_have_a_rim_and_an_outline_of_which_one_stands_out_on_any_ground(kind: str) -> None:
+    rim, outline, *_ = added(marked(kind, [1, 1]), level(rewards={"step": -1, "exit": 1}))
+    assert isinstance(rim, Path)
+    assert isinstance(outline, Path)
+    assert (rim.stroke, outline.stroke or outline.fill) == (RIM, INK)
+    grays = [f"#{gray:02x}{gray:02x}{gray:02x}" for gray in range(256)]
+    assert all(max(contrast(RIM, ground), contrast(INK, ground)) >= 3 for ground in grays)
+
+
+def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
+    fields = {
+        "areas": [{"at": [1, 1], "reward": -5}],
+        "wind": {"north": [0, 0, 2, 0, 0]},
+        "warps": [{"at": [3, 1], "to": "start", "when": "leave"}],
+    }
+    answers = Overlay(actions=[[(Action.EAST,)] * 5] * 5)
+    shapes = set(build_base(level(**fields), overlay=answers).shapes)
+    shapes -= set(build_base(level(), overlay=answers).shapes)
+    points = [
+        ((x - MARGIN) % CELL, (y - MARGIN) % CELL)
+        for shape in shapes
+        if isinstance(shape, Path)
+        for line, _ in polylines(shape.commands)
+        for x, y in line
+    ]
+    assert points
+    assert not [(x, y) for x, y in points if 24 < x < 40 and 24 < y < 40]
+
+
+# -- warps ---------------------------------------------------------------------------------
+
+
+def shaft(world: Any) -> list[tuple[float, float]]:
+    """Return the line of the only arrow."""
+    color = world.resolved_theme.colors.arrows
+    shapes = build_base(world).shapes
+    (path,) = [s for s in shapes if isinstance(s, Path) and s.stroke == color]
+    ((points, _),) = polylines(path.commands)
+    return points
+
+
+@pytest.mark.parametrize(
+    ("at", "to"), [([1, 0], [1, 4]), ([3, 4], [3, 0]), ([0, 4], [4, 4]), ([4, 4], [0, 1])]
+)
+@pytest.mark.parametrize("text", ["A", "label"])
+def test_arrows_of_warps_go_around_the_labels_of_their_targets(
+    at: list[int], to: list[int], text: str
+) -> None:
+    label = {"at": to, "label": text, "color": "gold"}
+    world = level(warps=[{"at": at, "to": to}], areas=[label], exit="none", start=[2, 2])
+    (name,) = [s for s in build_base(world).shapes if isinstance(s, Text) and s.text == text]
+    half = name.size * 0.3 * len(text)
+    for x, y in shaft(world):
+        assert not (abs(x - name.x) < half and name.y - name.size < y < name.y)
+        assert MARGIN < x < MARGIN + 5 * CELL
+        assert MARGIN < y < MARGIN + 5 * CELL
+
+
+def test_a_ring_has_room_for_the_sign_of_its_reward() -> None:
+    warp = {"at": [1, 1], "to": [3, 3], "when": "leave", "reward": 5}
+    world = level(warps=[warp])
+    *_, inner = [s for s in build_base(world).shapes if isinstance(s, Ellipse) and s.rx == s.ry]
+    (line,) = [s for s in build_base(world).shapes if isinstance(s, Path) and s.stroke == INK]
+    points = [point for part, _ in polylines(line.commands) for point in part]
+    reach = max(math.dist(point, (inner.x, inner.y)) for point in points) + line.width / 2
+    assert reach <= inner.rx

@@ -60,7 +60,7 @@ def monte_carlo(
         ValueError: another argument has an invalid value.
     """
     check_counts(episodes=episodes, every=every)
-    problem = read_problem(level, discount, actions)
+    problem = read_problem(level, discount, actions, "episode")
     sampler = _Sampler(problem, problem.weights(policy), np.random.default_rng(check_seed(seed)))
     return _estimates(problem, sampler, episodes, first_visit, every)
 
@@ -162,7 +162,7 @@ def q_learning(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
-    problem = read_problem(level, discount, actions)
+    problem = read_problem(level, discount, actions, "episode")
     agent = _Agent(problem, step_size, epsilon, seed)
     return _trials(agent, agent.q_learning_episode, episodes, every)
 
@@ -199,7 +199,7 @@ def sarsa(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
-    problem = read_problem(level, discount, actions)
+    problem = read_problem(level, discount, actions, "episode")
     agent = _Agent(problem, step_size, epsilon, seed)
     return _trials(agent, agent.sarsa_episode, episodes, every)
 

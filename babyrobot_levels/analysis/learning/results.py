@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,24 @@ from babyrobot_levels.analysis.solver.policies import Policy, read_policy
 from babyrobot_levels.analysis.solver.results import StateResult, check_actions, check_discount
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Run:
+    """What all results of one run of an algorithm share.
+
+    Attributes:
+        level: the level.
+        discount: the discount.
+        unit: what the results are numbered by: `"sweep"`, `"round"` or `"episode"`.
+        estimates: the number of each result so far, and its estimate of the return from the starts.
+    """
+
+    level: Level
+    discount: float
+    unit: str
+    estimates: list[tuple[int, float]] = field(default_factory=list)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +51,8 @@ class Sweep(StateResult):
             else that takes a policy respects.
         delta: the largest change of an estimate since the sweep before; inf for number 0.
         actions: `"all"`, `"moves"` or `"turns"`.
+        run: what it shares with the other results of the same run; None in what earlier versions
+            pickled.
     """
 
     __module__ = "babyrobot_levels"
@@ -42,6 +62,12 @@ class Sweep(StateResult):
     policy: Ints
     delta: float
     actions: str
+    run: Run | None = field(default=None, kw_only=True)
+
+    @property
+    def level(self) -> Level | None:
+        """The level; None in what earlier versions pickled."""
+        return None if self.run is None else self.run.level
 
     @property
     def first_action(self) -> int:
@@ -77,7 +103,12 @@ class Problem:
 
     space: StateSpace
     model: Model
-    discount: float
+    run: Run
+
+    @property
+    def discount(self) -> float:
+        """The discount."""
+        return self.run.discount
 
     @property
     def max_steps(self) -> int:
@@ -112,15 +143,17 @@ class Problem:
         """
         if policy is None:
             policy = self.greedy(self.model.action_values(values, self.discount))
+        self.run.estimates.append((number, self.space.at_start(self.model, values)))
         states = self.space.spread(self.model, values)
-        return Sweep(number, states, self._policy(policy), delta, self.space.actions)
+        return Sweep(number, states, self._policy(policy), delta, self.space.actions, run=self.run)
 
     def trials(self, number: int, ahead: Floats, delta: float, returns: list[float]) -> Trials:
         """Return the `Trials` of some action values, `[n, actions]`."""
         states = self.space.spread(self.model, ahead.max(axis=1))
         rows = self.space.spread(self.model, ahead)
         policy, actions = self._policy(self.greedy(ahead)), self.space.actions
-        return Trials(number, states, policy, delta, actions, rows, np.array(returns))
+        table = np.array(returns)
+        return Trials(number, states, policy, delta, actions, rows, table, run=self.run)
 
     def _policy(self, policy: Ints) -> Ints:
         mdp = self.space.mdp
@@ -129,8 +162,14 @@ class Problem:
         return states.reshape(mdp.shape)
 
 
-def read_problem(level: Any, discount: float | None, actions: str) -> Problem:
+def read_problem(level: Any, discount: float | None, actions: str, unit: str) -> Problem:
     """Return the problem of learning a level.
+
+    Args:
+        level: a name, a path, a mapping or a `Level`.
+        discount: above 0 and at most 1; by default, the level's.
+        actions: `"all"`, `"moves"` or `"turns"`.
+        unit: what results are numbered by: `"sweep"`, `"round"` or `"episode"`.
 
     Raises:
         LevelNotFoundError: there is no such level.
@@ -139,7 +178,8 @@ def read_problem(level: Any, discount: float | None, actions: str) -> Problem:
     """
     level = load(level)
     space = space_of(level, actions)
-    return Problem(space, space.model(), check_discount(discount, level.discount))
+    run = Run(level, check_discount(discount, level.discount), unit)
+    return Problem(space, space.model(), run)
 
 
 def check_counts(**counts: int) -> None:

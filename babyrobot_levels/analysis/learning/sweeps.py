@@ -52,7 +52,7 @@ def value_iteration(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
-    problem = read_problem(level, discount, actions)
+    problem = read_problem(level, discount, actions, "sweep")
     return _sweeps(problem, problem.model, tolerance, max_sweeps)
 
 
@@ -84,7 +84,7 @@ def policy_evaluation(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
-    problem = read_problem(level, discount, actions)
+    problem = read_problem(level, discount, actions, "sweep")
     chain = problem.model.mixed(problem.weights(policy))
     return _sweeps(problem, chain, tolerance, max_sweeps)
 
@@ -120,7 +120,7 @@ def policy_iteration(
             goes on for ever while rewards cancel out.
     """
     check_counts(max_sweeps=max_sweeps)
-    return _rounds(read_problem(level, discount, actions), max_sweeps)
+    return _rounds(read_problem(level, discount, actions, "round"), max_sweeps)
 
 
 def _sweeps(problem: Problem, model: Model, tolerance: float, max_sweeps: int) -> Iterator[Sweep]:

@@ -116,6 +116,7 @@ def evaluation_of(
         actions=actions,
         diverging_cells=space.cells(diverging),
         diverging_condition=space.condition(diverging),
+        level=level,
     )
 
 

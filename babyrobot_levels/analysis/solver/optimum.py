@@ -113,6 +113,7 @@ def solve(
         method="policy iteration",
         iterations=found.rounds,
         residual=float(np.abs(found.values[finite] - best[finite]).max(initial=0.0)),
+        level=level,
     )
 
 

@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
 from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.text.errors import BabyRobotError
 
@@ -141,7 +143,7 @@ class Result:
                 values[name] = PolicyArray(values[name], values["actions"])
 
 
-class StateResult(Result):
+class StateResult(Shown, Result):
     """A result with arrays over states."""
 
     def at(self, configuration: int, heading: str | None = None) -> Self:
@@ -208,6 +210,7 @@ class Evaluation(StateResult):
         within: the number of steps after which episodes are truncated; None for no limit. With a
             limit, values are those with all of these steps left, `expected_steps` counts up to
             the limit, and `exit_probability` is that of reaching an exit in time.
+        level: the level; None in what earlier versions pickled.
     """
 
     __module__ = "babyrobot_levels"
@@ -222,6 +225,7 @@ class Evaluation(StateResult):
     diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
     diverging_condition: str = field(default="", kw_only=True)
     within: int | None = field(default=None, kw_only=True)
+    level: Level | None = field(default=None, kw_only=True)
 
     @property
     def first_action(self) -> int:

@@ -96,6 +96,7 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
         discount=discount,
         actions=space.actions,
         within=steps,
+        level=space.level,
         greedy=table.reshape(*mdp.shape, -1),
         policy=policies[0].astype(np.int64).reshape(mdp.shape),
         policies=policies.reshape(steps, *mdp.shape),
@@ -150,6 +151,7 @@ def evaluate_within(space: StateSpace, policy: Any, discount: float, steps: int)
         discount=discount,
         actions=space.actions,
         within=steps,
+        level=space.level,
     )
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.language.moves import Warp
+from babyrobot_levels.render.colors import rim_on
+from babyrobot_levels.render.scene.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
@@ -20,128 +21,231 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import ICON, Box, Slots
+from babyrobot_levels.render.scene.slots import ICON, Box, Cell, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WIDTH = 3.0
 _HEAD = 11.0
-_HALO = 2.0
+_RIM = 1.8
 _RING = 9.0
+_DOT_RING, _SIGN_RING = (10.5, _RING, 6.0, 3.0), (15.5, 13.5, 10.5)
+"""The radii of the discs of a ring, from the bottom up: with a dot in it, and with a sign."""
+
+_SHRINK = 0.7
+"""How much rings and chevrons shrink with their boxes: 1 is in proportion."""
+
+_WAYS = ((0.16, 0.0), (0.06, 0.0), (0.16, 48.0), (0.16, 96.0))
+"""The ways of arrows, the best one first: how far they bow, as a share of their length, and from
+how far beside their targets they arrive, in pixels; 0 leaves that to the bow."""
+
+_AWAY = 4.0
+"""How far arrows keep away from labels and from the border, if they can, in pixels."""
+
+_FARTHEST = 2 * CELL
+"""How far an arrow may bow beyond its ends, in pixels."""
+
 _MAX_CHEVRONS = 3
 
 Dash = tuple[float, float] | None
+Commands = tuple[Command, ...]
 
 
-def warp_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
+def warp_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, effects: Effects
+) -> Iterator[Shape]:
     """Yield the warps: an arrow from a ring to a cell, or a turning one for the start.
 
-    A warp that acts on entering is drawn solid, one that acts on leaving dashed.
+    A warp that acts on entering is drawn solid, one that acts on leaving dashed. Arrows keep away
+    from the labels of areas, and rings have room for the sign of what a warp pays or costs.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: where rings and heads of arrows are.
+        effects: what its cells do.
     """
-    colors = level.resolved_theme.colors
-    rings = {warp.at for warp in level.warps}
+    color = level.resolved_theme.colors.arrows
+    rim = rim_on([color])
     for warp in level.warps:
-        centre = slots.icon(warp.at).centre
+        box = slots.icon(warp.at)
+        centre, size = box.centre, _scale(box)
         dash = (6.0, 4.0) if warp.when == "leave" else None
         if isinstance(warp.to, str):
-            yield from _turning_arrow(centre, colors, dash)
-        else:
-            if warp.to != warp.at:
-                target = slots.icon(warp.to).centre
-                gap = _RING + 3 if warp.to in rings else 0.0
-                yield from _arrow(centre, target, gap, colors, dash)
-            for radius, fill in ((_RING, colors.arrows), (6.0, colors.base), (3.0, colors.arrows)):
-                yield Ellipse(*centre, radius, radius, fill)
+            yield from _outlined(*_turning_arrow(centre, size), color, rim, dash)
+            continue
+        if warp.to != warp.at:
+            yield from _outlined(*_arrow(level, layout, slots, warp), color, rim, dash)
+        has_sign = warp.at in effects.pays or warp.at in effects.costs
+        for number, radius in enumerate(_SIGN_RING if has_sign else _DOT_RING):
+            fill = color if number % 2 else rim
+            yield Ellipse(*centre, size * radius, size * radius, fill)
 
 
-def _turning_arrow(centre: Point, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield an arrow that turns clockwise."""
-    x, y = centre[0], centre[1] + 4
-    r, k = 11.0, 11.0 * QUARTER
-    shaft: tuple[Command, ...] = (
+def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells in which texts may lie on puddles, arrows of warps or tracks of movers."""
+    cells = {puddle.at for puddle in level.puddles} | _crossed_cells(level, layout, slots)
+    for mover in level.movers:
+        if mover.within is not None:
+            (left, top), (width, height) = mover.within.at, mover.within.size
+            cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
+        cells.update(mover.path or ())
+    return cells
+
+
+def _scale(box: Box) -> float:
+    """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
+    return (box.width / ICON) ** _SHRINK
+
+
+def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
+    """Return shaft and head of an arrow that turns clockwise."""
+    x, y = centre[0], centre[1] + 2 * size
+    r, k, h = 11.0 * size, 11.0 * size * QUARTER, 6.0 * size
+    shaft: Commands = (
         ("M", (x + r, y)),
         ("C", (x + r, y + k, x + k, y + r, x, y + r)),
         ("C", (x - k, y + r, x - r, y + k, x - r, y)),
         ("C", (x - r, y - k, x - k, y - r, x, y - r)),
     )
-    head = polygon([(x - 1, y - r - 6), (x - 1, y - r + 6), (x + 8, y - r)])
-    yield from _halo(shaft, head, colors.base)
-    yield Path(shaft, stroke=colors.arrows, width=_WIDTH, dash=dash)
-    yield Path(head, fill=colors.arrows)
+    return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
 
 
-def _arrow(start: Point, end: Point, gap: float, colors: Colors, dash: Dash) -> Iterator[Shape]:
-    """Yield a bowed arrow; `gap` is the distance in pixels from its tip to `end`."""
-    length = math.dist(start, end)
-    along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
-    bow = min(0.16 * length, CELL)
-    control = (
-        (start[0] + end[0]) / 2 + bow * along_y,
-        (start[1] + end[1]) / 2 - bow * along_x,
-    )
-    reach = math.dist(control, end)
-    toward_x, toward_y = (end[0] - control[0]) / reach, (end[1] - control[1]) / reach
-    tip = (end[0] - gap * toward_x, end[1] - gap * toward_y)
-    neck = (tip[0] - 0.8 * _HEAD * toward_x, tip[1] - 0.8 * _HEAD * toward_y)
-    back = (tip[0] - _HEAD * toward_x, tip[1] - _HEAD * toward_y)
-    half = 0.5 * _HEAD
-    shaft = curve(start, control, neck)
-    head = polygon(
-        [
-            tip,
-            (back[0] - half * toward_y, back[1] + half * toward_x),
-            neck,
-            (back[0] + half * toward_y, back[1] - half * toward_x),
-        ]
-    )
-    yield from _halo(shaft, head, colors.base)
-    yield Path(shaft, stroke=colors.arrows, width=_WIDTH, dash=dash)
-    yield Path(head, fill=colors.arrows)
+def _crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells that the arrows of warps cross."""
+    return {
+        layout.cell(point)
+        for warp in level.warps
+        if not isinstance(warp.to, str) and warp.to != warp.at
+        for point in _points(_arrow(level, layout, slots, warp)[0])
+    }
 
 
-def _halo(shaft: tuple[Command, ...], head: tuple[Command, ...], color: str) -> Iterator[Shape]:
-    """Yield the outline that sets an arrow off where it crosses puddles and areas."""
-    yield Path(shaft, stroke=color, width=_WIDTH + 2 * _HALO, opacity=0.6)
-    yield Path(head, stroke=color, width=2 * _HALO, opacity=0.6)
-
-
-def wind_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
-    """Yield chevrons where the wind blows: one for each cell that it pushes, at most three."""
-    if level.wind is None:
-        return
-    south, east = shifts(level.wind, layout.columns, layout.rows)
-    still = {*level.exits}
-    blocked = level.grid().blocked_cells
-    commands = [
-        command
-        for y in range(layout.rows)
-        for x in range(layout.columns)
-        if (east[y] or south[x]) and (x, y) not in still and not blocked[y * layout.columns + x]
-        for command in _chevrons(slots.icon((x, y)), east[y], south[x])
+def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[Commands, Commands]:
+    """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
+    start, target = slots.icon(warp.at).centre, slots.icon(warp.to)
+    end = target.centre
+    has_ring = any(other.at == warp.to for other in level.warps)
+    gap = _RING * _scale(target) + 4 if has_ring else 0.0
+    left, right = sorted((start[0], end[0]))
+    top, bottom = sorted((start[1], end[1]))
+    near = [
+        Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
+        for box, _, _ in slots.labels
+        if left - _FARTHEST < box.right
+        and box.left < right + _FARTHEST
+        and top - _FARTHEST < box.bottom
+        and box.top < bottom + _FARTHEST
     ]
-    if commands:
-        yield Path(
-            tuple(commands),
-            stroke=level.resolved_theme.colors.arrows,
-            width=2.5,
-            cap="round",
-            opacity=0.55,
+    edge, width, height = layout.margin + _AWAY, layout.grid_width, layout.grid_height
+    grid = Box(edge, edge, edge + width - 2 * _AWAY, edge + height - 2 * _AWAY)
+
+    def bad(parts: tuple[Commands, Commands]) -> int:
+        """Return how many points of the shaft lie outside of the grid or on labels."""
+        return sum(
+            not _is_in(point, grid) or any(_is_in(point, box) for box in near)
+            for point in _points(parts[0])
         )
 
+    ways = (
+        _bowed(start, end, gap, side * bow, side * reach)
+        for bow, reach in _WAYS
+        for side in (1, -1)
+    )
+    return min(ways, key=bad)
 
-def _chevrons(box: Box, east: int, south: int) -> Iterator[Command]:
-    centre, scale = box.centre, min(1.0, 1.3 * box.width / ICON)
+
+def _is_in(point: Point, box: Box) -> bool:
+    return box.left < point[0] < box.right and box.top < point[1] < box.bottom
+
+
+def _bowed(
+    start: Point, end: Point, gap: float, bow: float, reach: float
+) -> tuple[Commands, Commands]:
+    """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side.
+
+    Args:
+        start: where it begins.
+        end: where it points to.
+        gap: the distance in pixels from its tip to `end`.
+        bow: how far it bows.
+        reach: from how far it arrives.
+    """
+    length = math.dist(start, end)
+    along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
+    away = max(-CELL, min(bow * length, CELL))
+    middle = (
+        (start[0] + end[0]) / 2 + away * along_y,
+        (start[1] + end[1]) / 2 - away * along_x,
+    )
+    control = (end[0] + reach * along_y, end[1] - reach * along_x) if reach else middle
+    distance = math.dist(control, end)
+    toward_x, toward_y = (end[0] - control[0]) / distance, (end[1] - control[1]) / distance
+
+    def behind(back: float, aside: float = 0.0) -> Point:
+        """Return a point so many pixels behind the tip, and beside the arrow."""
+        back += gap
+        return (
+            end[0] - back * toward_x - aside * toward_y,
+            end[1] - back * toward_y + aside * toward_x,
+        )
+
+    neck = behind(0.8 * _HEAD)
+    head = polygon([behind(0), behind(_HEAD, 0.5 * _HEAD), neck, behind(_HEAD, -0.5 * _HEAD)])
+    if not reach:
+        return curve(start, middle, neck), head
+    return (("M", start), ("C", (*middle, *control, *neck))), head
+
+
+def _points(shaft: Commands) -> Iterator[Point]:
+    """Yield points along a shaft, less than half a cell apart."""
+    (_, (x0, y0)), (_, (x1, y1, x2, y2, x3, y3)) = shaft
+    count = math.ceil(4 * math.dist((x0, y0), (x3, y3)) / CELL)
+    for step in range(count + 1):
+        t = step / count
+        u = 1 - t
+        a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
+        yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
+
+
+def _outlined(shaft: Commands, head: Commands, color: str, rim: str, dash: Dash) -> Iterator[Shape]:
+    """Yield an arrow with the rim that sets it off on puddles and areas."""
+    yield Path(shaft, stroke=rim, width=_WIDTH + 2 * _RIM)
+    yield Path(head, stroke=rim, width=2 * _RIM)
+    yield Path(shaft, stroke=color, width=_WIDTH, dash=dash)
+    yield Path(head, fill=color)
+
+
+def wind_shapes(winds: Mapping[Cell, tuple[int, int]], slots: Slots, color: str) -> Iterator[Shape]:
+    """Yield chevrons where the wind blows: one for each cell that it pushes, at most three.
+
+    Args:
+        winds: how far the wind pushes in each cell, east and south.
+        slots: where the chevrons are.
+        color: their colour.
+    """
+    by_size: dict[float, list[Command]] = {}
+    for cell, (east, south) in winds.items():
+        box = slots.icon(cell)
+        commands = by_size.setdefault(_scale(box), [])
+        commands += _chevrons(box.centre, _scale(box), east, south)
+    for size, commands in by_size.items():
+        lines, width = tuple(commands), 3.4 * size
+        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round")
+        yield Path(lines, stroke=color, width=width, cap="round")
+
+
+def _chevrons(centre: Point, size: float, east: int, south: int) -> Iterator[Command]:
     strength = math.hypot(east, south)
-    along_x, along_y = east / strength, south / strength
+    along_x, along_y = size * east / strength, size * south / strength
     count = min(max(abs(east), abs(south)), _MAX_CHEVRONS)
     for index in range(count):
-        middle = 11 * (index - (count - 1) / 2)
-        points = ((middle - 3, -7), (middle + 3, 0), (middle - 3, 7))
+        middle = 10 * (index - (count - 1) / 2)
         yield from polyline(
             (
-                centre[0] + scale * (along * along_x - across * along_y),
-                centre[1] + scale * (along * along_y + across * along_x),
+                centre[0] + along * along_x - across * along_y,
+                centre[1] + along * along_y + across * along_x,
             )
-            for along, across in points
+            for along, across in ((middle - 4.5, -11), (middle + 4.5, 0), (middle - 4.5, 11))
         )

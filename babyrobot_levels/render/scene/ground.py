@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.runs import rectangles, runs
+from babyrobot_levels.render.colors import GRAPHICS, contrast, ink_on, rim_on
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     Command,
@@ -34,7 +36,7 @@ _EDGE = 3.0
 def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the ground, from the bottom up."""
     colors = level.resolved_theme.colors
-    blocked = level.grid().blocked_cells
+    blocked, grounds = level.grid().blocked_cells, CellGrounds(level)
     yield Rect(layout.margin, layout.margin, layout.grid_width, layout.grid_height, colors.base)
     for area in level.areas:
         if area.color is not None:
@@ -42,11 +44,11 @@ def ground_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     yield from _blocked(layout, blocked, colors.blocked)
     for cell in level.starts:
         yield _cells(layout, cell, (1, 1), colors.start)
-        yield from _pad(layout, cell, colors.start_text)
+        yield from pad_shapes(layout, cell, ink_on([grounds[cell]], colors.start_text))
     # A drawn exit is another one in each episode.
     for cell in level.exits if level.exit_one_of is None else ():
         yield _cells(layout, cell, (1, 1), colors.exit)
-        yield from flag_shapes(layout, cell, colors.exit_text)
+        yield from flag_shapes(layout, cell, ink_on([grounds[cell]], colors.exit_text))
 
 
 def line_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -60,10 +62,10 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
     return Rect(*layout.corner(*at), size[0] * CELL, size[1] * CELL, fill)
 
 
-def _pad(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
+def pad_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
     """Yield the pad of a start."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-    for radius, opacity in ((20, 0.25), (12, 0.35)):
+    for radius, opacity in ((20, 0.15), (12, 0.9)):
         yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
 
 
@@ -139,11 +141,12 @@ _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
 """The waves of the outline: how many in one turn, and their height as a share of the radius."""
 _WHITE = "#ffffff"
 _SHORE = "#000000"
+_SHORE_WIDTH = 1.5
 
 
 def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the puddles: water, a lighter middle, a highlight, and drops beside small ones."""
-    fill = level.resolved_theme.colors.puddle
+    fill, grounds = level.resolved_theme.colors.puddle, CellGrounds(level)
     for puddle in level.puddles:
         x, y = puddle.at
         centre_x, centre_y = layout.corner(x + 0.5, y + 0.5)
@@ -151,8 +154,11 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         outline = _puddle_outline(x, y, radius)
         if puddle.size == "small":
             yield from _drops(x, y, centre_x, centre_y, radius, fill)
+        shore, strength = _SHORE, 0.22
+        if contrast(fill, ground := grounds[puddle.at]) < GRAPHICS:
+            shore, strength = rim_on([ground]), 1.0
         for scale, colour, opacity in (
-            (1.06, _SHORE, 0.22),
+            (1.06, shore, strength),
             (1.0, fill, 1.0),
             (0.74, _WHITE, 0.16),
         ):
@@ -167,6 +173,30 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             _WHITE,
             0.7,
         )
+
+
+def shore_shapes(
+    level: GridWorld, layout: Layout, grounds: Callable[[tuple[int, int]], Iterable[str]]
+) -> Iterator[Shape]:
+    """Yield what sets puddles off from other grounds than the level's own, such as a heat map.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        grounds: returns the colours of the ground in a cell.
+    """
+    fill = level.resolved_theme.colors.puddle
+    for puddle in level.puddles:
+        faint = [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]
+        if faint:
+            x, y = layout.corner(puddle.at[0] + 0.5, puddle.at[1] + 0.5)
+            radius = _RADIUS[puddle.size]
+            outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
+            points = [(x + dx, y + dy) for dx, dy in outline]
+            rim = rim_on(faint)
+            yield Path(smooth(points), fill=rim)
+            if puddle.size == "small":
+                yield from _drops(*puddle.at, x, y, radius, rim, _SHORE_WIDTH)
 
 
 def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
@@ -187,13 +217,13 @@ def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
 
 
 def _drops(
-    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str
+    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str, more: float = 0.0
 ) -> Iterator[Shape]:
     angle = 2 * math.pi * _noise(x, y, 200)
     for turn, size, distance in ((0.0, 3.4, 1.55), (0.75, 2.2, 1.5)):
         drop_x = centre_x + distance * radius * math.cos(angle + turn)
         drop_y = centre_y + _FLATTEN * distance * radius * math.sin(angle + turn)
-        yield Ellipse(drop_x, drop_y, size, _FLATTEN * size, fill)
+        yield Ellipse(drop_x, drop_y, size + more, _FLATTEN * size + more, fill)
 
 
 def _highlight(centre_x: float, centre_y: float, radius: float) -> Path:

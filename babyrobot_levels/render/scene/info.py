@@ -100,6 +100,7 @@ def flat_overlay(given: Mapping[str, Any], level: GridWorld) -> Overlay:
     return Overlay(
         values=_values(given["values"], level) if "values" in given else None,
         actions=policy_actions(given["policy"], level) if "policy" in given else None,
+        probabilities=_probabilities(given["policy"], level) if "policy" in given else None,
         action_values=(
             _action_values(given["action_values"], level) if "action_values" in given else None
         ),
@@ -198,6 +199,30 @@ def policy_actions(policy: Any, level: GridWorld) -> list[list[tuple[Action, ...
         return [[_most_likely(cell) for cell in row] for row in rows]
     rows = cells_of(table, "policy", level)
     return [[tuple(sorted(_actions(cell, first or 0))) for cell in row] for row in rows]
+
+
+def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]] | None:
+    """Return the probability of each action in each cell; None where these are all equal."""
+    if hasattr(policy, "greedy"):
+        return None
+    table, _ = unwrapped_policy(policy)
+    table = getattr(table, "policy", table)
+    if len(shape_of(table, 3)) != 3 or not hasattr(table, "shape"):
+        return None
+    rows = [
+        [
+            {
+                NUM_ACTIONS - len(cell) + index: number
+                for index, weight in enumerate(cell)
+                if (number := number_of(weight, "policy"))
+            }
+            for cell in row
+        ]
+        for row in cells_of(table, "policy", level, deep=True)
+    ]
+    # Flags, and probabilities that are all equal, have nothing to tell by lengths.
+    is_told = any(len(set(cell.values())) > 1 for row in rows for cell in row)
+    return rows if is_told else None
 
 
 def _most_likely(weights: Sequence[Any]) -> tuple[Action, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_KEYS = ("values", "visits", "action_values", "policy")
-"""The keys of arrays over cells."""
+_KEYS = {"values": (0,), "visits": (0,), "action_values": (1,), "policy": (0, 1)}
+"""The keys of arrays over cells, with the numbers of axes that may come after the cells."""
 
 _CACHED = 64
 """The number of overlays that are cached."""
@@ -54,6 +54,16 @@ class InfoParts:
         found = ((key, _array_of(self.info, key, self.level)) for key in _KEYS if key in self.info)
         return {key: array for key, array in found if array is not None}
 
+    @cached_property
+    def _extent(self) -> tuple[float, float] | None:
+        """The lowest and highest finite value of all configurations and headings."""
+        tables = [
+            self._arrays[key].table for key in ("values", "action_values") if key in self._arrays
+        ]
+        numbers = [table[np.isfinite(table)] for table in tables]
+        found = np.concatenate(numbers) if numbers else np.zeros(0)
+        return (float(found.min()), float(found.max())) if found.size else None
+
     @property
     def differ(self) -> bool:
         """Whether there is such an array."""
@@ -75,7 +85,7 @@ class InfoParts:
             parts = {key: _part(key, array, number, heading) for key, array in self._arrays.items()}
             if len(self._made) >= _CACHED:
                 del self._made[next(iter(self._made))]
-            overlay = self.flat({**self.info, **parts}, self.level)
+            overlay = replace(self.flat({**self.info, **parts}, self.level), extent=self._extent)
             self._made[configuration, heading] = overlay
         return self._made[configuration, heading]
 
@@ -97,8 +107,11 @@ def _array_of(info: Mapping[str, Any], key: str, level: GridWorld) -> _Array | N
     for by_heading in (False, True):
         axes = (*counts, *((HEADINGS,) if by_heading else ()), *cells)
         rest = shape[len(axes) :]
-        if shape[: len(axes)] == axes and len(axes) > 2 and len(rest) <= 1:
+        if shape[: len(axes)] == axes and len(axes) > 2 and len(rest) in _KEYS[key]:
             numbers = np.asarray(table)
+            if key == "policy" and by_heading and not rest and numbers.dtype.kind == "f":
+                # Probabilities of moves, in a level of 4 by 4.
+                continue
             if key == "policy" and first and not rest and not by_heading:
                 numbers = np.where(numbers >= 0, numbers + first, numbers)
             return _Array(numbers, bool(counts), by_heading)

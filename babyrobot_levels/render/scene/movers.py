@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.icons import INK, Commands, Spot, default_color
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -140,8 +141,8 @@ def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float, look: Cell) 
 
 # -- where they may be, in the picture of the level as a whole --------------------------------
 
-_TRACK, _REGION = 0.6, 0.2
-"""The opacities of paths and of rectangles."""
+_REGION = 0.15
+"""The opacity of rectangles."""
 
 
 def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -152,26 +153,18 @@ def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             color = mover.color or default_color("wanderer", colors)
             (left, top), (width, height) = mover.within.at, mover.within.size
             x, y = layout.corner(left, top)
-            box = x + 5, y + 5, width * CELL - 10, height * CELL - 10
+            box = x + 7, y + 7, width * CELL - 14, height * CELL - 14
             yield Rect(*box, color, radius=12, opacity=_REGION)
-            yield Path(
-                rounded(*box, 12),
-                stroke=colors.arrows,
-                width=2.0,
-                dash=(2.0, 7.0),
-                cap="round",
-                opacity=_TRACK,
-            )
+            yield from _dotted(rounded(*box, 12), colors.arrows, 2.0)
         elif track := _track(mover.path or (), is_loop=not mover.back):
             points = [layout.corner(x + 0.5, y + 0.5) for x, y in track]
-            yield Path(
-                polyline(points),
-                stroke=colors.arrows,
-                width=3.0,
-                dash=(2.0, 7.0),
-                cap="round",
-                opacity=_TRACK,
-            )
+            yield from _dotted(polyline(points), colors.arrows, 3.0)
+
+
+def _dotted(commands: Commands, color: str, width: float) -> Iterator[Path]:
+    """Yield a dotted line whose dots have a rim."""
+    for ink, more in ((rim_on([color]), 2.4), (color, 0.0)):
+        yield Path(commands, stroke=ink, width=width + more, dash=(2.0, 7.0), cap="round")
 
 
 def _track(path: Sequence[Cell], *, is_loop: bool) -> Sequence[Cell]:

@@ -26,10 +26,10 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.scene.slots import ROBOT_CORNER, SMALL_ROBOT
 
-_OUTLINE = "#232c38"
-_VISOR = "#17202b"
-_GLOW = "#8af3ff"
-_LAMP = "#ffd54a"
+OUTLINE = "#232c38"
+VISOR = "#17202b"
+GLOW = "#8af3ff"
+LAMP = "#ffd54a"
 _WHITE = "#ffffff"
 _BLACK = "#000000"
 
@@ -94,7 +94,7 @@ def _pointer(left: float, top: float, heading: int, color: str) -> Iterator[Shap
         (x + along * dx - across * dy, y + along * dy + across * dx)
         for along, across in ((29.5, 0), (21, 10), (21, -10))
     ]
-    for ink, width in ((_OUTLINE, 5.6), (_WHITE, 3.2)):
+    for ink, width in ((OUTLINE, 5.6), (_WHITE, 3.2)):
         yield Path(polygon(points), stroke=ink, width=width)
     yield Path(polygon(points), fill=color, stroke=color, width=0.8)
 
@@ -104,10 +104,10 @@ def _wheels(figure: Figure, turn: int) -> Iterator[Shape]:
     for x in (22, 42):
         if turn:
             middle = x + (3 if x < 32 else -3)
-            yield figure.disc(middle, 46, 5.6, 5.6, _OUTLINE)
+            yield figure.disc(middle, 46, 5.6, 5.6, OUTLINE)
             yield figure.disc(middle, 46, 2.1, 2.1, _WHITE, 0.55)
         else:
-            yield figure.bar(x - 4.5, 41, 9, 10, 4.5, _OUTLINE)
+            yield figure.bar(x - 4.5, 41, 9, 10, 4.5, OUTLINE)
             yield figure.disc(x, 46, 1.8, 1.8, _WHITE, 0.55)
 
 
@@ -122,42 +122,42 @@ def _arms(figure: Figure, body: str, pose: Pose, turn: int) -> Iterator[Shape]:
         else:
             hand = (32 + 22.5 * side, 40.0 - 2 * side * turn)
             arm = curve((32 + 10 * side, 38), (32 + 17 * side, 36), hand)
-        for color, width, radius in ((_OUTLINE, 4.6, 3.8), (body, 2.0, 2.5)):
+        for color, width, radius in ((OUTLINE, 4.6, 3.8), (body, 2.0, 2.5)):
             yield figure.line(arm, color, width)
             yield figure.disc(*hand, radius, radius, color)
 
 
 def _trunk(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Shape]:
-    yield figure.bar(20.5, 32, 23, 17, 8, _OUTLINE)
+    yield figure.bar(20.5, 32, 23, 17, 8, OUTLINE)
     yield figure.bar(22, 33, 20, 14.5, 6.5, body)
     yield figure.bar(22, 33, 20, 6, 3, _BLACK, 0.18)
     if facing is Action.NORTH:
-        yield figure.bar(27, 40.2, 10, 5, 2, _OUTLINE)
-        yield figure.bar(28.2, 41.4, 5.4, 2.6, 1, _LAMP)
+        yield figure.bar(27, 40.2, 10, 5, 2, OUTLINE)
+        yield figure.bar(28.2, 41.4, 5.4, 2.6, 1, LAMP)
     else:
-        yield figure.disc(32 + 5 * turn, 43, 2.4, 2.4, _LAMP)
+        yield figure.disc(32 + 5 * turn, 43, 2.4, 2.4, LAMP)
 
 
 def _antenna(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
     """Yield the antenna, which lags behind the movement."""
     root, tip = (32.0 - 2 * turn, 14.0), (32.0 - 6 * turn, 6.2)
-    yield figure.line(polyline([root, tip]), _OUTLINE, 2.4)
-    yield figure.disc(*tip, 3.8, 3.8, _OUTLINE)
-    yield figure.disc(*tip, 2.5, 2.5, _LAMP)
+    yield figure.line(polyline([root, tip]), OUTLINE, 2.4)
+    yield figure.disc(*tip, 3.8, 3.8, OUTLINE)
+    yield figure.disc(*tip, 2.5, 2.5, LAMP)
 
 
 def _head(figure: Figure, body: str, facing: Action, turn: int) -> Iterator[Shape]:
     for side in (-1, 1):
         if side != turn:
-            yield figure.bar(28.5 + 20 * side, 19, 7, 11, 3.5, _OUTLINE)
-    yield figure.bar(11, 10.5, 42, 28, 13.5, _OUTLINE)
+            yield figure.bar(28.5 + 20 * side, 19, 7, 11, 3.5, OUTLINE)
+    yield figure.bar(11, 10.5, 42, 28, 13.5, OUTLINE)
     yield figure.bar(12.6, 12.1, 38.8, 24.8, 12, body)
     yield figure.bar(18 + turn, 13.4, 28, 4.4, 2.2, _WHITE, 0.5)
     if facing is Action.NORTH:
         for y in (22.5, 26, 29.5):
-            yield figure.bar(25, y, 14, 1.7, 0.85, _OUTLINE, 0.75)
+            yield figure.bar(25, y, 14, 1.7, 0.85, OUTLINE, 0.75)
     if turn:
-        yield figure.disc(18.5 if turn > 0 else 45.5, 25, 3.6, 5, _OUTLINE)
+        yield figure.disc(18.5 if turn > 0 else 45.5, 25, 3.6, 5, OUTLINE)
         yield figure.disc(18.5 if turn > 0 else 45.5, 25, 1.7, 2.8, _WHITE, 0.35)
 
 
@@ -165,7 +165,7 @@ def _face(figure: Figure, pose: Pose, turn: int) -> Iterator[Shape]:
     down = 1.6 if pose.facing is Action.SOUTH else 0.0
     middle = 32 + 6.5 * turn
     half = 15.5 - 2.5 * abs(turn)
-    yield figure.bar(middle - half, 17 + down, 2 * half, 16.5, 8.2, _VISOR)
+    yield figure.bar(middle - half, 17 + down, 2 * half, 16.5, 8.2, VISOR)
     gaze = 2.0 * turn
     for side in (-1, 1):
         x = middle + gaze + (6.5 - 0.8 * abs(turn)) * side
@@ -178,12 +178,12 @@ def _eye(
     figure: Figure, mood: Mood, x: float, y: float, narrow: float, turn: int, down: float
 ) -> Iterator[Shape]:
     if mood is Mood.CHEER:
-        yield figure.line(curve((x - 3.1, y + 0.2), (x, y - 6), (x + 3.1, y + 0.2)), _GLOW, 2.2)
+        yield figure.line(curve((x - 3.1, y + 0.2), (x, y - 6), (x + 3.1, y + 0.2)), GLOW, 2.2)
     elif mood is Mood.SLIP:
-        yield figure.disc(x, y - 0.4, 4.6 * narrow, 4.8, _GLOW)
-        yield figure.disc(x + turn, y - 0.4, 1.7, 1.9, _VISOR)
+        yield figure.disc(x, y - 0.4, 4.6 * narrow, 4.8, GLOW)
+        yield figure.disc(x + turn, y - 0.4, 1.7, 1.9, VISOR)
     else:
-        yield figure.disc(x, y, 3.4 * narrow, 4.1, _GLOW)
+        yield figure.disc(x, y, 3.4 * narrow, 4.1, GLOW)
         yield figure.disc(x + 1.2 * narrow + 0.6 * turn, y - 1.6 + down, 1.2, 1.2, _WHITE)
 
 
@@ -191,12 +191,12 @@ def _mouth(figure: Figure, mood: Mood, x: float, y: float) -> Iterator[Shape]:
     if mood is Mood.CHEER:
         grin = (("M", (x - 4.2, y - 0.9)), ("L", (x + 4.2, y - 0.9)))
         bow = ("C", (x + 3.6, y + 5, x - 3.6, y + 5, x - 4.2, y - 0.9))
-        yield figure.patch((*grin, bow, ("Z", ())), _GLOW)
+        yield figure.patch((*grin, bow, ("Z", ())), GLOW)
     elif mood is Mood.SLIP:
-        yield figure.disc(x, y + 2.2, 1.9, 2.1, _GLOW)
+        yield figure.disc(x, y + 2.2, 1.9, 2.1, GLOW)
     else:
         smile = curve((x - 2.5, y), (x, y + 2.8), (x + 2.5, y))
-        yield figure.line(smile, _GLOW, 1.6)
+        yield figure.line(smile, GLOW, 1.6)
 
 
 def _splash(ground: Figure, water: str) -> Iterator[Shape]:

@@ -15,7 +15,7 @@ from functools import lru_cache
 
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.render.colors import contrast, rgba
-from babyrobot_levels.render.scene.icons import is_gray
+from babyrobot_levels.render.scene.tones import is_gray
 
 STEPS = 64
 """The number of steps of a scale: equal neighbours are painted as one."""
@@ -88,6 +88,14 @@ class Scale:
         if math.isinf(value):
             return self.above if value > 0 else self.below
         return self.colors[round(STEPS * min(max(self._share(value), 0.0), 1.0))]
+
+    def strip(self, count: int) -> list[str]:
+        """Return the colours from the lowest to the highest number, in equal parts."""
+        shares = ((index + 0.5) / count for index in range(count))
+        if self.is_logarithmic:
+            # Equal lengths are equal colours all the same.
+            return [self.colors[round(STEPS * share)] for share in shares]
+        return [self.color(self.low + share * (self.high - self.low)) for share in shares]
 
     def ink(self, value: float) -> str:
         """Return black or white, whichever is readable on the colour of a number."""

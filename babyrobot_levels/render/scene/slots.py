@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, each_cell, fit
 from babyrobot_levels.render.scene.overlay import Overlay
 
 if TYPE_CHECKING:
@@ -38,9 +38,9 @@ ROBOT_CORNER = (33.0, 0.5)
 
 _TOP, _FOOT, _EDGE, _GAP = 4.0, CELL - 4.0, 3.0, 2.0
 _WORD, _COORDINATES = 10.25, 12.0
-_LONGEST = 16.0
+_LONGEST = 15.0
 _SHORTEST = 8.0
-_CORNER, _CORNER_OF_ACTIONS = 20.0, 14.0
+_CORNER, _CORNER_OF_ACTIONS, _TINY = 20.0, 14.0, 9.0
 _LABEL_MARGIN = 16.0
 
 
@@ -97,14 +97,14 @@ class Shown(NamedTuple):
     @property
     def fills_cells(self) -> bool:
         """Whether cells show something besides coordinates."""
-        return self.number or self.is_crowded
+        return self.number or self.second or self.is_crowded
 
 
 class Contents(NamedTuple):
     """What is in a cell.
 
     Attributes:
-        acts: whether the robot can stand and act there.
+        acts: whether the robot can stand and act there, or the end of an episode tells a number.
         word: whether START or EXIT is written there.
         label_foot: the lower edge of a label at the top, 0 for none.
         label_top: the upper edge of a label at the foot, `CELL` for none.
@@ -156,10 +156,11 @@ class Slots:
 
     def __init__(self, level: GridWorld, layout: Layout, overlay: Overlay) -> None:
         self._layout = layout
-        numbers = overlay.values is not None or overlay.visits is not None
+        values, visits = overlay.values is not None, overlay.visits is not None
         self.shown = Shown(
-            number=numbers,
-            second=overlay.values is not None and overlay.visits is not None,
+            # The best value of the actions is that of the state.
+            number=(values or visits) and overlay.action_values is None,
+            second=visits and (values or overlay.action_values is not None),
             arrows=overlay.actions is not None,
             actions=overlay.action_values is not None,
             coordinates=level.display.coordinates or overlay.coordinates,
@@ -174,6 +175,9 @@ class Slots:
         starts = level.starts if display.start_text else ()
         exits = level.exits if display.exit_text and level.exit_one_of is None else ()
         self._words = {*starts, *exits}
+        numbers = (overlay.values, overlay.visits)
+        told = {cell for rows in numbers for cell, number in each_cell(rows, layout) if number}
+        self._answered = self.acting | (self.ends & told)
 
     @property
     def is_crowded(self) -> bool:
@@ -183,11 +187,11 @@ class Slots:
     def plan(self, cell: Cell) -> Plan:
         """Return the boxes of a cell, from its upper left corner."""
         label = self._covered.get(cell, (0.0, CELL))
-        return _plan(Contents(cell in self.acting, cell in self._words, *label), self.shown)
+        return _plan(Contents(cell in self._answered, cell in self._words, *label), self.shown)
 
     def is_small(self, cell: Cell) -> bool:
-        """Whether a word in a cell is small: beside answers."""
-        return self.shown.fills_cells and cell in self.acting
+        """Whether words in a cell are small: beside answers, on a ground of their own."""
+        return self.shown.fills_cells and cell in self._answered
 
     def icon(self, cell: Cell) -> Box:
         """Return the box for what the world has in a cell, in pixels of the picture.
@@ -233,14 +237,16 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if contents.word and not answers:
         word = Box(4, CELL - 5 - _WORD, CELL - 4, CELL - 5)
         foot = min(foot, word.top - _GAP)
-    elif contents.word and not (shown.coordinates or is_labelled):
+    elif contents.word and not (shown.coordinates or shown.second or shown.actions or is_labelled):
         word = Box(_EDGE, _EDGE, _EDGE + 33, _EDGE + _WORD)
     is_left_taken = shown.coordinates or (word is not None and answers)
     number = Box(2, foot - NUMBER, CELL - 2, foot)
-    second = Box(CELL / 2, top, CELL - 4, top + NUMBER)
+    second = Box(CELL / 2, top, CELL - 4, top + _COORDINATES)
     if shown.number and answers:
         foot = number.top - _GAP
-    upper = top + (_COORDINATES if is_left_taken or shown.second or shown.is_crowded else 0)
+    upper = top + (_COORDINATES if is_left_taken or shown.second or shown.arrows else 0)
+    if shown.actions and not (is_left_taken or shown.second):
+        upper = top
     if is_labelled and not is_left_taken and not shown.second:
         upper = top
     reach = _SHORTEST if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
@@ -249,8 +255,8 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if answers and shown.is_crowded:
         icon = _corner(top, is_left_taken, is_labelled, shown)
     else:
-        # Below the coordinates, which are narrower, but not much.
-        start = top + (_COORDINATES if is_left_taken else 0)
+        # A little below coordinates, which are at the left.
+        start = top + (_COORDINATES - 4 if is_left_taken else 0)
         side = min(ICON, foot - start)
         middle = min(max(CELL / 2, start + side / 2), foot - side / 2)
         icon = Box(CELL / 2 - side / 2, middle - side / 2, CELL / 2 + side / 2, middle + side / 2)
@@ -264,7 +270,8 @@ def _corner(top: float, is_left_taken: bool, is_labelled: bool, shown: Shown) ->
     upper = top - 1
     if is_left_taken and shown.second:
         # Both upper corners are taken.
-        return Box(_EDGE, upper + _COORDINATES, _EDGE + 12, upper + _COORDINATES + 12)
+        upper += _COORDINATES
+        return Box(_EDGE, upper, _EDGE + _TINY, upper + _TINY)
     left = CELL - _EDGE - side if is_left_taken else _EDGE
     return Box(left, upper, left + side, upper + side)
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.colors import ink_on, plate_for
+from babyrobot_levels.render.scene.arrows import busy_cells
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
-from babyrobot_levels.render.scene.scale import ink_on
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 from babyrobot_levels.render.scene.slots import Cell, Slots
 
@@ -17,27 +19,30 @@ if TYPE_CHECKING:
 _END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5
 
-NO_TILES: Mapping[Cell, str] = {}
-
 
 def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield START and EXIT: at the foot of their cells, or beside answers at the top."""
-    colors, display = level.resolved_theme.colors, level.display
+    colors, display, grounds = level.resolved_theme.colors, level.display, CellGrounds(level)
     exits = level.exits if level.exit_one_of is None else ()
-    for word, cells, shown, fill, ground in (
-        ("START", level.starts, display.start_text, colors.start_text, colors.start),
-        ("EXIT", exits, display.exit_text, colors.exit_text, colors.exit),
+    for word, cells, shown, fill in (
+        ("START", level.starts, display.start_text, colors.start_text),
+        ("EXIT", exits, display.exit_text, colors.exit_text),
     ):
         for cell in cells if shown else ():
+            ink, ground = ink_on([grounds[cell]], fill), grounds[cell]
             box = slots.plan(cell).word
             if box is None:
                 continue
             box = box.moved(*layout.corner(*cell))
             if slots.is_small(cell):
                 yield Rect(box.left, box.top, box.width, box.height, ground, radius=3.0)
-                yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, fill, bold=True)
+                yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, ink, bold=True)
             else:
-                yield Text(box.centre[0], box.bottom, word, _END_SIZE, fill, bold=True)
+                if slots.shown.fills_cells:
+                    # Its cell may have another colour.
+                    left, width = box.centre[0] - 19, 38
+                    yield Rect(left, box.top - 1, width, box.height + 2, ground, radius=3.0)
+                yield Text(box.centre[0], box.bottom, word, _END_SIZE, ink, bold=True)
 
 
 def end_text(word: str, layout: Layout, cell: Cell, fill: str) -> Text:
@@ -49,8 +54,9 @@ def end_text(word: str, layout: Layout, cell: Cell, fill: str) -> Text:
 def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
     """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
+    plate = plate_for(colors.text_fg, colors.text_bg)
     for box, size, text in slots.labels:
-        yield Rect(*box[:2], box.width, box.height, colors.text_bg, radius=box.height / 2)
+        yield Rect(*box[:2], box.width, box.height, plate, radius=box.height / 2)
         yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 
 
@@ -67,23 +73,43 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
         x, y = layout.corner(note.x + 0.5, note.y + 0.5)
         # A note that would stick out of the grid is moved inwards.
         left = min(max(x - width / 2, left_edge), right_edge - width)
-        yield Rect(left, y - height / 2, width, height, colors.text_bg, radius=height / 2)
         fill = colors.text_fg if note.color is None else note.color
+        plate = plate_for(fill, colors.text_bg)
+        yield Rect(left, y - height / 2, width, height, plate, radius=height / 2)
         yield Text(left + width / 2, y + 0.342 * size, text, size, fill, bold=True)
 
 
 def coordinate_texts(
-    level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
-) -> Iterator[Text]:
-    """Yield the coordinates of each free cell, at its left; see `end_texts`."""
+    level: GridWorld,
+    layout: Layout,
+    slots: Slots,
+    colors_of: Callable[[Cell], Sequence[str]] | None = None,
+) -> Iterator[Shape]:
+    """Yield the coordinates of each free cell, at its left, where nothing crosses them.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: what stands where in them.
+        colors_of: returns the colours of a cell, from the north clockwise; by default, that of
+            its ground.
+    """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
+    busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
-            fill = fills.get((x, y), colors.arrows)
-            fill = ink_on(tiles[x, y]) if (x, y) in tiles else fill
             text = f"{x},{y}"
-            yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start", opacity=0.85)
+            # They lie on the northern and the western part of a cell with values of actions.
+            below = colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
+            is_end = slots.is_small((x, y)) and (x, y) in fills
+            if is_end:
+                below = [grounds[x, y]]
+            fill = ink_on(below, fills.get((x, y), colors.arrows))
+            if is_end or (x, y) in busy:
+                width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
+                yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
+            yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")

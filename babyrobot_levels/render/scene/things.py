@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
-from babyrobot_levels.render.colors import mixed
+from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed, plate_for
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.ground import flag_shapes
 from babyrobot_levels.render.scene.icons import (
     INK,
@@ -23,6 +24,7 @@ from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, 
 from babyrobot_levels.render.scene.movers import mover_shapes, mover_spots, track_shapes
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
+    Path,
     Point,
     Rect,
     Shape,
@@ -39,7 +41,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _WHITE = "#ffffff"
-_TILE = 4.5
+_TILE = 5.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""
 
 Box = tuple[float, float, float, float]
@@ -152,7 +154,8 @@ def thing_label(level: GridWorld, layout: Layout, cell: Cell, label: str | None)
     size, text = fit(line, CELL - 10)
     width, height = len(text) * size * CHARACTER_WIDTH + 0.8 * size, 1.3 * size
     centre, foot = layout.corner(cell[0] + 0.5, cell[1] + 1)
-    yield Rect(centre - width / 2, foot - height - 2, width, height, colors.text_bg, height / 2)
+    plate = plate_for(colors.text_fg, colors.text_bg)
+    yield Rect(centre - width / 2, foot - height - 2, width, height, plate, height / 2)
     yield Text(centre, foot - 2 - 0.32 * size, text, size, colors.text_fg)
 
 
@@ -266,10 +269,16 @@ def _drawn_exit(level: GridWorld, layout: Layout, cell: Cell, faint: bool) -> It
     colors, (left, top) = level.resolved_theme.colors, layout.corner(*cell)
     ground = mixed(colors.exit, colors.base, 0.5) if faint else colors.exit
     side = CELL - 2 * _TILE
-    yield Rect(left + _TILE, top + _TILE, side, side, ground, radius=6.0)
-    yield from flag_shapes(layout, cell, colors.exit_text)
+    if faint:
+        outline = rounded(left + _TILE + 1, top + _TILE + 1, side - 2, side - 2, 5.0)
+        rim = ink_on([CellGrounds(level)[cell]], colors.exit, GRAPHICS)
+        yield Path(outline, fill=ground, stroke=rim, width=2.0)
+    else:
+        yield Rect(left + _TILE, top + _TILE, side, side, ground, radius=6.0)
+    ink = ink_on([ground], colors.exit_text)
+    yield from flag_shapes(layout, cell, ink)
     if level.display.exit_text:
-        word = end_text("EXIT", layout, cell, colors.exit_text)
+        word = end_text("EXIT", layout, cell, ink)
         yield replace(word, y=word.y - _TILE + 2)
 
 

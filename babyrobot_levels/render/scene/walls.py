@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
+from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline
@@ -27,6 +29,9 @@ _GLASS_DASHES = (None, (13.0, 3.0), (5.0, 6.0))
 _NUMBER_SIZE, _NUMBER_HEIGHT = 8.5, 11.0
 """The font size of the number on a glass wall, and the height of its ground."""
 
+_CASING = 1.5
+"""How far the casing of a wall is seen on both of its sides, in pixels."""
+
 Edge = tuple[bool, int, int]
 """A side of a cell: whether it is vertical, and the corner `(x, y)` of the grid where it begins."""
 
@@ -42,36 +47,92 @@ class _Style:
     """The colour of the two edges of a glass wall; empty for a solid one."""
     dash: tuple[float, float] | None = None
 
+    @property
+    def outline(self) -> str:
+        """The colour at its sides."""
+        return self.rim or self.color
+
+    @property
+    def cap(self) -> Literal["butt", "round"]:
+        """How its ends look."""
+        return "butt" if self.fit or self.rim else "round"
+
+
+Beside = Callable[[tuple[int, int], str], str]
+"""Returns the colour of the ground in a cell, at one of its sides `N`, `E`, `S` and `W`."""
+
 
 def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
-    Walls with a colour or width of their own are painted on top of the others. Glass has the more
+    Walls with a colour or width of their own are painted on top of the others. Where a wall does
+    not stand out from the ground beside it, a casing below all walls does. Glass has the more
     gaps, the more often it lets the robot through, and says how often.
     """
-    colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
-    glass = [
-        _Style(GLASS, widths.walls + _GLASS_EXTRA, rim=colors.walls, dash=dash)
-        for dash in _GLASS_DASHES
-    ]
-    solid = _Style(colors.walls, widths.walls)
-    border = _Style(colors.border, widths.border)
-    chances = dict(_inner_edges(level.grid()))
-    inner = {
-        edge: glass[min(int(3 * chance), 2)] if chance else solid
-        for edge, chance in chances.items()
-    }
-    outer = dict.fromkeys(_outer_edges(layout), border)
-    own = _own_styles(level, inner | outer)
-    for styles, lowest in ((inner, (*glass, solid)), (outer, (border,))):
+    grounds = CellGrounds(level)
+    yield from casing_shapes(level, layout, lambda cell, _: grounds[cell])
+    inner, outer = _styles(level, layout)
+    for styles, lowest in zip((inner, outer), _lowest(level), strict=True):
         drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
         for edge, style in styles.items():
-            drawn.setdefault(own.get(edge, style), []).append(edge)
+            drawn.setdefault(style, []).append(edge)
         for style, edges in drawn.items():
             if style.width > 0:
                 yield from _strokes(layout, style, edges)
-    shown = {edge for edge, style in inner.items() if own.get(edge, style).width > 0}
-    yield from _numbers(layout, {edge: chances[edge] for edge in chances if edge in shown})
+    shown = {edge for edge, style in inner.items() if style.width > 0}
+    chances = _inner_edges(level.grid())
+    yield from _numbers(layout, {edge: chance for edge, chance in chances if edge in shown})
+
+
+def casing_shapes(level: GridWorld, layout: Layout, beside: Beside) -> Iterator[Shape]:
+    """Yield thin lines, black or white, beside the walls that are like the ground there."""
+    blocked = level.grid().blocked_cells
+    drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
+    for styles in _styles(level, layout):
+        for edge, style in styles.items():
+            down, x, y = edge
+            faint = {
+                side: ground
+                for side, column, row, name in (
+                    (-1, x - down, y - (not down), "E" if down else "S"),
+                    (1, x, y, "W" if down else "N"),
+                )
+                if 0 <= column < layout.columns and 0 <= row < layout.rows
+                if not blocked[row * layout.columns + column]
+                if contrast(style.outline, ground := beside((column, row), name)) < GRAPHICS
+            }
+            if faint and style.width > 0:
+                drawn.setdefault((rim_on(faint.values()), style, sum(faint)), []).append(edge)
+    for (rim, style, side), edges in drawn.items():
+        # On one side, a line beside the wall; on both, a wider one below it.
+        away = side * (style.width + _CASING) / 2
+        width = _CASING if side else style.width + 2 * _CASING
+        cap: Literal["butt", "round"] = "butt" if side else style.cap
+        commands = tuple(_commands(layout, edges, away))
+        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=cap)
+
+
+def _lowest(level: GridWorld) -> tuple[tuple[_Style, ...], tuple[_Style]]:
+    """Return the styles of walls without looks of their own: inside, from the bottom, and outer."""
+    colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
+    glass = (
+        _Style(GLASS, widths.walls + _GLASS_EXTRA, rim=colors.walls, dash=dash)
+        for dash in _GLASS_DASHES
+    )
+    return (*glass, _Style(colors.walls, widths.walls)), (_Style(colors.border, widths.border),)
+
+
+def _styles(level: GridWorld, layout: Layout) -> tuple[dict[Edge, _Style], dict[Edge, _Style]]:
+    """Return the styles of the walls between cells, and of those around them."""
+    (*glass, solid), (border,) = _lowest(level)
+    inner = {
+        edge: glass[min(int(3 * chance), 2)] if chance else solid
+        for edge, chance in _inner_edges(level.grid())
+    }
+    outer = dict.fromkeys(_outer_edges(layout), border)
+    for edge, style in _own_styles(level, inner | outer).items():
+        (inner if edge in inner else outer)[edge] = style
+    return inner, outer
 
 
 def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, float]]:
@@ -126,8 +187,7 @@ def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape
         for color, width in ((style.rim, 1.0), (style.color, 0.7), (_GLASS_CORE, 0.25)):
             yield Path(commands, stroke=color, width=width * style.width, dash=style.dash)
     else:
-        cap: Literal["butt", "round"] = "butt" if style.fit else "round"
-        yield Path(commands, stroke=style.color, width=style.width, cap=cap)
+        yield Path(commands, stroke=style.color, width=style.width, cap=style.cap)
 
 
 def _numbers(layout: Layout, chances: dict[Edge, float]) -> Iterator[Shape]:
@@ -156,12 +216,14 @@ def _percent(chance: float) -> str:
     return ">99%" if text == "100%" and chance < 1 else text
 
 
-def _commands(layout: Layout, edges: list[Edge]) -> Iterator[Command]:
-    """Yield one line for all edges that follow each other."""
+def _commands(layout: Layout, edges: list[Edge], away: float = 0.0) -> Iterator[Command]:
+    """Yield one line for all edges that follow each other, so far to the right of them or below."""
     for line in _lines(edges):
         (down, first_x, first_y), (_, last_x, last_y) = line[0], line[-1]
         end = (last_x, last_y + 1) if down else (last_x + 1, last_y)
-        yield from polyline([layout.corner(first_x, first_y), layout.corner(*end)])
+        dx, dy = (away, 0.0) if down else (0.0, away)
+        corners = (layout.corner(first_x, first_y), layout.corner(*end))
+        yield from polyline((x + dx, y + dy) for x, y in corners)
 
 
 def _lines(edges: list[Edge]) -> Iterator[Sequence[Edge]]:

@@ -17,7 +17,7 @@ function closedSides(game) {
 function surroundings(game) {
   const { width, height } = game.data;
   const [x, y] = game.place(game.state);
-  const facing = game.isTurning ? `, and faces ${SIDES[game.heading + 1]}` : "";
+  const facing = game.isTurning ? ` and faces ${SIDES[game.heading + 1]}` : "";
   const exits = game.things.exitsOf(game.configuration)
     .map((exit) => game.place(exit))
     .map(([left, top]) => [left - x, top - y])

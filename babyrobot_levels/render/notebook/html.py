@@ -1,0 +1,144 @@
+"""Small HTML for notebooks: pictures that fit the width, beside tables of facts.
+
+It has no colours of its own, so that it suits light and dark notebooks, and no scripts. All texts
+are escaped, because levels may be by strangers.
+"""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+from babyrobot_levels.render.raster import to_png
+from babyrobot_levels.render.scene.shapes import Scene, screen_scale
+from babyrobot_levels.render.svg import to_svg
+
+MAX_SVG = 200_000
+"""The most characters of an SVG document in HTML; larger pictures are PNG files."""
+
+PNG_COLORS = 128
+"""The colours of a PNG; the reduction is hardly visible and saves two thirds of the size."""
+
+_GAP = 16
+"""The space between two pictures, in pixels."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture in a file format.
+
+    Attributes:
+        data: the file.
+        kind: its MIME type.
+        width: its width on a screen in pixels, where there is room for it.
+        height: its height, likewise.
+        title: what it shows, in words.
+    """
+
+    data: bytes
+    kind: str
+    width: float
+    height: float
+    title: str = ""
+
+    @property
+    def address(self) -> str:
+        """The picture as a `data:` address."""
+        return f"data:{self.kind};base64,{base64.b64encode(self.data).decode()}"
+
+    def html(self, width: float | None = None) -> str:
+        """Return it as an element that is at most as wide as its place.
+
+        Args:
+            width: another width, in pixels.
+        """
+        shown = round(self.width if width is None else width)
+        return (
+            f'<img src="{self.address}" alt="{escape(self.title)}" width="{shown}" '
+            'style="max-width: 100%; height: auto">'
+        )
+
+
+def picture_of(scene: Scene, width: float | None = None) -> Picture:
+    """Return a scene as a picture: an SVG document, or a PNG file where that would be too large.
+
+    Args:
+        scene: the scene.
+        width: its width on a screen; by default its own, or less for a large one.
+    """
+    scale = screen_scale(scene) if width is None else min(1.0, width / scene.width)
+    size = scale * scene.width, scale * scene.height
+    svg = to_svg(scene)
+    if len(svg) <= MAX_SVG:
+        return Picture(svg.encode(), "image/svg+xml", *size, scene.title)
+    return thumbnail_of(scene, min(size[0], 800))
+
+
+def thumbnail_of(scene: Scene, width: float) -> Picture:
+    """Return a scene as a small PNG file, twice as fine as the pixels of most screens.
+
+    Args:
+        scene: the scene.
+        width: its width on a screen, and the most of its height.
+    """
+    scale = min(1.0, width / max(scene.width, scene.height))
+    size = scale * scene.width, scale * scene.height
+    pixels = round(2 * size[0]) or 1, round(2 * size[1]) or 1
+    data = to_png(scene, pixels, colors=PNG_COLORS)
+    return Picture(data, "image/png", *size, scene.title)
+
+
+def strip(pictures: Sequence[tuple[Picture, str]], columns: int | None = None) -> str:
+    """Return pictures with labels side by side, in as many rows as they need.
+
+    Where there is little room, they are a little smaller, and then in more rows.
+
+    Args:
+        pictures: each with its label, which may be empty.
+        columns: the number of columns; by default, as many as there is room for.
+    """
+    width = max((picture.width for picture, _ in pictures), default=0)
+    count = min(columns or len(pictures), len(pictures))
+    least = 0 if columns else f"min(100%, {0.65 * width:.0f}px)"
+    repeated = columns or "auto-fit"
+    most = count * (width + _GAP) - _GAP
+    style = (
+        f"display: grid; grid-template-columns: repeat({repeated}, minmax({least}, 1fr)); "
+        f"gap: {_GAP}px; justify-items: start; max-width: {most:.0f}px"
+    )
+    figures = "".join(
+        f'<div style="text-align: center">{picture.html()}'
+        f"{label and f'<div>{escape(label)}</div>'}</div>"
+        for picture, label in pictures
+    )
+    return f'<div style="{style}">{figures}</div>'
+
+
+def beside(*parts: str) -> str:
+    """Return parts side by side, or below each other where there is no room."""
+    items = "".join(f'<div style="max-width: 100%">{part}</div>' for part in parts if part)
+    style = f"display: flex; flex-wrap: wrap; gap: {_GAP}px; align-items: flex-start"
+    return f'<div style="{style}">{items}</div>'
+
+
+def facts(rows: Iterable[tuple[str, str]]) -> str:
+    """Return names and values as a table; rows without a value are left out."""
+    lines = (
+        f'<tr><th style="text-align: left">{escape(name)}</th>'
+        f'<td style="text-align: left">{escape(value)}</td></tr>'
+        for name, value in rows
+        if value
+    )
+    return f"<table><tbody>{''.join(lines)}</tbody></table>"
+
+
+def table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table. Its cells are HTML, and what they say is escaped by the caller."""
+    style = 'style="text-align: left"'
+    head = "".join(f"<th {style}>{escape(name)}</th>" for name in heading)
+    body = "".join(
+        f"<tr>{''.join(f'<td {style}>{cell}</td>' for cell in row)}</tr>" for row in rows
+    )
+    return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"

@@ -1,0 +1,192 @@
+"""Texts have a contrast of 4.5:1 and graphics of 3:1 to what is below them, in all themes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache
+from typing import Any
+
+import pytest
+from support.contrasts import faint_parts
+from support.playing import GALLERY, level_named
+
+import babyrobot_levels as brl
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.render.colors import (
+    GRAPHICS,
+    TEXT,
+    contrast,
+    gray,
+    ink_on,
+    mixed,
+    plate_for,
+    rgba,
+    rim_on,
+)
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.overlay import Note, Overlay
+from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
+
+EACH = (
+    "areas",
+    "bat-cave",
+    "blocked-shapes",
+    "cliff-walking",
+    "drawbridge",
+    "frozen-lake",
+    "glass-wall",
+    "gridworld-3-5",
+    "river-crossing",
+    "shell-game",
+    "teleport-pads",
+    "treasure-chests",
+)
+"""Levels that have everything there is to see: the others are slow."""
+
+OVERLAID = ("bat-cave", "final-maze", "frozen-lake", "teleport-pads")
+
+
+def level(**fields: Any) -> Level:
+    return Level.from_fields({"version": 1, **fields})
+
+
+@cache
+def resolved(name: str) -> Level:
+    found = level_named(name)
+    return found.replace(maze={"seed": 1}) if found.has_random_maze else found
+
+
+@cache
+def solved(name: str) -> Any:
+    return brl.solve(resolved(name))
+
+
+# -- the gallery ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("theme", BUILTIN_THEMES)
+@pytest.mark.parametrize(
+    "name", [*EACH, *(pytest.param(n, marks=pytest.mark.slow) for n in GALLERY if n not in EACH)]
+)
+def test_what_a_level_shows_stands_out(name: str, theme: str) -> None:
+    assert faint_parts(resolved(name).replace(theme=theme)) == []
+
+
+@pytest.mark.parametrize("theme", BUILTIN_THEMES)
+def test_coordinates_are_readable_on_all_grounds(theme: str) -> None:
+    for name in ("areas", "frozen-lake", "teleport-pads", "puddle-test"):
+        shown = resolved(name).replace(theme=theme)
+        faint = faint_parts(shown, Overlay(coordinates=True))
+        assert [part for part in faint if "text" in part[0]] == []
+
+
+ANSWERS = ("values", "values policy", "action_values policy", "visits", "policy", "visits values")
+
+
+@pytest.mark.parametrize("theme", BUILTIN_THEMES)
+@pytest.mark.parametrize(
+    "name",
+    [*OVERLAID, *(pytest.param(n, marks=pytest.mark.slow) for n in EACH if n not in OVERLAID)],
+)
+def test_answers_stand_out(name: str, theme: str) -> None:
+    shown = resolved(name).replace(theme=theme)
+    solution = solved(name)
+    faint = {}
+    for keys in ANSWERS:
+        info: dict[str, Any] = {key: solution for key in keys.split() if key != "visits"}
+        if "visits" in keys:
+            width, height = shown.size
+            info["visits"] = [[7 * x * y * y for x in range(width)] for y in range(height)]
+        for coordinates in (False, True):
+            overlay = overlay_from(info | {"coordinates": coordinates}, shown)
+            faint[keys, coordinates] = faint_parts(shown, overlay)
+    assert {key: parts for key, parts in faint.items() if parts} == {}
+
+
+# -- colours of a level's own --------------------------------------------------------------------
+
+GROUNDS = ("black", "white", "#777777", "orange", "navy", "rgba(0, 0, 0, 0.5)", "transparent")
+
+
+@pytest.mark.parametrize("ground", GROUNDS)
+@pytest.mark.parametrize("ink", ["black", "white", "silver", "gold"])
+def test_any_colours_can_be_combined(ground: str, ink: str) -> None:
+    names = ("base", "start", "exit", "text_bg", "puddle", "blocked")
+    inks = ("start_text", "exit_text", "text_fg", "walls", "border", "arrows")
+    world = level(
+        size=[4, 3],
+        theme={"colors": dict.fromkeys(names, ground) | dict.fromkeys(inks, ink)},
+        walls=[{"at": [1, 1], "side": "E"}, {"at": [2, 2], "side": "N", "pass": 0.5}],
+        warps=[{"at": [2, 0], "to": [0, 2]}, {"at": [3, 0], "to": "start"}],
+        puddles=[{"at": [1, 1], "size": "large"}],
+        areas=[{"at": [2, 1], "label": "here", "color": ink}],
+        blocked=[{"at": [1, 2]}],
+        display={
+            "coordinates": True,
+            "compass": True,
+            "side_panel": {"width": 150, "color": ground, "text_color": ink},
+        },
+    )
+    overlay = Overlay(side_panel=["beside"], notes=[Note(3, 1, "note", ink)])
+    assert faint_parts(world, overlay) == []
+
+
+def test_a_note_keeps_its_colour_on_a_plate_that_fits_to_it() -> None:
+    overlay = Overlay(notes=[Note(1, 1, "note", "gold")])
+    shapes = build_scene(level(), overlay=overlay).shapes
+    (place,) = (i for i, s in enumerate(shapes) if isinstance(s, Text) and s.text == "note")
+    plate, note = shapes[place - 1 : place + 1]
+    assert note.fill == "gold"
+    assert isinstance(plate, Rect)
+    assert contrast("gold", plate.fill) >= TEXT
+
+
+def test_walls_have_a_casing_only_where_they_need_one() -> None:
+    walls = [{"at": [1, 0], "side": "E"}, {"at": [1, 2], "side": "E"}]
+
+    def shapes(**fields: Any) -> tuple[Shape, ...]:
+        return build_scene(level(size=[4, 3], **fields), robot=False).shapes
+
+    area = {"areas": [{"at": [2, 0], "color": "#101010"}]}
+    added = set(shapes(walls=walls, **area)) - set(shapes(walls=walls)) - set(shapes(**area))
+    (casing,) = (shape for shape in added if getattr(shape, "stroke", None) is not None)
+    assert getattr(casing, "stroke", None) == "#ffffff"
+
+
+# -- inks ------------------------------------------------------------------------------------------
+
+
+def test_an_ink_is_the_preferred_one_if_it_can_be_read() -> None:
+    assert ink_on(["white"], "navy") == "navy"
+    assert ink_on(["black"], "navy") == "#ffffff"
+    assert ink_on(["white", "#bbbbbb"], "#707070") == "#000000"
+    assert ink_on(["#bbbbbb"], "#606060", GRAPHICS) == "#606060"
+
+
+@pytest.mark.parametrize("shade", range(0, 256, 15))
+def test_black_or_white_is_readable_on_any_ground(shade: int) -> None:
+    ground = f"rgb({shade}, {shade}, {shade})"
+    assert contrast(rim_on([ground]), ground) >= TEXT
+    for below in ("black", "white"):
+        assert contrast("gold", mixed(plate_for("gold", ground), below)) >= TEXT
+
+
+# -- greys -----------------------------------------------------------------------------------------
+
+
+def colors_of(shapes: tuple[Shape, ...]) -> Iterator[str]:
+    for shape in shapes:
+        for color in (shape.fill, getattr(shape, "stroke", None)):
+            if color is not None:
+                yield color
+
+
+@pytest.mark.parametrize("color", ["#8fd0f5", "gold", "navy", "rgba(200, 30, 60, 0.5)"])
+def test_a_grey_has_the_contrasts_of_its_colour(color: str) -> None:
+    red, green, blue, alpha = rgba(gray(color))
+    assert red == green == blue
+    assert alpha == pytest.approx(rgba(color)[3], abs=0.01)
+    if alpha == 1:
+        assert contrast(gray(color), "black") == pytest.approx(contrast(color, "black"), rel=0.05)
