@@ -144,12 +144,17 @@ def shown_configuration(level: Level, configuration: int | None) -> int | None:
     return initial_configuration(level)
 
 
-def solution_of(level: Level, discount: float | None = None, actions: str = "all") -> Solution:
+def solution_of(
+    level: Level,
+    discount: float | None = None,
+    actions: str = "all",
+    within: int | None = None,
+) -> Solution:
     """Return the solution of a level; end the command if it has none."""
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
 
     try:
-        return solve(level, discount, actions=actions)
+        return solve(level, discount, actions=actions, within=within)
     except UndefinedReturnError as error:
         _end_unsolved(error)

@@ -58,6 +58,15 @@ def solve(
             "right and forward."
         ),
     ] = ActionSet.ALL,
+    within: Annotated[
+        str | None,
+        typer.Option(
+            metavar="N|max_steps",
+            help="Truncate episodes after N steps, or after the level's `max_steps`.  "
+            "[default: no limit]",
+            show_default=False,
+        ),
+    ] = None,
     held: Annotated[
         str | None,
         typer.Option(
@@ -71,8 +80,9 @@ def solve(
 ) -> None:
     """Solve a level exactly: the optimal expected return, an optimal policy, the state values.
 
-    The drawing shows the policy: an arrow in each cell. `max_steps` is ignored: the values are
-    those of episodes without a time limit; where a limit makes a difference, a note says so. For a
+    The drawing shows the policy: an arrow in each cell. Without --within, the values are those of
+    episodes without a time limit; where `max_steps` makes a difference, a note says so. Within a
+    limit, the policy that is shown is that of the first step; JSON has that of each step. For a
     robot that turns, policy and values are those of the heading at the start: L left, R right, F
     forward. JSON has all headings, and all configurations of items, switches and movers.
 
@@ -81,6 +91,8 @@ def solve(
       babyrobot solve final-maze
 
       babyrobot solve first-key --held key
+
+      babyrobot solve frozen-lake --within max_steps
 
       babyrobot solve frozen-lake --discount 0.99 --format json
     """
@@ -94,7 +106,7 @@ def solve(
         )
     configuration = None if held is None else configuration_of(loaded, held)
     with working("solving"):
-        solution = solution_of(loaded, discount, actions)
+        solution = solution_of(loaded, discount, actions, _limit(within, loaded))
     if report_format is ReportFormat.JSON:
         if held is not None:
             note("--held has no effect on JSON, which has all configurations")
@@ -102,13 +114,28 @@ def solve(
         return
     if solution.explanation:
         note(solution.explanation)
-    _note_limit(loaded, solution)
+    if within is None:
+        _note_limit(loaded, solution)
     shown = shown_configuration(loaded, configuration)
     write(_summary(loaded, solution, shown) + "\n")
     if actions is ActionSet.TURNS:
         write(_turns(loaded, solution, shown))
     else:
         write(solution_text(loaded, solution, values=True, policy=True, configuration=shown))
+
+
+def _limit(within: str | None, level: Level) -> int | None:
+    """Return the number of steps that --within asks for, None for no limit."""
+    from babyrobot_levels.analysis.solver.results import check_within
+
+    try:
+        return check_within(
+            int(within) if within and within.isdecimal() else within, level.max_steps
+        )
+    except ValueError:
+        if within == "max_steps":
+            fail("the level has no max_steps", "give a number of steps, such as --within 200")
+        fail(f"--within must be a number of steps from 1 on, or max_steps, not {within}")
 
 
 def _note_limit(level: Level, solution: Solution) -> None:
@@ -124,7 +151,7 @@ def _note_limit(level: Level, solution: Solution) -> None:
         return
     within = best_return_within(level, steps, actions=solution.actions, discount=solution.discount)
     if not math.isclose(within, solution.expected_return, rel_tol=1e-6, abs_tol=1e-6):
-        note(f"{ignored}; within it, the best expected return is {within:.4g}")
+        note(f"{ignored}; within it, the best expected return is {within:.4g} (--within max_steps)")
 
 
 def _turns(level: Level, solution: Solution, configuration: int | None) -> str:
@@ -144,6 +171,7 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
         "name": level.name,
         "digest": level.digest,
         "discount": solution.discount,
+        "within": solution.within,
         "expected_return": _number(solution.expected_return),
         "expected_steps": _number(solution.expected_steps),
         "exit_probability": _number(solution.exit_probability),
@@ -156,6 +184,8 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
         "policy": solution.policy.tolist(),
         "greedy": solution.greedy.tolist(),
     }
+    if solution.policies is not None:
+        data["policies"] = solution.policies.tolist()
     if solution.actions == ActionSet.TURNS:
         data["headings"] = list(SIDES)
     if level.has_things:
@@ -196,8 +226,11 @@ def _summary(level: Level, solution: Solution, configuration: int | None) -> str
         "expected steps": f"{solution.expected_steps:.6g}",
         "reaches an exit": f"{100 * solution.exit_probability:.4g} %",
         "discount": f"{solution.discount:g}",
+        "within": f"{solution.within} steps",
         "method": f"{solution.method}, residual {solution.residual:.1g}",
     }
+    if solution.within is None:
+        del facts["within"]
     if not level.exits:
         del facts["reaches an exit"]
     if solution.actions == ActionSet.TURNS:
