@@ -29,6 +29,7 @@ from babyrobot_levels.render.page_tables import (
 )
 from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
+from babyrobot_levels.render.scene.heat import frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -239,7 +240,10 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     }
     shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
-        shapes["beside"] = sign_shapes(level, layout, beside, own)
+        signs = sign_shapes(level, layout, beside, own)
+        # Tiles of marks are below the frames of all cells.
+        frames = frame_shapes(level, beside.acting, layout) if has_marks else ()
+        shapes["beside"] = (*frames, *signs)
     if guide is not None and not has_marks:
         layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
         shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
@@ -259,14 +263,14 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     )
     marks = Marks(level, layout, palette, beside, [*moves, *turned])
     if moves:
-        data["marks"] = marks.values(moves) | {"policy": marks.actions(moves)}
+        data["marks"] = {"values": marks.values(moves), "policy": marks.actions(moves)}
         picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
     if may_turn:
         data["turns"] = _turns(level, turning, on=turns)
         if turned:
-            data["turns"]["marks"] = marks.values(turned)
+            data["turns"]["marks"] = {"values": marks.values(turned)}
     if marks.packed:
-        picture["marks"] = marks.packed
+        picture["marks"], picture["tiles"] = marks.packed, marks.tiles
     data["rules"] = [
         [pack(sample_shapes(level, rule.sample), palette), rule.text, _runs(rule.cells)]
         for rule in rules_of(level)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
@@ -29,13 +30,13 @@ from babyrobot_levels.render.scene.slots import Box, Cell, Slots
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-FRAME = 4.0
+_FRAME = 4.0
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
 _OVERLAP = 0.5
 """How far tiles reach under their neighbours: nothing shines through between them."""
 
-_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 32
+_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 24
 _LONGEST_BAR = 260.0
 _LEGEND_SIZE = 9.5
 
@@ -113,7 +114,7 @@ class Heat:
         yield from _tiles(self.tiles, self.layout)
         yield from self._triangles()
         if self.tiles or self.action_values:
-            yield from _frames(self.level, {*self.tiles, *self.action_values}, self.layout)
+            yield from frame_shapes(self.level, {*self.tiles, *self.action_values}, self.layout)
         if self.layout.legend:
             numbers = (self.scale.low, self.scale.high)
             form = form_of(numbers, self.overlay.precision)
@@ -200,18 +201,18 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
         yield Path(tuple(commands), fill=color)
 
 
-def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shape]:
+def frame_shapes(level: GridWorld, cells: AbstractSet[Cell], layout: Layout) -> Iterator[Shape]:
     """Yield frames inside the cells whose ground has a colour of its own."""
-    grounds = grounds_of(level)
+    grounds = _grounds_of(level)
     parts: dict[str, list[Command]] = defaultdict(list)
     for x, y in sorted(cells & grounds.keys()):
         color, (left, top) = grounds[x, y], layout.corner(x, y)
         right, foot = left + CELL, top + CELL
         for dx, dy, corners in (
-            (0, -1, (left, top, right, top + FRAME)),
-            (1, 0, (right - FRAME, top, right, foot)),
-            (0, 1, (left, foot - FRAME, right, foot)),
-            (-1, 0, (left, top, left + FRAME, foot)),
+            (0, -1, (left, top, right, top + _FRAME)),
+            (1, 0, (right - _FRAME, top, right, foot)),
+            (0, 1, (left, foot - _FRAME, right, foot)),
+            (-1, 0, (left, top, left + _FRAME, foot)),
         ):
             if grounds.get((x + dx, y + dy)) != color:
                 parts[color] += _outline(corners)
@@ -219,7 +220,7 @@ def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shap
         yield Path(tuple(commands), fill=color)
 
 
-def grounds_of(level: GridWorld) -> dict[Cell, str]:
+def _grounds_of(level: GridWorld) -> dict[Cell, str]:
     """Return the colours of the cells whose colours mean something."""
     colors = level.resolved_theme.colors
     grounds: dict[Cell, str] = {}

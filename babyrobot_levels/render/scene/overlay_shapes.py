@@ -75,10 +75,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
     colors = level.resolved_theme.colors
-    covered = {puddle.at for puddle in level.puddles}
-    if level.warps:
-        # Their arrows pass through other cells.
-        covered = {*layout.cells()}
+    covered = covered_cells(level, layout)
     form = number_form(heat.values.values(), overlay.precision)
     if form.is_readable(layout) and slots.shown.number:
         for cell, value in heat.values.items():
@@ -98,6 +95,14 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
                 ink, ground = ink_on(tile), tile if cell in covered else None
             yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
     yield from _action_labels(heat)
+
+
+def covered_cells(level: GridWorld, layout: Layout) -> set[Cell]:
+    """Return the cells in which a number needs a ground: something may lie between it and its tile.
+
+    These are puddles, and all cells where there are warps, whose arrows pass through others.
+    """
+    return {*layout.cells()} if level.warps else {puddle.at for puddle in level.puddles}
 
 
 def number_form(values: Iterable[float | None], precision: int) -> Form:
