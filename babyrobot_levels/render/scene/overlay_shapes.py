@@ -154,6 +154,8 @@ _SHORTEST = 0.4
 _LEAST = 0.005
 """The probability below which an action has no arrow."""
 _SHADE = "#000000"
+_MOST_RIMMED = 100
+"""The most columns and rows with rims: in larger pictures they would be finer than a pixel."""
 
 Lengths = Mapping[int, float]
 """The length of the arrow of each action, as a share of the longest."""
@@ -202,7 +204,10 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
-    for ink, rim, opacity in ((_SHADE, 3.2, 0.3), (ink_on(color), 2.0, 1.0)):
+    rims = ((_SHADE, 3.2, 0.3), (ink_on(color), 2.0, 1.0))
+    if max(layout.columns, layout.rows) > _MOST_RIMMED:
+        rims = ()
+    for ink, rim, opacity in rims:
         if lines:
             yield Path(lines, stroke=ink, width=_WIDTH + 2 * rim, cap="round", opacity=opacity)
         if tips:
