@@ -10,6 +10,7 @@ from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
+from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat, legend_shapes
 from babyrobot_levels.render.scene.layout import Layout
 from babyrobot_levels.render.scene.number_labels import number_shapes
@@ -18,7 +19,6 @@ from babyrobot_levels.render.scene.overlay_shapes import (
     Lengths,
     arrow_lengths,
     arrow_shapes,
-    covered_cells,
     number_form,
 )
 from babyrobot_levels.render.scene.scale import ink_on, scale_of
@@ -58,7 +58,7 @@ class Marks:
         numbers = [value for heat in heats for value in heat.values.values()]
         self._scale = scale_of(numbers, level.resolved_theme.colors)
         self._form = number_form(numbers, heats[0].overlay.precision if heats else 0)
-        self._covered = covered_cells(level, layout)
+        self._covered = busy_cells(level, layout, slots)
         self.legend = tuple(legend_shapes(level, layout, self._scale, self._form)) if heats else ()
         self._numbers: dict[Hashable, int] = {}
         self._by_look: dict[tuple[str, int], int] = {}
