@@ -182,7 +182,7 @@ def test_a_cell_with_a_colour_keeps_a_frame_of_it() -> None:
     assert box_of(points_of(frame)) == (CELL, 0, 3 * CELL, CELL)
     # Nothing of it lies between its two cells, but at the edges.
     boxes = [box_of(points) for points, _ in polylines(frame.commands)]
-    assert all(min(box[2] - box[0], box[3] - box[1]) == 4 for box in boxes)
+    assert all(min(box[2] - box[0], box[3] - box[1]) == 6.5 for box in boxes)
     assert len(boxes) == 6
 
 
@@ -321,8 +321,8 @@ def test_overlays_and_texts_do_not_touch(coordinates: bool) -> None:
         for points, _ in polylines(shape.commands)
     ]
     assert len(numbers) == 12
-    # START and EXIT give way to coordinates; the frames of their cells have their colours.
-    assert len(texts) == (1 + 12 if coordinates else 1 + 3)
+    # START and EXIT give way to coordinates, and these to a label; frames have their colours.
+    assert len(texts) == (1 + 8 if coordinates else 1 + 3)
     assert layout.legend == 0
     for number in numbers:
         assert not any(touch(number, other) for other in (*texts, *pieces))

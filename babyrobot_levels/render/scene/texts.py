@@ -100,8 +100,9 @@ def coordinate_texts(
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
-        if not blocked[y * layout.columns + x]:
-            box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
+        place = slots.plan((x, y)).coordinates
+        if place is not None and not blocked[y * layout.columns + x]:
+            box = place.moved(*layout.corner(x, y))
             text = f"{x},{y}"
             # They lie on the northern and the western part of a cell with values of actions.
             below = colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
