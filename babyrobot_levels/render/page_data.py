@@ -251,6 +251,7 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         "grid": floor_shapes(level, layout),
         "signs": sign_shapes(level, layout, alone, own),
     }
+    shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
         shapes["beside"] = sign_shapes(level, layout, beside, own)
     if guide is not None and not has_marks:

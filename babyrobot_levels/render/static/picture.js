@@ -70,7 +70,7 @@ class Picture {
     this.marks = new MarksLayer(game, svg);
     this.calm = view.calm;
     this.running = null;
-    view.show(svg);
+    view.show(svg, game.data.exits.map((exit) => game.corner(...game.place(exit))));
   }
 
   /** Show the robot at a place, in a pose and a phase of its move. */
