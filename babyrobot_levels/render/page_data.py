@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -246,7 +246,9 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
     alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
     own = level.display.coordinates
-    bare = build_layers(level, robot=False, layout=layout)
+    # Without the strip for what is held, which the page has outside of the picture.
+    seen = replace(layout, strip=0.0)
+    bare = build_layers(level, robot=False, layout=seen)
     shapes: dict[str, Iterable[Shape]] = {
         "base": bare["base"].shapes,
         "grid": floor_shapes(level, layout),
@@ -259,12 +261,11 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         frames = frame_shapes(level, beside.acting, layout) if has_marks else ()
         shapes["beside"] = (*frames, *signs)
     if guide is not None and not has_marks:
-        layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
+        layers = build_layers(level, robot=False, overlay=overlay, layout=seen)
         shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
     picture: dict[str, Any] = {
-        "width": round(layout.width),
-        # Without the strip for what is held, which the page has outside of the picture.
-        "height": round(layout.top_height),
+        "width": round(seen.width),
+        "height": round(seen.height),
         "layers": {name: pack(each, palette, layout.margin) for name, each in shapes.items()},
     }
     data: dict[str, Any] = {"picture": picture}
