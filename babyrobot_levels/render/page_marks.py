@@ -10,7 +10,8 @@ from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
-from babyrobot_levels.render.scene.heat import FRAME, Heat, grounds_of, legend_shapes
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.heat import FRAME, Heat, legend_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.number_labels import number_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -56,7 +57,7 @@ class Marks:
         numbers = [value for heat in heats for value in heat.values.values()]
         self._scale = scale_of(numbers, level.resolved_theme.colors)
         self._form = number_form(numbers, heats[0].overlay.precision if heats else 0)
-        self._grounds = grounds_of(level)
+        self._grounds = CellGrounds(level).own
         self.legend = tuple(legend_shapes(level, layout, self._scale, self._form)) if heats else ()
         self._numbers: dict[Hashable, int] = {}
         self._by_look: dict[str, int] = {}

@@ -11,6 +11,8 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.ground import shore_shapes
 from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -25,12 +27,15 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+from babyrobot_levels.render.scene.walls import casing_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-FRAME = 4.0
+FRAME = 6.5
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
+
+_MOVES = {action.name[0]: action for action in list(Action)[1:]}
 
 _OVERLAP = 0.5
 """How far tiles reach under their neighbours: nothing shines through between them."""
@@ -105,6 +110,22 @@ class Heat:
             if cell not in self.action_values
         }
 
+    def beside(self, cell: Cell, side: str) -> str:
+        """Return the colour at a side `N`, `E`, `S` or `W` of a cell."""
+        if cell in self.action_values:
+            value = self.action_values[cell][_MOVES[side]]
+            if value is not None:
+                return self.scale.color(value)
+        return self.tiles.get(cell) or self._grounds[cell]
+
+    def colors_of(self, cell: Cell) -> tuple[str, ...]:
+        """Return the colours that a cell shows, from the north clockwise."""
+        return tuple(self.beside(cell, side) for side in _MOVES)
+
+    @cached_property
+    def _grounds(self) -> CellGrounds:
+        return CellGrounds(self.level)
+
     @property
     def shapes(self) -> Iterator[Shape]:
         """The tiles and triangles, and frames in the colours of the grounds below."""
@@ -112,6 +133,9 @@ class Heat:
             return
         yield from _tiles(self.tiles, self.layout)
         yield from self._triangles()
+        # Below the walls and puddles of the level.
+        yield from casing_shapes(self.level, self.layout, self.beside)
+        yield from shore_shapes(self.level, self.layout, self.colors_of)
         if self.tiles or self.action_values:
             yield from _frames(self.level, {*self.tiles, *self.action_values}, self.layout)
         if self.layout.legend:
@@ -202,7 +226,7 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
 
 def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shape]:
     """Yield frames inside the cells whose ground has a colour of its own."""
-    grounds = grounds_of(level)
+    grounds = CellGrounds(level).own
     parts: dict[str, list[Command]] = defaultdict(list)
     for x, y in sorted(cells & grounds.keys()):
         color, (left, top) = grounds[x, y], layout.corner(x, y)
@@ -217,21 +241,6 @@ def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shap
                 parts[color] += _outline(corners)
     for color, commands in parts.items():
         yield Path(tuple(commands), fill=color)
-
-
-def grounds_of(level: GridWorld) -> dict[Cell, str]:
-    """Return the colours of the cells whose colours mean something."""
-    colors = level.resolved_theme.colors
-    grounds: dict[Cell, str] = {}
-    for area in level.areas:
-        if area.color is not None:
-            (left, top), (width, height) = area.at, area.size
-            for y in range(top, top + height):
-                grounds |= dict.fromkeys(((x, y) for x in range(left, left + width)), area.color)
-    grounds |= dict.fromkeys(level.starts, colors.start)
-    if level.exit_one_of is None:
-        grounds |= dict.fromkeys(level.exits, colors.exit)
-    return grounds
 
 
 def _outline(corners: tuple[float, float, float, float]) -> tuple[Command, ...]:
