@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -42,22 +42,30 @@ def effect_shapes(
     yield from sheen_shapes(effects.skids, layout, slots)
     yield from wind_shapes(effects.winds, slots, level.resolved_theme.colors.arrows)
     yield from warp_shapes(level, layout, slots, effects)
-    yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
+    yield from mark_shapes(level, slots, effects)
 
 
-def mark_shapes(effects: Effects, slots: Slots, taken: Container[Cell]) -> Iterator[Shape]:
+def mark_shapes(level: GridWorld, slots: Slots, effects: Effects) -> Iterator[Shape]:
     """Yield the marks of what cells do; those of one kind and size are painted as one.
 
+    A sign is small in the ring of a warp, and beside wind and the path of a guard.
+
     Args:
-        effects: what the cells do.
+        level: the level.
         slots: where the marks are.
-        taken: the cells that have something else in that place: a mark is small in its middle.
+        effects: what the cells do.
     """
+    rings = {warp.at for warp in level.warps}
+    beside = {cell for mover in level.movers for cell in mover.path or ()}.union(effects.winds)
     placed: dict[tuple[Figure, float], list[Spot]] = {}
     for cell, figure, wide, strength in _marks(effects):
         box = slots.icon(cell)
-        scale = _SIZES[strength - 1] * box.width / wide / (2 if cell in taken else 1)
-        placed.setdefault((figure, scale), []).append(Spot(*box.centre, scale))
+        (x, y), scale = box.centre, _SIZES[strength - 1] * box.width / wide
+        if cell in rings or cell in beside:
+            scale /= 2
+        if cell in beside:
+            x, y = x + 0.3 * box.width, y + 0.3 * box.height
+        placed.setdefault((figure, scale), []).append(Spot(x, y, scale))
     for (figure, _), spots in placed.items():
         for alike in zip(*map(figure, spots), strict=True):
             commands = tuple(command for path in alike for command in path.commands)

@@ -24,7 +24,6 @@ from babyrobot_levels.render.scene.things import pieces
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 _HERE = (0, 0)
-_NONE = "transparent"
 _SPOT = Spot(CELL / 2, CELL / 2)
 _PARTS: dict[str, dict[str, Any]] = {
     "exit": {"exit": _HERE},
@@ -43,9 +42,7 @@ def sample_shapes(level: GridWorld, sample: str, size: float = CELL) -> tuple[Sh
         sample: the `sample` of one of the level's rules.
         size: the side of the picture in pixels; its upper left corner is (0, 0).
     """
-    shapes = _shapes(level, sample) if sample else ()
-    seen = (shape for shape in shapes if shape.fill != _NONE)
-    return tuple(scaled(seen, size / CELL))
+    return tuple(scaled(_shapes(level, sample), size / CELL)) if sample else ()
 
 
 def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
@@ -80,19 +77,25 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
 def _small(level: GridWorld, *, shows_start: bool = False, **fields: Any) -> GridWorld:
     """Return a level of one cell that looks and pays like another one, and has no outer wall."""
     theme = level.resolved_theme
-    hidden = {} if shows_start else {"start": _NONE, "start_text": _NONE}
-    parts = {
-        "colors": theme.colors.model_copy(update=hidden),
-        "widths": theme.widths.model_copy(update={"border": 0.0}),
-    }
+    widths = theme.widths.model_copy(update={"border": 0.0})
     given = {
         "size": (1, 1),
         "skid": level.skid,
         "rewards": level.rewards,
-        "theme": theme.model_copy(update=parts),
+        "theme": theme.model_copy(update={"widths": widths}),
         "display": Display(start_text=False, exit_text=False),
     }
-    return GridWorld.model_construct(version=1, **{**given, **fields})
+    kind = GridWorld if shows_start else _Startless
+    return kind.model_construct(version=1, **{**given, **fields})
+
+
+class _Startless(GridWorld):
+    """A level whose start is not drawn."""
+
+    @property
+    def starts(self) -> tuple[tuple[int, int], ...]:
+        """No cells."""
+        return ()
 
 
 def _layout(columns: int = 1) -> Layout:
