@@ -38,6 +38,7 @@ class PictureOptions:
         scale: the size, where 1 is 64 pixels per cell; None chooses one for the level.
         held: what is held and on in a still picture, as for `--held`; None shows the level as a
             whole, and the solution where episodes begin.
+        rules: whether to show the rules of the level.
     """
 
     values: bool = False
@@ -45,6 +46,7 @@ class PictureOptions:
     seed: int = 0
     scale: float | None = None
     held: str | None = None
+    rules: bool = False
 
 
 def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
@@ -65,6 +67,7 @@ def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
             values=options.values,
             policy=options.policy,
             held=options.held,
+            rules=options.rules,
             scale=options.scale,
         )
 
@@ -79,6 +82,7 @@ def gif(level: Level, options: PictureOptions) -> bytes:
             policy=options.policy,
             seed=options.seed,
             values=options.values,
+            rules=options.rules,
             scale=options.scale,
             tell=note,
         )

@@ -116,6 +116,12 @@ def preview(
             show_default=False,
         ),
     ] = None,
+    rules: Annotated[
+        bool,
+        typer.Option(
+            "--rules", help="Show the rules of the level in words; pages have them in any case."
+        ),
+    ] = False,
     held: Annotated[
         str | None,
         typer.Option(
@@ -171,6 +177,8 @@ def preview(
 
       babyrobot preview frozen-lake --values --policy -o answers.svg
 
+      babyrobot preview treasure-chests --rules -o hand-out.png
+
       babyrobot preview first-key --values --held key -o with-key.svg
 
       babyrobot preview final-maze --policy best --seed 3 -o walk.gif
@@ -184,13 +192,14 @@ def preview(
         fail("--held is for text and still pictures", "leave out --held")
     times = _scale(scale, cell, chosen)
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-    options = PictureOptions(values, policy, seed or 0, times, held)
+    options = PictureOptions(values, policy, seed or 0, times, held, rules)
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
     made: str | bytes
     with working("drawing"):
         if chosen in _TEXTS:
             made = _text(shown, options, plain=chosen is PictureFormat.ASCII or output is not None)
+            made += _rules_text(shown) if rules else ""
         elif chosen is PictureFormat.GIF:
             made = gif(shown, options)
         elif chosen is PictureFormat.HTML:
@@ -205,6 +214,13 @@ def preview(
         fail(f"a {chosen.upper()} cannot be shown in a terminal", "save it with -o FILE")
     else:
         sys.stdout.buffer.write(made)
+
+
+def _rules_text(level: Level) -> str:
+    """Return the rules of a level, for below its drawing."""
+    from babyrobot_levels.render.words.rules import rules_of
+
+    return "\n" + "".join(f"{rule.text}\n" for rule in rules_of(level))
 
 
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:

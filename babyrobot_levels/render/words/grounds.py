@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.cells import Skid, as_skid
 from babyrobot_levels.language.moves import Warp
+from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.words import phrases
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ class Ground:
         label: the label of its area; empty without one, or if it has no letters.
         reward: the reward for entering it.
         skid: its own skid; None for that of the level.
-        ends: whether it ends the episode.
+        end: how it ends the episode; None if it does not.
         warp: the warp in it.
     """
 
@@ -36,8 +37,24 @@ class Ground:
     label: str
     reward: float
     skid: Skid | None
-    ends: bool
+    end: End | None
     warp: Warp | None
+
+    @property
+    def name(self) -> str:
+        """What it is called: by its label, its mark in pictures, or its colour."""
+        if self.label:
+            return self.label
+        if self.end is not None:
+            return "chest" if self.end.is_good else "trap" if self.end.costs else "hole"
+        if self.warp is not None:
+            return "warp"
+        return "some cells" if self.color is None else f"{phrases.color_name(self.color)} cell"
+
+    def places(self, level: GridWorld) -> list[tuple[int, int]]:
+        """Return its cells as `(x, y)`."""
+        width = level.size[0]
+        return [(cell % width, cell // width) for cell in self.cells]
 
 
 def grounds_of(level: GridWorld) -> Iterator[Ground]:
@@ -66,26 +83,34 @@ def grounds_of(level: GridWorld) -> Iterator[Ground]:
     by_kind = np.argsort(kind.ravel(), kind="stable")
     ends = np.cumsum(np.bincount(kind.ravel()))[:-1]
     cells = [tuple(places[part].tolist()) for part in np.split(by_kind, ends)]
+    told = effects_of(level).ends
     wet = {y * width + x for x, y in (puddle.at for puddle in level.puddles)}
     for index in sorted(range(kinds.shape[1]), key=lambda index: cells[index][0]):
         *areas, warp = kinds[:, index].tolist()
-        ground = _ground(level, cells[index], areas, warp)
-        if ground.ends or ground.cells[0] not in wet:
+        ground = _ground(level, cells[index], areas, warp, told)
+        if ground.end or ground.cells[0] not in wet:
             yield ground
 
 
-def _ground(level: GridWorld, cells: tuple[int, ...], areas: list[int], warp: int) -> Ground:
+def _ground(
+    level: GridWorld,
+    cells: tuple[int, ...],
+    areas: list[int],
+    warp: int,
+    told: Mapping[tuple[int, int], End],
+) -> Ground:
     def given(name: str) -> Area | None:
         number = areas[_PROPERTIES.index(name)]
         return level.areas[number] if number >= 0 else None
 
     color, label, reward, skid, ends = (given(name) for name in _PROPERTIES)
+    y, x = divmod(cells[0], level.size[0])
     return Ground(
         cells=cells,
         color=color.color if color else None,
         label=phrases.worded(phrases.name_of(label.label)) if label else "",
         reward=reward.reward if reward and reward.reward is not None else level.rewards.step,
         skid=as_skid(skid.skid) if skid and skid.skid is not None else None,
-        ends=bool(ends and ends.ends),
+        end=told.get((x, y)) if ends and ends.ends else None,
         warp=level.warps[warp] if warp >= 0 else None,
     )
