@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -345,6 +346,7 @@ def to_html(
     seed: int = 0,
     coordinates: bool | None = None,
     theme: Any = None,
+    answers: bool = True,
     tell: Callable[[str], None] = _warn,
 ) -> str:
     """Return a page on which the level can be played.
@@ -357,13 +359,15 @@ def to_html(
         seed: the random seed of the first episode.
         coordinates: whether cells show their coordinates; None for what the level says.
         theme: another theme.
+        answers: whether the page knows the level's solution: values, optimal actions, hints, and
+            what returns are good.
         tell: told if the level has no solution that the page could show, where none is asked for.
             By default this is a warning.
 
     Raises:
         UndefinedReturnError: a solution is asked for, and the level has none.
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: the level is too large for a page.
+        ValueError: the level is too large for a page, or answers are shown without answers.
     """
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page import to_html as paint
@@ -376,9 +380,11 @@ def to_html(
     # A level that is too large is refused before it is solved.
     without_panels(level)
     arrows = policy is True or policy == BEST
+    if not answers and (values or arrows):
+        raise ValueError("a page without answers shows neither values nor optimal actions")
     guide = None
     try:
-        guide = guide_of(level)
+        guide = guide_of(level) if answers else None
     except UndefinedReturnError as error:
         if values or arrows:
             raise
@@ -404,7 +410,9 @@ def guide_of(level: Level, *, turns: bool = False) -> Guide:
     overlay = overlay_of(level, {"values": solution, "policy": solution})
     assert overlay is not None
     turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
-    return Guide(policy_of(solution), overlay, solution.expected_return, turning)
+    return Guide(
+        policy_of(solution), overlay, solution.expected_return, turning, **_returns(level, solution)
+    )
 
 
 def _turning_guide(level: Level) -> Guide | None:
@@ -420,4 +428,29 @@ def _turning_guide(level: Level) -> Guide | None:
     overlay = overlay_of(level, {"values": solution})
     assert overlay is not None
     policy: list[int] = solution.policy.ravel().tolist()
-    return Guide(policy, overlay, solution.expected_return)
+    return Guide(policy, overlay, solution.expected_return, **_returns(level, solution))
+
+
+def _returns(level: Level, solution: Solution) -> dict[str, Any]:
+    """Return what a page compares a return with: quantiles of the best one, and the random one."""
+    import numpy as np
+
+    from babyrobot_levels.analysis.solver.distribution import return_distribution
+    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+    from babyrobot_levels.analysis.solver.horizon import expected_return_within
+
+    actions, discount = solution.actions, solution.discount
+    random = None
+    if level.max_steps is not None:
+        random = expected_return_within(
+            level, RANDOM, level.max_steps, actions=actions, discount=discount
+        )
+    else:
+        with suppress(ArithmeticError):
+            random = evaluation_of(level, RANDOM, actions=actions).expected_return
+    # Each stands for one in a hundred episodes.
+    quantiles = return_distribution(level, solution, actions=actions).quantiles(
+        (np.arange(100) + 0.5) / 100
+    )
+    alike = np.unique(quantiles).size == 1
+    return {"random_return": random, "quantiles": quantiles[: 1 if alike else None].tolist()}

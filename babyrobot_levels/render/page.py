@@ -83,6 +83,9 @@ MAX_LINK = 30_000
 MAX_UNPACKED = 4 << 20
 """The most bytes that a page decompresses."""
 
+_COMMENTS = re.compile(r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$", re.M | re.S)
+"""Comments of scripts and styles that have lines of their own."""
+
 
 def to_html(
     level: GridWorld,
@@ -194,6 +197,12 @@ def _code(name: str) -> str:
 
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
+
+
+def _code(name: str) -> str:
+    """Return a script or style without the comments that have lines of their own and indents."""
+    text = _COMMENTS.sub("", _static(name))
+    return "\n".join(line for line in map(str.strip, text.splitlines()) if line)
 
 
 def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:

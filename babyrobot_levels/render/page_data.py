@@ -6,6 +6,7 @@ one: the page's script plays and paints either, and knows nothing else about lev
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ import numpy as np
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
-from babyrobot_levels.render.colors import gray
+from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -37,7 +38,6 @@ from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robo
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
@@ -161,13 +161,25 @@ def page_data(
 
 
 def common_data() -> dict[str, Any]:
-    """Return what is the same for all levels: the robot's pictures, and the meaning of codes."""
+    """Return what is the same for all levels: the robot's pictures, and the meaning of codes.
+
+    Each shape of the robot is there once; its picture in a pose and a phase, of a cell at (0, 0),
+    is a list of the shapes' numbers (`sprites`, `[poses][phases]`).
+    """
     names = (*_ROBOT_COLORS, *_OWN_COLORS)
     palette = Palette(names)
     theme = Theme.model_construct(colors=Colors.model_construct(robot="robot", puddle="puddle"))
+    shapes: dict[str, int] = {}
     sprites = [
         [
-            pack(robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)), palette)
+            [
+                shapes.setdefault(json.dumps(shape, separators=(",", ":")), len(shapes))
+                for _, _, packed in pack(
+                    robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)),
+                    palette,
+                )
+                for shape in packed
+            ]
             for phase in range(PHASES)
         ]
         for pose in POSES
@@ -183,6 +195,7 @@ def common_data() -> dict[str, Any]:
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
         "robot": names,
         "palette": palette.colors,
+        "shapes": list(map(json.loads, shapes)),
         "sprites": sprites,
     }
 
@@ -237,6 +250,7 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         "grid": floor_shapes(level, layout),
         "signs": sign_shapes(level, layout, alone, own),
     }
+    shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
         shapes["beside"] = sign_shapes(level, layout, beside, own)
     if guide is not None and not has_marks:

@@ -246,6 +246,57 @@ def test_the_film_of_the_docs_is_what_is_made_now() -> None:
     assert np.abs(then.astype(int) - now).mean() < 1
 
 
+# -- without answers ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["final-maze", "door-key"])
+def test_without_answers_nothing_of_them_is_in_the_page(name: str) -> None:
+    full, plain = made(name, "full.html"), made(name, "--no-answers", "plain.html")
+    known, data = data_of(full), data_of(plain)
+    assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
+    assert "returns" not in data
+    assert "marks" not in data
+    assert "marks" not in data["picture"]
+    assert data["picture"]["layers"]["values"] == data["picture"]["layers"]["policy"] == []
+    # Whatever is an answer can be found in the other page, and not in this one.
+    answers = [
+        json.dumps(each, separators=(",", ":"))
+        for each in (
+            known["policy"],
+            known["returns"],
+            known.get("marks", known["picture"]["layers"]["values"]),
+            known["picture"].get("marks", known["picture"]["layers"]["policy"]),
+        )
+    ]
+    assert all(answer.encode() in full for answer in answers)
+    assert not any(answer.encode() in plain for answer in answers)
+    best = known["best"].removeprefix("\N{MINUS SIGN}")
+    assert best.encode() in full
+    assert not re.search(rf"(?<![\w.]){re.escape(best)}(?!\w)", plain.decode())
+    turns = data.pop("turns", {"policy": None, "best": ""})
+    assert (turns["policy"], turns["best"], "returns" in turns) == (None, "", False)
+    same = set(data) - {"policy", "walker", "best", "picture"}
+    assert {key: known[key] for key in same} == {key: data[key] for key in same}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        ("-o a.html --values", "--no-answers cannot be combined with --values"),
+        ("-o a.html --policy", "--no-answers cannot be combined with --values and --policy best"),
+        ("-o a.svg", "--no-answers is for HTML output"),
+    ],
+)
+def test_no_answers_is_for_pages_that_show_none(arguments: str, wrong: str) -> None:
+    refused = preview("maze", "--no-answers", *shlex.split(arguments))
+    assert (refused.status, wrong in refused.err) == (2, True)
+
+
+def test_without_answers_the_random_policy_is_watched() -> None:
+    page = made("maze", "--no-answers", "--policy", "random", "a.html")
+    assert data_of(page)["walker"] == "random"
+
+
 # -- what it has written before ----------------------------------------------------------------
 
 

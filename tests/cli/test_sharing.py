@@ -7,6 +7,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
+from support.codes import play_data
 from support.sessions import Result, environment, run_here
 
 from babyrobot_levels.library.catalogue import levels, load
@@ -47,6 +48,21 @@ def test_a_link_is_a_code_and_what_a_page_plays(base: str) -> None:
     assert re.fullmatch(rf"{re.escape(base)}#{re.escape(code)}~1\.\d+\.[\w-]+\n", link.out)
     assert link.err == ""
     assert babyrobot("share", link.out).out == f"{code}\n"
+
+
+@pytest.mark.parametrize("name", ["final-maze", "door-key"])
+def test_a_link_without_answers_has_none(name: str) -> None:
+    full = play_data(babyrobot("share", name, "--link", "p.html").out.strip())
+    link = babyrobot("share", name, "--link", "p.html", "--no-answers")
+    data = play_data(link.out.strip())
+    assert link.err == ""
+    assert {key for key in full if full[key] != data.get(key)} >= {"policy", "walker", "returns"}
+    assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
+    assert not {"returns", "marks"} & set(data)
+    assert "marks" not in data["picture"]
+    assert data["picture"]["layers"]["values"] == data["picture"]["layers"]["policy"] == []
+    refused = babyrobot("share", name, "--no-answers", status=2)
+    assert "--no-answers is for links" in refused.err
 
 
 @pytest.mark.parametrize("base", ["", "my page.html", "page.html\n", "page.html#"])

@@ -144,11 +144,10 @@ _TIE = 1e-9
 _WIDTH = 3.2
 _RING = 0.25
 """The radius of the ring that means `stay`, as a share of the arrows' length."""
-_SHORTEST = 0.45
+_SHORTEST = 0.4
 """The length of the arrow of an improbable action, as a share of that of the most likely one."""
 _LEAST = 0.005
 """The probability below which an action has no arrow."""
-_RIM = "#ffffff"
 _SHADE = "#000000"
 
 Lengths = Mapping[int, float]
@@ -198,7 +197,7 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
-    for ink, rim, opacity in ((_SHADE, 3.2, 0.3), (_RIM, 2.0, 1.0)):
+    for ink, rim, opacity in ((_SHADE, 3.2, 0.3), (ink_on(color), 2.0, 1.0)):
         if lines:
             yield Path(lines, stroke=ink, width=_WIDTH + 2 * rim, cap="round", opacity=opacity)
         if tips:

@@ -183,7 +183,7 @@ def _features(level: GridWorld) -> Iterator[str]:
         yield "wind"
     if blocked := sum(level.grid().blocked_cells):
         yield phrases.counted(blocked, "blocked cell")
-    ends = {ground.label for ground in grounds_of(level) if ground.end is not None}
+    ends = {ground.name for ground in grounds_of(level) if ground.end is not None}
     labels = dict.fromkeys(phrases.worded(phrases.name_of(area.label)) for area in level.areas)
     if shown := [label for label in labels if label and label not in ends]:
         yield f"the area{'s' if len(shown) > 1 else ''} {listed(shown)}"

@@ -24,8 +24,7 @@ class Ground:
 
     Attributes:
         cells: the numbers of its cells, row by row.
-        color: its colour; None for that of all other cells.
-        label: the label of its area; empty without one, or if it has no letters.
+        name: what it is called: by its label, by its mark in pictures, or by its colour.
         reward: the reward for entering it.
         skid: its own skid; None for that of the level.
         end: how it ends the episode; None if it does not.
@@ -33,23 +32,11 @@ class Ground:
     """
 
     cells: tuple[int, ...]
-    color: str | None
-    label: str
+    name: str
     reward: float
     skid: Skid | None
     end: End | None
     warp: Warp | None
-
-    @property
-    def name(self) -> str:
-        """What it is called: by its label, its mark in pictures, or its colour."""
-        if self.label:
-            return self.label
-        if self.end is not None:
-            return "chest" if self.end.is_good else "trap" if self.end.costs else "hole"
-        if self.warp is not None:
-            return "warp"
-        return "some cells" if self.color is None else f"{phrases.color_name(self.color)} cell"
 
     def places(self, level: GridWorld) -> list[tuple[int, int]]:
         """Return its cells as `(x, y)`."""
@@ -105,12 +92,21 @@ def _ground(
 
     color, label, reward, skid, ends = (given(name) for name in _PROPERTIES)
     y, x = divmod(cells[0], level.size[0])
+    end = told.get((x, y)) if ends and ends.ends else None
+    name = phrases.worded(phrases.name_of(label.label)) if label else ""
+    if not name and end is not None:
+        name = "chest" if end.is_good else "trap" if end.costs else "hole"
+    elif not name and warp >= 0:
+        name = "warp"
+    elif not name:
+        shown = color.color if color else None
+        theme = level.resolved_theme.colors
+        name = "some cells" if shown is None else f"{phrases.color_name(shown, theme)} cell"
     return Ground(
         cells=cells,
-        color=color.color if color else None,
-        label=phrases.worded(phrases.name_of(label.label)) if label else "",
+        name=name,
         reward=reward.reward if reward and reward.reward is not None else level.rewards.step,
         skid=as_skid(skid.skid) if skid and skid.skid is not None else None,
-        end=told.get((x, y)) if ends and ends.ends else None,
+        end=end,
         warp=level.warps[warp] if warp >= 0 else None,
     )
