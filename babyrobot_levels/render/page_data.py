@@ -17,7 +17,7 @@ import numpy as np
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
-from babyrobot_levels.render.colors import gray
+from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -39,7 +39,6 @@ from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robo
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.effects import Effects
+from babyrobot_levels.render.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
