@@ -18,6 +18,7 @@ from babyrobot_levels.render.scene.shapes import (
     Point,
     Rect,
     Shape,
+    circle,
     curve,
     polygon,
     polyline,
@@ -63,10 +64,10 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
 
 
 def pad_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
-    """Yield the pad of a start."""
+    """Yield the pad of a start: a glow with a ring in it, which is unlike a hole."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-    for radius, opacity in ((20, 0.15), (12, 0.9)):
-        yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
+    yield Ellipse(x, y + 11, 20, 6, color, 0.2)
+    yield Path(circle(x, y + 11, 15, 4.5), stroke=color, width=2)
 
 
 def flag_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
