@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
@@ -90,8 +91,13 @@ def warp_shapes(
 
 
 def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
-    """Return the cells in which texts may lie on puddles, arrows of warps or tracks of movers."""
-    cells = {puddle.at for puddle in level.puddles}
+    """Return the cells in which texts may lie on puddles, arrows of warps, things or tracks."""
+    cells = {puddle.at for puddle in level.puddles} | {switch.at for switch in level.switches}
+    cells |= {cell for item in level.items for cell in item.places}
+    for door in level.doors:
+        dx, dy = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}[door.side]
+        cells |= {cell for x, y in sides_of(door) for cell in ((x, y), (x + dx, y + dy))}
+    cells |= {*(level.exit_one_of or ())}
     for warp in level.warps:
         if not isinstance(warp.to, str) and warp.to != warp.at:
             ends = slots.icon(warp.at).centre, slots.icon(warp.to).centre

@@ -77,7 +77,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
     colors = level.resolved_theme.colors
-    covered = busy_cells(level, layout, slots)
+    covered = busy_cells(level, layout, slots) | {*level.starts}
     form = number_form(heat.values.values(), overlay.precision)
     if form.is_readable(layout) and slots.shown.number:
         for cell, value in heat.values.items():
@@ -128,7 +128,7 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
             if value is not None:
                 box = box.moved(*layout.corner(*cell))
                 color = heat.scale.color(value)
-                ground = color if cell in covered else None
+                ground = color if cell in covered or slots.shown.arrows else None
                 is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
                 yield from number_shapes(
                     value, form, box, ink_on(color), ground, anchor=anchor, bold=is_best

@@ -91,8 +91,8 @@ def coordinate_texts(
         level: the level.
         layout: where its cells are.
         slots: what stands where in them.
-        colors_of: returns the colours of a cell, from the north clockwise; by default, that of
-            its ground.
+        colors_of: returns the colours of a cell: one, or those from the north clockwise; by
+            default, that of its ground.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
@@ -104,12 +104,12 @@ def coordinate_texts(
             box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
             text = f"{x},{y}"
             # They lie on the northern and the western part of a cell with values of actions.
-            below = colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
+            below = list(colors_of((x, y))[::3]) if colors_of else [grounds[x, y]]
             is_end = slots.is_small((x, y)) and (x, y) in fills
             if is_end:
                 below = [grounds[x, y]]
             fill = ink_on(below, fills.get((x, y), colors.arrows))
-            if is_end or (x, y) in busy:
+            if is_end or (x, y) in busy or len(below) > 1:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
                 yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")
