@@ -7,12 +7,10 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
-from functools import lru_cache
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.mdp.states import configuration_with, initial_configuration
-from babyrobot_levels.render.scene.overlay import Overlay
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -20,6 +18,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.render.gif import Step
     from babyrobot_levels.render.page_data import Guide, WatchedPolicy
     from babyrobot_levels.render.raster import Progress
+    from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
 
 MAX_STEPS = 500
@@ -174,7 +173,7 @@ def _checked(scale: float | None) -> float | None:
 
 
 def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
-    """Return what a picture shows over the cells: nothing in terminal states.
+    """Return what a picture shows over the cells.
 
     Args:
         level: the level.
@@ -195,16 +194,8 @@ def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
         from babyrobot_levels.analysis.solver.optimum import solve
 
         given |= dict.fromkeys(asked, solve(level))
-    overlay = overlay_from(given, level)
-    parts = overlay.parts
-    if parts is None:
-        return _going_on(level, overlay, None)
-
-    @lru_cache(maxsize=64)
-    def part(configuration: int | None, heading: int | None) -> Overlay:
-        return _going_on(level, parts(configuration, heading), configuration)
-
-    return replace(part(None, None), parts=part)
+    shown = {key: _going_on(level, key, value) for key, value in given.items()}
+    return overlay_from(shown, level)
 
 
 def _asks(key: str, value: Any) -> bool:
@@ -214,27 +205,24 @@ def _asks(key: str, value: Any) -> bool:
     return key != "visits" and (value is True or (key == "policy" and isinstance(value, str)))
 
 
-def _going_on(level: Level, overlay: Overlay, configuration: int | None) -> Overlay:
-    """Return an overlay without values and actions where the episode is over."""
-    width, height = level.size
+def _going_on(level: Level, key: str, given: Any) -> Any:
+    """Return values of states or actions without those of configurations in which all is over.
+
+    Pictures leave them out where no episode can go on in any configuration.
+    """
+    table = getattr(given, key, given)
+    if not (level.has_things and key in ("values", "action_values") and hasattr(table, "ndim")):
+        return given
+    import numpy as np
+
     mdp = level.compile()
-    if configuration is None:
-        configuration = initial_configuration(level)
-    first = configuration * width * height
-    over = mdp.is_terminal[first : first + width * height].reshape(height, width).tolist()
-
-    def kept(rows: Any, nothing: Any) -> Any:
-        return rows and [
-            [nothing if ends else cell for cell, ends in zip(row, line, strict=True)]
-            for row, line in zip(rows, over, strict=True)
-        ]
-
-    return replace(
-        overlay,
-        values=kept(overlay.values, None),
-        actions=kept(overlay.actions, ()),
-        action_values=kept(overlay.action_values, ()),
-    )
+    axes = table.ndim - (key == "action_values")
+    if (*table.shape[:1], *table.shape[axes - 2 : axes]) != mdp.shape or axes not in (3, 4):
+        return given
+    over = mdp.is_terminal.reshape(mdp.shape)
+    # Of a robot that turns, there is an axis of headings before height.
+    over = over[:, np.newaxis] if axes == 4 else over
+    return np.where(over[..., np.newaxis] if key == "action_values" else over, np.nan, table)
 
 
 def policy_of(solution: Solution) -> list[int]:
@@ -345,6 +333,7 @@ def to_html(
     seed: int = 0,
     coordinates: bool | None = None,
     theme: Any = None,
+    answers: bool = True,
     tell: Callable[[str], None] = _warn,
 ) -> str:
     """Return a page on which the level can be played.
@@ -357,13 +346,15 @@ def to_html(
         seed: the random seed of the first episode.
         coordinates: whether cells show their coordinates; None for what the level says.
         theme: another theme.
+        answers: whether the page knows the level's solution: values, optimal actions, hints, and
+            what returns are good.
         tell: told if the level has no solution that the page could show, where none is asked for.
             By default this is a warning.
 
     Raises:
         UndefinedReturnError: a solution is asked for, and the level has none.
         LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
-        ValueError: the level is too large for a page.
+        ValueError: the level is too large for a page, or answers are shown without answers.
     """
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
     from babyrobot_levels.render.page import to_html as paint
@@ -376,9 +367,11 @@ def to_html(
     # A level that is too large is refused before it is solved.
     without_panels(level)
     arrows = policy is True or policy == BEST
+    if not answers and (values or arrows):
+        raise ValueError("a page without answers shows neither values nor optimal actions")
     guide = None
     try:
-        guide = guide_of(level)
+        guide = guide_of(level) if answers else None
     except UndefinedReturnError as error:
         if values or arrows:
             raise
@@ -404,7 +397,9 @@ def guide_of(level: Level, *, turns: bool = False) -> Guide:
     overlay = overlay_of(level, {"values": solution, "policy": solution})
     assert overlay is not None
     turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
-    return Guide(policy_of(solution), overlay, solution.expected_return, turning)
+    return Guide(
+        policy_of(solution), overlay, solution.expected_return, turning, **_returns(level, solution)
+    )
 
 
 def _turning_guide(level: Level) -> Guide | None:
@@ -420,4 +415,29 @@ def _turning_guide(level: Level) -> Guide | None:
     overlay = overlay_of(level, {"values": solution})
     assert overlay is not None
     policy: list[int] = solution.policy.ravel().tolist()
-    return Guide(policy, overlay, solution.expected_return)
+    return Guide(policy, overlay, solution.expected_return, **_returns(level, solution))
+
+
+def _returns(level: Level, solution: Solution) -> dict[str, Any]:
+    """Return what a page compares a return with: quantiles of the best one, and the random one."""
+    import numpy as np
+
+    from babyrobot_levels.analysis.solver.distribution import return_distribution
+    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+    from babyrobot_levels.analysis.solver.horizon import expected_return_within
+
+    actions, discount = solution.actions, solution.discount
+    random = None
+    if level.max_steps is not None:
+        random = expected_return_within(
+            level, RANDOM, level.max_steps, actions=actions, discount=discount
+        )
+    else:
+        with suppress(ArithmeticError):
+            random = evaluation_of(level, RANDOM, actions=actions).expected_return
+    # Each stands for one in a hundred episodes.
+    quantiles = return_distribution(level, solution, actions=actions).quantiles(
+        (np.arange(100) + 0.5) / 100
+    )
+    alike = np.unique(quantiles).size == 1
+    return {"random_return": random, "quantiles": quantiles[: 1 if alike else None].tolist()}

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import singledispatch
 from typing import Any
 
@@ -40,7 +41,7 @@ from babyrobot_levels.render.notebook.html import (
 )
 from babyrobot_levels.render.page_data import bare
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.changes import marked
+from babyrobot_levels.render.scene.changes import Side, marked
 from babyrobot_levels.render.scene.layout import layout_of
 from babyrobot_levels.text.errors import LevelError
 
@@ -77,8 +78,13 @@ def html_of(result: Any) -> str:
 # -- values and policies -------------------------------------------------------------------
 
 
-def state_picture(result: StateResult) -> Picture | None:
-    """Return the picture of a result with arrays over states, None if there can be none."""
+def state_picture(result: StateResult, extent: tuple[float, float] | None = None) -> Picture | None:
+    """Return the picture of a result with arrays over states, None if there can be none.
+
+    Args:
+        result: the result.
+        extent: the lowest and highest value of all pictures that are to have the same colours.
+    """
     level: Level | None = getattr(result, "level", None)
     if level is None or _cells(level) > MAX_CELLS:
         return None
@@ -88,9 +94,21 @@ def state_picture(result: StateResult) -> Picture | None:
     except ValueError:
         # The part of one configuration, but of all headings, fits no picture.
         return None
+    assert overlay is not None
     configuration = initial_configuration(level) if level.has_things else None
+    if extent is not None:
+        overlay = replace(overlay.at(configuration), extent=extent)
     scene = build_scene(bare(level), configuration=configuration, robot=False, overlay=overlay)
     return picture_of(scene)
+
+
+def extent_of(results: Sequence[StateResult]) -> tuple[float, float] | None:
+    """Return the lowest and highest value of some results, without ends; None without any."""
+    tables = []
+    for values, policy in ((vars(each)["values"], vars(each).get("policy")) for each in results):
+        tables.append(values[np.isfinite(values) & (True if policy is None else policy >= 0)])
+    found = np.concatenate(tables) if tables else np.zeros(0)
+    return (float(found.min()), float(found.max())) if found.size else None
 
 
 @html_of.register
@@ -247,15 +265,19 @@ def _both(result: Difference) -> Iterator[str]:
         return
     cells = {change.cell for change in cell_changes(*result.levels, None).first if change.cell}
     walls = wall_changes(*result.levels, None).first
-    sides = [(change.cell, change.name) for change in walls if change.cell and change.name]
     pictures = []
     for number, level in enumerate(map(bare, result.levels)):
         own = {cell for change in result.game for cell in _ends(change, number)}
+        sides = [
+            Side(change.cell, change.name, (change.before, change.after)[number] != "open")
+            for change in walls
+            if change.cell and change.name
+        ]
         scene = marked(build_scene(level), layout_of(level), sorted(cells | own), sides)
         pictures.append((picture_of(scene, _WIDTH), ("before", "after")[number]))
     yield strip(pictures)
-    if cells or sides:
-        yield "<p>What differs in cells and walls is outlined.</p>"
+    if walls:
+        yield "<p>Walls that differ are marked; where there is none, by dots.</p>"
 
 
 def _ends(change: Change, number: int) -> Iterator[tuple[int, int]]:

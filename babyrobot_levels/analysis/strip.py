@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.learning.results import Run, Sweep
-from babyrobot_levels.analysis.shown import html_of, state_picture
+from babyrobot_levels.analysis.shown import extent_of, html_of, state_picture
 from babyrobot_levels.analysis.solver.results import StateResult
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.shown import Shown
@@ -38,7 +38,8 @@ def strip(
 ) -> Strip:
     """Return pictures side by side, which show themselves in notebooks.
 
-    They are in as many rows as the width of the notebook asks for.
+    They are in as many rows as the width of the notebook asks for. The same values have the same
+    colours in all results.
 
     Args:
         pictures: each a result that knows its level (a `Sweep`, `Trials`, `Solution` or
@@ -59,7 +60,9 @@ def strip(
     if columns is not None and columns < 1:
         raise ValueError(f"columns must be at least 1, not {columns!r}")
     texts = map(_label, given) if labels is None else map(str, labels)
-    return Strip(tuple(zip(map(_picture, given), texts, strict=True)), columns)
+    extent = extent_of([each for each in given if isinstance(each, StateResult)])
+    made = (_picture(each, extent) for each in given)
+    return Strip(tuple(zip(made, texts, strict=True)), columns)
 
 
 @dataclass(frozen=True, repr=False)
@@ -135,11 +138,11 @@ def _label(given: Any) -> str:
             return ""
 
 
-def _picture(given: Any) -> Picture:
+def _picture(given: Any, extent: tuple[float, float] | None) -> Picture:
     found = None
     match given:
         case StateResult():
-            found = state_picture(given)
+            found = state_picture(given, extent)
         case Level():
             found = picture_of(build_scene(given))
         case str():

@@ -30,7 +30,7 @@ def _run() -> None:
     import gc
 
     from babyrobot_levels.cli.commands import app
-    from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note
+    from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
     from babyrobot_levels.text.errors import BabyRobotError, LevelError
 
     # Nothing that a command makes lives in circles for long: looking for them can wait.
@@ -38,7 +38,7 @@ def _run() -> None:
     try:
         app(prog_name="babyrobot")
     except LevelError as error:
-        note(str(error))
+        note(error.shown(width_of(sys.stderr)))
         sys.exit(FINDINGS)
     except BabyRobotError as error:
         note(f"error: {error}")

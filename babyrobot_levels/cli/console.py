@@ -57,6 +57,13 @@ ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite existing f
 """The options of the commands that write a file."""
 
 
+def width_of(stream: IO[str]) -> int | None:
+    """Return the columns to which texts are cut; None for none, where it is no terminal."""
+    from babyrobot_levels.render.terminal import room_of
+
+    return room_of(stream).columns if stream.isatty() and speaks_unicode(stream) else None
+
+
 def write(text: str) -> None:
     """Write to standard output."""
     sys.stdout.write(text)
@@ -82,24 +89,40 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
     raise typer.Exit(WRONG_CALL)
 
 
-def save(path: Path, data: str | bytes, *, force: bool) -> None:
-    """Write a file atomically; refuse to overwrite one without `--force`."""
+def save(path: Path, data: str | bytes, *, force: bool, marks: bool = False) -> None:
+    """Write a file atomically, and a line about it; refuse to overwrite one without `--force`.
+
+    Args:
+        path: the file.
+        data: its contents.
+        force: whether to overwrite a file.
+        marks: whether to mark the file as made by the command. One that bears this mark, and was
+            not changed since, is overwritten without `--force`.
+    """
+    from babyrobot_levels.cli.written import facts_of, is_own, marked
     from babyrobot_levels.text.files import write_bytes
 
     if path == STANDARD_OUTPUT:
         fail("this output cannot be written to standard output", "give the path of a file")
+    content = data.encode("utf-8") if isinstance(data, str) else data
+    if marks:
+        content = marked(content)
     try:
         if path.is_dir():
             fail(f"{path} is a folder", "give the path of a file")
         if path.exists() and not path.is_file():
             fail(f"{path} exists and is not a regular file")
-        if path.exists() and not force:
+        if path.exists() and not force and not (marks and is_own(path.read_bytes())):
             fail(f"{path} already exists", "use --force to overwrite it")
-        write_bytes(path, data.encode("utf-8") if isinstance(data, str) else data)
+        write_bytes(path, content)
     except typer.Exit:
         raise
     except (OSError, RuntimeError) as error:
         fail(f"{path} cannot be written ({getattr(error, 'strerror', None) or error})")
+    facts = facts_of(content)
+    if not speaks_unicode(sys.stderr):
+        facts = facts.replace("×", "x")
+    note(f"wrote {one_line(str(path))} ({facts})")
 
 
 def styled(text: str, stream: IO[str] | None = None, **style: Any) -> str:
@@ -123,36 +146,47 @@ def fact_lines(facts: Mapping[str, str]) -> str:
     return "".join(lines)
 
 
-def write_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Write a table to standard output; on a terminal, long cells wrap between words."""
-    write(_wrapped_table(heading, rows) if sys.stdout.isatty() else _table([heading, *rows]))
+def write_table(
+    heading: Sequence[str], rows: Sequence[Sequence[str]], less: Sequence[str] = ()
+) -> None:
+    """Write a table to standard output, one line for each row.
+
+    On a terminal it is as wide as there is room: texts of the columns `less` are cut between
+    words, those of the first one first, and a column without room is left out.
+    """
+    cells = [list(heading), *(list(row) for row in rows)]
+    width = width_of(sys.stdout)
+    for name in less:
+        if width is not None:
+            _narrow(cells, cells[0].index(name), width)
+    write(_table(cells))
 
 
-def _wrapped_table(heading: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    from io import StringIO
+_LEAST = 10
+"""The least columns in which a cut text says something."""
 
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
 
-    from babyrobot_levels.render.terminal import room_of
+def _narrow(cells: list[list[str]], column: int, width: int) -> None:
+    """Cut the texts of a column, or remove it, if a table is too wide."""
+    widths = [max(map(columns, texts)) for texts in zip(*cells, strict=True)]
+    room = width - (sum(widths) - widths[column] + 2 * (len(widths) - 1))
+    if room >= widths[column]:
+        return
+    for row in cells:
+        if room < _LEAST:
+            del row[column]
+        else:
+            row[column] = cut_to(row[column], room)
 
-    shown = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for name in heading:
-        # What somebody may want to copy or count is never broken.
-        shown.add_column(name, no_wrap=name not in ("TITLE", "TAGS", "FROM", "DESCRIPTION"))
-    for row in rows:
-        shown.add_row(*map(Text, row))
-    console = Console(
-        file=StringIO(),
-        width=room_of(sys.stdout).columns,
-        force_terminal=wants_color(sys.stdout),
-        color_system="standard" if wants_color(sys.stdout) else None,
-        legacy_windows=False,
-    )
-    with console.capture() as captured:
-        console.print(shown)
-    return "".join(f"{line.rstrip()}\n" for line in captured.get().splitlines())
+
+def cut_to(text: str, room: int) -> str:
+    """Return a text that takes at most so many columns, cut after a word."""
+    if columns(text) <= room:
+        return text
+    while columns(text) > room - 1:
+        before, _, _ = text.rpartition(" ")
+        text = before or text[:-1]
+    return text.rstrip(" ,") + "…"
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:

@@ -171,7 +171,6 @@ def import_level(
         write(text)
     else:
         save(output, text, force=force)
-        write(f"wrote {one_line(str(output))}\n")
 
 
 _ENVIRONMENT = re.compile(r"([\w.]+:)?[\w./-]+-v\d+")
@@ -331,7 +330,7 @@ def export_level(
     if output is not None:
         for name, data in beside.items():
             save(output.parent / name, data, force=force)
-        save(output, made, force=force)
+        save(output, made, force=force, marks=chosen in (ExportFormat.PNG, ExportFormat.SVG))
         return
     for name in beside:
         note(f"note: {name}, the picture of the tiles, is only written with -o FILE")

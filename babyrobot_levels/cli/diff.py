@@ -27,6 +27,7 @@ from babyrobot_levels.cli.console import (
     note,
     unified,
     wants_color,
+    width_of,
     write,
     write_json,
 )
@@ -113,7 +114,7 @@ def _loaded(before: str, after: str) -> tuple[Level, Level]:
     try:
         return load_two(before, after)
     except LevelError as error:
-        note(str(error))
+        note(error.shown(width_of(sys.stderr)))
         raise typer.Exit(WRONG_CALL) from None
 
 

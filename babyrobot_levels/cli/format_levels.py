@@ -14,6 +14,7 @@ from babyrobot_levels.cli.parallel import JobsOption, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
     PathsArgument,
+    findings_text,
     level_paths,
     read_path,
     shown_name,
@@ -64,8 +65,6 @@ def format_levels(
 
       babyrobot format --check levels/first.yaml
     """
-    from babyrobot_levels.lint.reporters import text
-
     files = level_paths(paths)
     if STANDARD_INPUT in files and len(files) > 1:
         fail("standard input (`-`) cannot be formatted together with files", "use two calls")
@@ -84,7 +83,7 @@ def format_levels(
         faulty = sum(bool(outcome.errors) for outcome in outcomes.values())
         counts = len(changed) - unwritten, len(files) - len(changed) - faulty, faulty
         notes.append(_summary(*counts, would=check or diff))
-    report = text.render(errors, color=wants_color(stream))
+    report = findings_text(errors, stream)
     stream.write(report + ("\n" if report and notes else ""))
     stream.writelines(f"{line}\n" for line in notes)
     if unwritten:

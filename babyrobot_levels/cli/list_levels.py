@@ -101,7 +101,7 @@ def _write_levels(infos: list[LevelInfo]) -> None:
         )
         for info in infos
     ]
-    write_table(("NAME", "SIZE", "TITLE", "TAGS", "FROM"), rows)
+    write_table(("NAME", "SIZE", "TITLE", "TAGS", "FROM"), rows, ("TAGS", "FROM", "TITLE", "SIZE"))
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def list_packs(report_format: ReportFormat) -> None:
         write_json([row.to_dict() for row in rows])
     elif rows:
         heading = ("NAME", "VERSION", "LEVELS", "SUITES", "FROM", "DESCRIPTION")
-        write_table(heading, [row.cells() for row in rows])
+        write_table(heading, [row.cells() for row in rows], ("DESCRIPTION", "FROM"))
     else:
         note("no packs are installed (see `babyrobot install`)")
     for row in rows:

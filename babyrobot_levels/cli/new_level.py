@@ -144,15 +144,15 @@ def new_level(
 
 
 def _report(options: StarterOptions, path: Path) -> None:
-    """Write what was written, and what to do next."""
+    """Write where the exit is, if not in the corner, and what to do next."""
     from babyrobot_levels.generate.starter import exit_of
 
     typed, exit_ = one_line(_quoted(str(path))), exit_of(options)
-    text = f"wrote {one_line(str(path))}\n"
+    text = ""
     if exit_ != (options.size[0] - 1, options.size[1] - 1):
-        text += (
+        text = (
             f"the exit is in a dead end, at [{exit_[0]}, {exit_[1]}]: "
-            "in the corner it would cut off other cells\n"
+            "in the corner it would cut off other cells\n\n"
         )
     steps = {
         "edit it, then check it": f"babyrobot validate {typed}",
@@ -160,7 +160,7 @@ def _report(options: StarterOptions, path: Path) -> None:
         "use it in Python": "import babyrobot_levels as brl",
         "": f'env = brl.load("{one_line(path.as_posix())}").make()',
     }
-    write(f"{text}\nnext:\n" + "".join(f"  {what:<28}{how}\n" for what, how in steps.items()))
+    write(f"{text}next:\n" + "".join(f"  {what:<28}{how}\n" for what, how in steps.items()))
 
 
 def _quoted(word: str) -> str:

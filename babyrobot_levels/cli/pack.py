@@ -18,7 +18,6 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
-    wants_color,
     write,
     write_json,
 )
@@ -127,9 +126,10 @@ def _report(packed: Packed, folder: Path, report_format: ReportFormat) -> None:
 def _warn(packed: Packed) -> None:
     """Write the findings that do not prevent a pack to standard error."""
     if packed.diagnostics:
+        from babyrobot_levels.cli.reporting import findings_text
         from babyrobot_levels.lint.reporters import text
 
-        report = text.render(packed.diagnostics, color=wants_color(sys.stderr))
+        report = findings_text(packed.diagnostics, sys.stderr)
         sys.stderr.write(f"{report}\n{text.summary(packed.diagnostics, len(packed.paths))}\n")
 
 
@@ -157,7 +157,7 @@ def _write_summary(facts: dict[str, Any], summary: str) -> None:
         write(f"  {suite['name'].ljust(width)}  suite\n")
     if facts["left_out"]:
         write(f"left out: {_few(facts['left_out'])}\n")
-    write(f"wrote {one_line(facts['file'])}: {facts['size']:,} bytes, sha256:{facts['sha256']}\n")
+    write(f"{facts['size']:,} bytes, sha256:{facts['sha256']}\n")
 
 
 def _few(names: Sequence[str]) -> str:

@@ -38,6 +38,7 @@ class PictureOptions:
         scale: the size, where 1 is 64 pixels per cell; None chooses one for the level.
         held: what is held and on in a still picture, as for `--held`; None shows the level as a
             whole, and the solution where episodes begin.
+        answers: whether a page knows the solution.
     """
 
     values: bool = False
@@ -45,6 +46,7 @@ class PictureOptions:
     seed: int = 0
     scale: float | None = None
     held: str | None = None
+    answers: bool = True
 
 
 def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
@@ -90,7 +92,12 @@ def page(level: Level, options: PictureOptions) -> str:
 
     with _refusing("save a picture instead: -o FILE.svg or -o FILE.png"):
         return pictures.to_html(
-            level, values=options.values, policy=options.policy, seed=options.seed, tell=note
+            level,
+            values=options.values,
+            policy=options.policy,
+            seed=options.seed,
+            answers=options.answers,
+            tell=note,
         )
 
 

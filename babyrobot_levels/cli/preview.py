@@ -135,6 +135,13 @@ def preview(
             show_default=False,
         ),
     ] = None,
+    no_answers: Annotated[
+        bool,
+        typer.Option(
+            "--no-answers",
+            help="Leave the solution out of an HTML page: no values, optimal actions and hints.",
+        ),
+    ] = False,
     scale: Annotated[
         float | None,
         typer.Option(
@@ -176,15 +183,19 @@ def preview(
       babyrobot preview final-maze --policy best --seed 3 -o walk.gif
 
       babyrobot preview final-maze -o play.html
+
+      babyrobot preview final-maze --no-answers -o homework.html
     """
     chosen = _chosen_format(picture_format, output)
     if seed is not None and chosen not in _PLAYED:
         fail("--seed is for GIF and HTML output", "leave out --seed")
     if held is not None and chosen in _PLAYED:
         fail("--held is for text and still pictures", "leave out --held")
+    if no_answers:
+        _check_no_answers(chosen, asked=values or policy is PolicyName.BEST)
     times = _scale(scale, cell, chosen)
     shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-    options = PictureOptions(values, policy, seed or 0, times, held)
+    options = PictureOptions(values, policy, seed or 0, times, held, not no_answers)
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
     made: str | bytes
@@ -198,13 +209,20 @@ def preview(
         else:
             made = picture(shown, options, svg=chosen is PictureFormat.SVG)
     if output is not None:
-        save(output, made, force=force)
+        save(output, made, force=force, marks=True)
     elif isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():
         fail(f"a {chosen.upper()} cannot be shown in a terminal", "save it with -o FILE")
     else:
         sys.stdout.buffer.write(made)
+
+
+def _check_no_answers(chosen: PictureFormat, *, asked: bool) -> None:
+    if chosen is not PictureFormat.HTML:
+        fail("--no-answers is for HTML output", "leave out --no-answers")
+    if asked:
+        fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
 
 
 def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, cast
+from typing import IO, TYPE_CHECKING, Annotated, cast
 
 import typer
 
-from babyrobot_levels.cli.console import fail, note, wants_color, write
+from babyrobot_levels.cli.console import fail, note, wants_color, width_of, write
 
 if TYPE_CHECKING:
     from babyrobot_levels.lint.reporters import MachineFormat
@@ -70,7 +70,7 @@ def write_report(
     if kind is FindingsFormat.TEXT:
         from babyrobot_levels.lint.reporters import text
 
-        report = text.render(diagnostics, color=wants_color(sys.stdout))
+        report = findings_text(diagnostics, sys.stdout)
         summary = text.summary(diagnostics, len(files), clean)
         write(report + ("\n" if report else "") + summary + "\n" + (ending and ending + "\n"))
         return
@@ -82,6 +82,13 @@ def write_report(
     names = [shown_name(path) for path in files]
     titles = _titles() if named else {}
     write(render(cast("MachineFormat", kind.value), diagnostics, names, titles, __version__))
+
+
+def findings_text(diagnostics: Sequence[Diagnostic], stream: IO[str]) -> str:
+    """Return findings as text for a stream: in colour and cut to the width on a terminal."""
+    from babyrobot_levels.lint.reporters import text
+
+    return text.render(diagnostics, color=wants_color(stream), width=width_of(stream))
 
 
 def _titles() -> dict[str, str]:

@@ -63,6 +63,13 @@ def share(
             show_default=False,
         ),
     ] = None,
+    no_answers: Annotated[
+        bool,
+        typer.Option(
+            "--no-answers",
+            help="Leave the solution out of the link: no values, optimal actions and hints.",
+        ),
+    ] = False,
     force: ForceOption = False,
 ) -> None:
     """Print a level as a share code: one line that every command accepts as LEVEL.
@@ -80,24 +87,28 @@ def share(
 
       babyrobot share final-maze --link https://example.org/play.html
 
+      babyrobot share final-maze --link https://example.org/play.html --no-answers
+
       babyrobot share brl1.24.R4BZv8Oakkoy8yqVkLIv0EYA -o tiny.yaml
     """
     if link is not None and output is not None:
         fail("--link and --output cannot be combined", "leave out one of the two")
     if link is not None and not re.fullmatch(r"[^\s#]+", link):
         fail(f"invalid --link {link!r}", f"expected an address without blanks and `#`: {EXAMPLE}")
+    if no_answers and link is None:
+        fail("--no-answers is for links", "add --link BASE, or leave out --no-answers")
     loaded = load_level(level)
     if output is not None:
         from babyrobot_levels.text.emitter import emit
 
         save(output, emit(loaded.to_dict(whole=True)), force=force)
     elif link is not None:
-        write(f"{link}#{_fragment(loaded)}\n")
+        write(f"{link}#{_fragment(loaded, answers=not no_answers)}\n")
     else:
         write(f"{loaded.share_code()}\n")
 
 
-def _fragment(level: Level) -> str:
+def _fragment(level: Level, *, answers: bool) -> str:
     """Return the part of a link after its `#`."""
     from babyrobot_levels.analysis.pictures import guide_of
     from babyrobot_levels.analysis.solver.results import UndefinedReturnError
@@ -112,7 +123,7 @@ def _fragment(level: Level) -> str:
     check_page_size(played, "send the level file")
     guide = None
     try:
-        guide = guide_of(played)
+        guide = guide_of(played) if answers else None
     except UndefinedReturnError as error:
         note(f"the page shows no optimal moves: {error}")
     if guide is not None:

@@ -179,7 +179,7 @@ class Pictures:
         lines = painter.lines(
             self._state,
             heading=self._pose.heading,
-            color=terminal.takes_color,
+            colors=terminal.colors,
             room=terminal.room,
         )
         terminal.show(lines, 1 / (RENDER_FPS * self._level.display.robot.speed))

@@ -262,6 +262,7 @@ class Level(GridWorld):
         seed: int = 0,
         coordinates: bool | None = None,
         theme: Any = None,
+        answers: bool = True,
     ) -> str:
         """Return a page on which the level can be played, as `babyrobot preview` makes it.
 
@@ -273,14 +274,23 @@ class Level(GridWorld):
             seed: the random seed of the first episode.
             coordinates: whether cells show their coordinates; by default, what the level says.
             theme: another theme: a name, or a mapping as in a level file.
+            answers: whether the page knows the solution: values, optimal actions, hints, and how
+                good a return is. With False, nothing of it is in the page.
 
         Raises:
             LevelError: the maze has no seed yet (`seed: random`), or there is no such theme.
             UndefinedReturnError: the level has no solution that could be shown.
-            ValueError: the level is too large for a page, or there is no such policy.
+            ValueError: the level is too large for a page, there is no such policy, or answers are
+                to be shown without answers.
         """
         page: str = later("pictures").to_html(
-            self, values=values, policy=policy, seed=seed, coordinates=coordinates, theme=theme
+            self,
+            values=values,
+            policy=policy,
+            seed=seed,
+            coordinates=coordinates,
+            theme=theme,
+            answers=answers,
         )
         return _saved(page, path)
 

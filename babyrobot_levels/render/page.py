@@ -16,8 +16,10 @@ from __future__ import annotations
 import base64
 import hashlib
 import json
+import re
 import zlib
 from collections.abc import Iterator
+from dataclasses import replace
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
@@ -40,7 +42,16 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.scene.tones import toned
-from babyrobot_levels.render.svg import FONT, elements, escaped, number, to_svg
+from babyrobot_levels.render.svg import (
+    FONT,
+    elements,
+    escaped,
+    label_elements,
+    labelled,
+    number,
+    to_svg,
+)
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -71,6 +82,9 @@ MAX_LINK = 30_000
 
 MAX_UNPACKED = 4 << 20
 """The most bytes that a page decompresses."""
+
+_COMMENTS = re.compile(r"^ *(?://[^\n]*|/\*(?:(?!\*/).)*\*/ *)$", re.M | re.S)
+"""Comments of scripts and styles that have lines of their own."""
 
 
 def to_html(
@@ -110,8 +124,8 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style = _static("page.css")
-    script = "\n".join(['"use strict";', *map(_static, SCRIPTS)])
+    style = _code("page.css")
+    script = "\n".join(['"use strict";', *map(_code, SCRIPTS)])
     theme = level.resolved_theme
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
@@ -146,12 +160,12 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
             actions=answers.actions if "policy" in shown else None,
         )
     layers = build_layers(level, robot=False, overlay=overlay)
-    scene = layers["base"]
+    scene = replace(layers["base"], description=describe(level, robot=False))
     parts = [
         f'<svg viewBox="0 0 {number(scene.width)} {number(scene.height)}" '
-        f'width="{number(scene.width)}" height="{number(scene.height)}" role="img" '
+        f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',
-        f"<title>{escaped(scene.title)}</title>",
+        label_elements(scene),
         *(elements(layers[name].shapes) for name in layers if name != "text"),
         "</svg>",
     ]
@@ -175,8 +189,20 @@ def _security_policy(style: str, script: str) -> str:
     )
 
 
+def _code(name: str) -> str:
+    """Return a script or style without indentation and comments, which make pages larger."""
+    text = re.sub(r"/\*[\s\S]*?\*/|^\s*//.*", "", _static(name), flags=re.MULTILINE)
+    return re.sub(r"^\s+", "", text, flags=re.MULTILINE)
+
+
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
+
+
+def _code(name: str) -> str:
+    """Return a script or style without the comments that have lines of their own and indents."""
+    text = _COMMENTS.sub("", _static(name))
+    return "\n".join(line for line in map(str.strip, text.splitlines()) if line)
 
 
 def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = None) -> str:

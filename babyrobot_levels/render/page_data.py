@@ -6,6 +6,7 @@ one: the page's script plays and paints either, and knows nothing else about lev
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -39,6 +40,7 @@ from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
+from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
 from babyrobot_levels.render.words.rules import rules_of
 
@@ -64,11 +66,11 @@ WatchedPolicy = Literal["best", "random"]
 _ROBOT_COLORS = ("robot", "puddle")
 """The colours of a theme in the robot's pictures: of its body, and of splashes."""
 
-_OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
-"""The colours that it has in any theme but those of greys."""
-
 MAX_QUANTILES = 101
 """The most quantiles of returns on a page."""
+
+_OWN_COLORS = (OUTLINE, VISOR, GLOW, LAMP)
+"""The colours that it has in any theme but those of greys."""
 
 PHASES = 4
 """The number of pictures of the robot for a move from cell to cell."""
@@ -151,6 +153,7 @@ def page_data(
         "robot": [hexadecimal(color) for color in _robot_colors(colors)],
         **_picture(level, guide, turns=turns),
         "goal": goal_of(level),
+        "alt": describe(level),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -159,13 +162,25 @@ def page_data(
 
 
 def common_data() -> dict[str, Any]:
-    """Return what is the same for all levels: the robot's pictures, and the meaning of codes."""
+    """Return what is the same for all levels: the robot's pictures, and the meaning of codes.
+
+    Each shape of the robot is there once; its picture in a pose and a phase, of a cell at (0, 0),
+    is a list of the shapes' numbers (`sprites`, `[poses][phases]`).
+    """
     names = (*_ROBOT_COLORS, *_OWN_COLORS)
     palette = Palette(names)
     theme = Theme.model_construct(colors=Colors.model_construct(robot="robot", puddle="puddle"))
+    shapes: dict[str, int] = {}
     sprites = [
         [
-            pack(robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)), palette)
+            [
+                shapes.setdefault(json.dumps(shape, separators=(",", ":")), len(shapes))
+                for _, _, packed in pack(
+                    robot_shapes(theme, 0, 0, Pose(pose.facing, pose.mood, phase / PHASES)),
+                    palette,
+                )
+                for shape in packed
+            ]
             for phase in range(PHASES)
         ]
         for pose in POSES
@@ -181,6 +196,7 @@ def common_data() -> dict[str, Any]:
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
         "robot": names,
         "palette": palette.colors,
+        "shapes": list(map(json.loads, shapes)),
         "sprites": sprites,
     }
 
@@ -235,6 +251,7 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         "grid": floor_shapes(level, layout),
         "signs": sign_shapes(level, layout, alone, own),
     }
+    shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
         shapes["beside"] = sign_shapes(level, layout, beside, own)
     if guide is not None and not has_marks:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
+from PIL.PngImagePlugin import PngInfo
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import (
@@ -24,6 +25,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     Text,
 )
+from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -93,7 +95,8 @@ def to_png(
     image = _paint(scene, size, "white", progress)
     if colors is not None:
         image = image.quantize(colors)
-    image.save(buffer, "PNG", compress_level=4 if colors is None else 9)
+    level = 4 if colors is None else 9
+    image.save(buffer, "PNG", compress_level=level, pnginfo=_texts(scene))
     return buffer.getvalue()
 
 
@@ -102,6 +105,15 @@ def pixels_to_png(pixels: NDArray[np.uint8]) -> bytes:
     buffer = io.BytesIO()
     Image.fromarray(pixels).save(buffer, "PNG")
     return buffer.getvalue()
+
+
+def _texts(scene: Scene) -> PngInfo:
+    """Return the scene's title and description as texts of a PNG file."""
+    texts = PngInfo()
+    for key, text in (("Title", scene.title), ("Description", scene.description)):
+        if text:
+            texts.add_text(key, one_line(text))
+    return texts
 
 
 def _paint(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator
 from xml.sax.saxutils import escape, quoteattr
+from zlib import crc32
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
@@ -14,26 +15,51 @@ _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 """Characters that XML documents cannot contain, not even escaped."""
 
 
-def to_svg(scene: Scene, scale: float = 1.0) -> str:
+def to_svg(scene: Scene, scale: float | None = 1.0) -> str:
     """Return the scene as an SVG document; numbers have at most two decimals.
 
     Args:
         scene: the scene.
-        scale: the size at which it is shown; 1 is the scene's own size.
+        scale: the size at which it is shown; 1 is the scene's own size. None for a picture that is
+            as wide as the place where it is shown.
     """
-    width, height = number(scene.width), number(scene.height)
-    shown = (
-        f'width="{number(scale * scene.width)}" height="{number(scale * scene.height)}" '
-        f'viewBox="0 0 {width} {height}"'
-    )
+    shown = f'viewBox="0 0 {number(scene.width)} {number(scene.height)}"'
+    if scale is not None:
+        width, height = number(scale * scene.width), number(scale * scene.height)
+        shown = f'width="{width}" height="{height}" {shown}'
     lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" {shown} role="img" font-family="{FONT}" '
-        'stroke-linejoin="round">',
-        f"<title>{escaped(scene.title)}</title>",
+        f'<svg xmlns="http://www.w3.org/2000/svg" {shown} {labelled(scene)} '
+        f'font-family="{FONT}" stroke-linejoin="round">',
+        label_elements(scene),
         elements(scene.shapes),
         "</svg>",
     ]
     return "\n".join(line for line in lines if line) + "\n"
+
+
+def labelled(scene: Scene) -> str:
+    """Return the attributes of an `<svg>` that is an image, with `label_elements` in it."""
+    ids = [name for name, _, text in _labels(scene) if text]
+    return 'role="img"' + (f' aria-labelledby="{" ".join(ids)}"' if ids else "")
+
+
+def label_elements(scene: Scene) -> str:
+    """Return the title and the description of a scene, which come first in its `<svg>`."""
+    return "\n".join(
+        f'<{kind} id="{name}">{escaped(text)}</{kind}>'
+        for name, kind, text in _labels(scene)
+        if text
+    )
+
+
+def _labels(scene: Scene) -> Iterator[tuple[str, str, str]]:
+    """Yield id, element and content of title and description.
+
+    A document may contain several pictures: only those with the same texts have the same ids.
+    """
+    number = crc32(f"{scene.title}\n{scene.description}".encode("utf-8", "replace"))
+    yield f"title-{number:08x}", "title", scene.title
+    yield f"desc-{number:08x}", "desc", scene.description
 
 
 def elements(shapes: Iterable[Shape]) -> str:

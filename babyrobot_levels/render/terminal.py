@@ -42,13 +42,43 @@ else:
         return True
 
 
-def wants_color(stream: IO[str]) -> bool:
-    """Return whether to write colours: on a terminal, unless `NO_COLOR` is set."""
+SIXTEEN, PALETTE, ALL_COLORS = 16, 256, 1 << 24
+"""How many colours a terminal may show."""
+
+_FULL_TERMS = ("alacritty", "foot", "ghostty", "iterm", "kitty", "wezterm", "contour", "rio")
+_FULL_PROGRAMS = ("ghostty", "iTerm.app", "rio", "vscode", "WezTerm")
+"""Terminals that show all colours, as they call themselves in TERM and in TERM_PROGRAM."""
+
+
+def colors_of(stream: IO[str]) -> int:
+    """Return how many colours to use: none if `NO_COLOR` is set, or the stream is no terminal.
+
+    With `FORCE_COLOR`, other streams get all colours.
+    """
     if os.environ.get("NO_COLOR"):
-        return False
-    if os.environ.get("FORCE_COLOR", "0") not in ("", "0"):
-        return True
-    return moves_cursor(stream)
+        return 0
+    if moves_cursor(stream):
+        return _colors_of_terminal()
+    return ALL_COLORS if os.environ.get("FORCE_COLOR", "0") not in ("", "0") else 0
+
+
+def wants_color(stream: IO[str]) -> bool:
+    """Return whether to use colours."""
+    return colors_of(stream) > 0
+
+
+def _colors_of_terminal() -> int:
+    environment, term = os.environ, os.environ.get("TERM", "").lower()
+    if (
+        environment.get("COLORTERM", "").lower() in ("truecolor", "24bit")
+        or term.endswith("-direct")
+        or any(name in term for name in _FULL_TERMS)
+        or environment.get("TERM_PROGRAM") in _FULL_PROGRAMS
+        or "WT_SESSION" in environment
+        or sys.platform == "win32"
+    ):
+        return ALL_COLORS
+    return PALETTE if "256" in term else SIXTEEN
 
 
 def speaks_unicode(stream: IO[str]) -> bool:
@@ -122,9 +152,9 @@ class Terminal:
         return os.terminal_size((columns, max(1, lines - 1)))
 
     @property
-    def takes_color(self) -> bool:
-        """Whether drawings may have colours."""
-        return self._stream is not None and self._moves_cursor and wants_color(self._stream)
+    def colors(self) -> int:
+        """How many colours drawings may have."""
+        return colors_of(self._stream) if self._stream is not None and self._moves_cursor else 0
 
     @property
     def takes_unicode(self) -> bool:

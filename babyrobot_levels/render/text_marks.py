@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.walls import sides_of
@@ -24,10 +24,24 @@ MOVER = "Ω&"
 
 _UPRIGHT = {True: "┃/", False: "::"}
 _LEVEL = {True: ("━━━", "-/-"), False: ("╴ ╶", "- -")}
-"""Doors by whether they are closed: in Unicode, and in ASCII."""
+"""Doors by whether they are closed: in Unicode, and in ASCII. The middle is as wide as needed."""
 
 Position = tuple[int, int]
 """A line and a column of the text."""
+
+
+class Cells(NamedTuple):
+    """Where the cells of a text are: how wide they are, and which character is their symbol."""
+
+    width: int = 3
+    symbol: int = 1
+
+    def position(self, x: int, y: int) -> Position:
+        """Return where the symbol of a cell is."""
+        return 2 * y + 1, (self.width + 1) * x + 1 + self.symbol
+
+
+USUAL = Cells()
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,36 +59,33 @@ class Mark:
     is_solid: bool = True
 
 
-def cell_position(x: int, y: int) -> Position:
-    """Return where the middle character of a cell is."""
-    return 2 * y + 1, 4 * x + 2
-
-
 def marks_of(
     level: GridWorld,
     situation: Situation,
     *,
     plain: bool,
     taken: frozenset[tuple[int, int]] = frozenset(),
+    cells: Cells = USUAL,
 ) -> dict[Position, Mark]:
     """Return what of a picture shows the things of a level.
 
-    The middle of a cell shows one of them: a mover before an item or a switch. The next one is
+    The symbol of a cell is one of them: a mover before an item or a switch. The next one is
     beside it.
 
     Args:
         level: the level.
         situation: what is where.
         plain: whether to use ASCII characters only.
-        taken: the cells whose middle shows something else: the robot, or an arrow.
+        taken: the cells whose symbol is something else: the robot, or an arrow.
+        cells: where the cells are.
     """
     marks: dict[Position, Mark] = {}
     used = set(taken)
     for x, y, mark in _in_cells(level, situation, 1 if plain else 0):
-        line, column = cell_position(x, y)
+        line, column = cells.position(x, y)
         marks.setdefault((line, column + ((x, y) in used)), mark)
         used.add((x, y))
-    return marks | dict(_doors(level, situation, 1 if plain else 0))
+    return marks | dict(_doors(level, situation, 1 if plain else 0, cells))
 
 
 def _in_cells(level: GridWorld, situation: Situation, kind: int) -> Iterator[tuple[int, int, Mark]]:
@@ -94,18 +105,22 @@ def _in_cells(level: GridWorld, situation: Situation, kind: int) -> Iterator[tup
             yield x, y, Mark(LOCKED if situation.is_locked else d.EXIT)
 
 
-def _doors(level: GridWorld, situation: Situation, kind: int) -> Iterator[tuple[Position, Mark]]:
+def _doors(
+    level: GridWorld, situation: Situation, kind: int, cells: Cells
+) -> Iterator[tuple[Position, Mark]]:
     for door, closed in zip(level.doors, situation.doors, strict=True):
         color = door_color(level, door)
         for x, y in sides_of(door):
-            line, column = cell_position(x, y)
+            line, left = 2 * y + 1, (cells.width + 1) * x
             if door.side in ("E", "W"):
-                column += 2 if door.side == "E" else -2
+                column = left + (cells.width + 1 if door.side == "E" else 0)
                 yield (line, column), Mark(_UPRIGHT[closed][kind], color, closed)
             else:
                 line += 1 if door.side == "S" else -1
-                for offset, character in enumerate(_LEVEL[closed][kind], -1):
-                    yield (line, column + offset), Mark(character, color, closed)
+                first, middle, last = _LEVEL[closed][kind]
+                text = first + middle * (cells.width - 2) + last
+                for column, character in enumerate(text, left + 1):
+                    yield (line, column), Mark(character, color, closed)
 
 
 def held_line(level: GridWorld, situation: Situation) -> str:

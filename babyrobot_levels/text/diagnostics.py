@@ -132,11 +132,14 @@ class Diagnostic:
         """The place as editors and terminals link it: `file:line:column`."""
         return f"{self.file}:{self.line}:{self.column}"
 
-    def excerpt(self) -> tuple[str, str] | None:
-        """Return the source line and its carets, or None where there is no text to show."""
+    def excerpt(self, room: int | None = None) -> tuple[str, str] | None:
+        """Return the source line and its carets, or None where there is no text to show.
+
+        A longer line is cut to `room` columns; see `SourceFile.excerpt`.
+        """
         if self.source is None or not self.source.line(self.line):
             return None
-        return self.source.excerpt(self.span)
+        return self.source.excerpt(self.span, room)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the finding as plain data, the shape of `--format json`."""
@@ -155,12 +158,16 @@ class Diagnostic:
 
     def __str__(self) -> str:
         """Return the whole finding as plain text: place, message, source line, caret, help."""
+        return self.shown()
+
+    def shown(self, width: int | None = None) -> str:
+        """Return the finding as `str` does, its source line cut to the width of a terminal."""
         place, message = (one_line(text) for text in (self.location, self.message))
         lines = [f"{place}: {self.severity} {self.code}: {message}"]
-        excerpt = self.excerpt()
+        number = str(self.line)
+        gutter = " " * len(number)
+        excerpt = self.excerpt(None if width is None else max(1, width - len(number) - 5))
         if excerpt is not None:
-            number = str(self.line)
-            gutter = " " * len(number)
             lines += [
                 f"  {gutter} |",
                 f"  {number} | {excerpt[0]}",

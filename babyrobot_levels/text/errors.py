@@ -29,11 +29,15 @@ class LevelError(BabyRobotError, ValueError):
         super().__init__(str(self))
 
     def __str__(self) -> str:
+        return self.shown()
+
+    def shown(self, width: int | None = None) -> str:
+        """Return the message as `str` does, its source lines cut to the width of a terminal."""
         parts = [self.message] if self.message else []
         if self.diagnostics and not self.message:
             count = len(self.diagnostics)
             parts.append(f"{count} error{'s' if count != 1 else ''}")
-        parts += [str(diagnostic) for diagnostic in self.diagnostics]
+        parts += [diagnostic.shown(width) for diagnostic in self.diagnostics]
         return "\n\n".join(parts) or "the level cannot be used"
 
     def _render_traceback_(self) -> list[str]:

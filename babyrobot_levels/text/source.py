@@ -74,16 +74,23 @@ class SourceFile:
     def _starts(self) -> list[int]:
         return [0, *(match.end() for match in _LINE_END.finditer(self.text))]
 
-    def excerpt(self, span: Span) -> tuple[str, str]:
+    def excerpt(self, span: Span, room: int | None = None) -> tuple[str, str]:
         """Return the span's first line and a line of carets below the span.
 
-        Both are cut to `EXCERPT_WIDTH` columns around the span. Tabs become one blank and other
-        control characters a `?`, so that no file can move the cursor of the reader's terminal.
+        Tabs become one blank and other control characters a `?`, so that no file can move the
+        cursor of the reader's terminal.
+
+        Args:
+            span: the characters to point at.
+            room: the columns of a terminal. A longer line is cut to a part around the span, with
+                `…` where it goes on. None cuts it to `EXCERPT_WIDTH` characters.
         """
         text = self.line(span.start.line)
         first = min(span.start.column - 1, len(text))
         last = span.end.column - 1 if span.end.line == span.start.line else len(text)
         last = max(min(last, len(text)), first + 1)
+        if room is not None:
+            return _in_room("".join(map(_shown, text)), first, last, room)
         offset = 0
         if len(text) > EXCERPT_WIDTH:
             offset = max(0, min(first - EXCERPT_WIDTH // 3, len(text) - EXCERPT_WIDTH))
@@ -114,6 +121,24 @@ def columns(text: str) -> int:
     if text.isascii():
         return len(text)
     return sum(map(_columns, text))
+
+
+def _in_room(text: str, first: int, last: int, room: int) -> tuple[str, str]:
+    """Return the part of a line around some characters that fits, and the carets below them."""
+    begin, end = 0, len(text)
+    if columns(text) > room:
+        room = max(1, room - 2)
+        begin = end = first
+        while begin > 0 and columns(text[begin - 1 : first]) <= room // 3:
+            begin -= 1
+        while end < len(text) and columns(text[begin : end + 1]) <= room:
+            end += 1
+        while begin > 0 and columns(text[begin - 1 : end]) <= room:
+            begin -= 1
+    before, after = "…" * (begin > 0), "…" * (end < len(text))
+    blank = columns(before + text[begin:first])
+    carets = columns(text[first : min(last, end)]) or 1
+    return before + text[begin:end] + after, " " * blank + "^" * carets
 
 
 def _shown(character: str) -> str:

@@ -18,6 +18,7 @@ from support.sessions import Result, environment, run_here
 
 from babyrobot_levels.analysis.pictures import MAX_STEPS
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.cli.written import marked
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.scene.build import build_scene
@@ -42,10 +43,11 @@ def preview(*arguments: str) -> Result:
 
 
 def made(*arguments: str) -> bytes:
-    """Return the file that a call writes; it must not have anything to say."""
+    """Return the file that a call writes; it must not have anything else to say."""
     *options, output = arguments
     result = preview(*options, "-o", output)
-    assert (result.status, result.out, result.err) == (0, "", "")
+    assert (result.status, result.out) == (0, "")
+    assert re.fullmatch(rf"wrote {re.escape(output)} \(.*\)\n", result.err)
     return Path(output).read_bytes()
 
 
@@ -71,12 +73,12 @@ def data_of(page: bytes) -> Any:
 def test_an_svg_is_shown_larger_and_is_the_same_otherwise() -> None:
     scene = build_scene(load("maze"))
     usual, twice = made("maze", "a.svg").decode(), made("maze", "--scale", "2", "b.svg").decode()
-    assert usual == to_svg(scene)
+    assert usual.splitlines()[:-2] == to_svg(scene).splitlines()[:-1]
     root = ET.fromstring(twice)
     assert float(root.attrib["width"]) == 2 * scene.width
     assert float(root.attrib["height"]) == 2 * scene.height
     assert root.attrib["viewBox"] == ET.fromstring(usual).attrib["viewBox"]
-    assert usual.splitlines()[1:] == twice.splitlines()[1:]
+    assert usual.splitlines()[1:-2] == twice.splitlines()[1:-2]
 
 
 @pytest.mark.parametrize("name", ["a.png", "a.gif"])
@@ -107,12 +109,12 @@ def episode(name: str, seed: int, policy: Any) -> list[Step]:
 @pytest.mark.parametrize("options", [(), ("--policy",), ("--policy", "best"), ("--policy=best",)])
 def test_a_film_shows_the_best_policys_episode(options: tuple[str, ...]) -> None:
     steps = episode("puddles", 5, solve("puddles").policy.ravel())
-    expected = to_gif(load("puddles"), steps)
+    expected = marked(to_gif(load("puddles"), steps))
     assert made("puddles", *options, "--seed", "5", "walk.gif") == expected
 
 
 def test_a_random_walk_is_the_environments() -> None:
-    expected = to_gif(load("frozen-lake"), episode("frozen-lake", 2, None))
+    expected = marked(to_gif(load("frozen-lake"), episode("frozen-lake", 2, None)))
     assert made("frozen-lake", "--policy", "random", "--seed", "2", "walk.gif") == expected
 
 
@@ -134,7 +136,9 @@ def test_a_film_shows_values_and_coordinates() -> None:
 def test_an_episode_without_an_end_is_cut() -> None:
     result = preview(written(ENDLESS), "--policy", "random", "--cell", "16", "-o", "walk.gif")
     assert result.status == 0
-    assert result.err == f"the episode does not end within {MAX_STEPS} steps; the GIF shows those\n"
+    assert result.err.startswith(
+        f"the episode does not end within {MAX_STEPS} steps; the GIF shows those\nwrote "
+    )
     assert len(film(Path("walk.gif").read_bytes())) > 100
 
 
@@ -224,7 +228,8 @@ def test_the_examples_of_the_docs_run(line: str) -> None:
     program, *arguments = shlex.split(line, comments=True)
     assert program == "babyrobot"
     result = run_here(arguments, environment(Path.cwd()))
-    assert (result.status, result.err) == (0, "")
+    assert result.status == 0
+    assert not result.err or re.fullmatch(r"wrote \S+ \(.*\)\n", result.err)
 
 
 @pytest.mark.slow
@@ -239,3 +244,96 @@ def test_the_film_of_the_docs_is_what_is_made_now() -> None:
     then = film(there)
     assert then.shape == now.shape
     assert np.abs(then.astype(int) - now).mean() < 1
+
+
+# -- without answers ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["final-maze", "door-key"])
+def test_without_answers_nothing_of_them_is_in_the_page(name: str) -> None:
+    full, plain = made(name, "full.html"), made(name, "--no-answers", "plain.html")
+    known, data = data_of(full), data_of(plain)
+    assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
+    assert "returns" not in data
+    assert "marks" not in data
+    assert "marks" not in data["picture"]
+    assert data["picture"]["layers"]["values"] == data["picture"]["layers"]["policy"] == []
+    # Whatever is an answer can be found in the other page, and not in this one.
+    answers = [
+        json.dumps(each, separators=(",", ":"))
+        for each in (
+            known["policy"],
+            known["returns"],
+            known.get("marks", known["picture"]["layers"]["values"]),
+            known["picture"].get("marks", known["picture"]["layers"]["policy"]),
+        )
+    ]
+    assert all(answer.encode() in full for answer in answers)
+    assert not any(answer.encode() in plain for answer in answers)
+    best = known["best"].removeprefix("\N{MINUS SIGN}")
+    assert best.encode() in full
+    assert not re.search(rf"(?<![\w.]){re.escape(best)}(?!\w)", plain.decode())
+    turns = data.pop("turns", {"policy": None, "best": ""})
+    assert (turns["policy"], turns["best"], "returns" in turns) == (None, "", False)
+    same = set(data) - {"policy", "walker", "best", "picture"}
+    assert {key: known[key] for key in same} == {key: data[key] for key in same}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        ("-o a.html --values", "--no-answers cannot be combined with --values"),
+        ("-o a.html --policy", "--no-answers cannot be combined with --values and --policy best"),
+        ("-o a.svg", "--no-answers is for HTML output"),
+    ],
+)
+def test_no_answers_is_for_pages_that_show_none(arguments: str, wrong: str) -> None:
+    refused = preview("maze", "--no-answers", *shlex.split(arguments))
+    assert (refused.status, wrong in refused.err) == (2, True)
+
+
+def test_without_answers_the_random_policy_is_watched() -> None:
+    page = made("maze", "--no-answers", "--policy", "random", "a.html")
+    assert data_of(page)["walker"] == "random"
+
+
+# -- what it has written before ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["a.svg", "a.png", "a.gif", "a.html"])
+def test_a_file_of_its_own_is_overwritten_unless_somebody_changed_it(name: str) -> None:
+    before = made("puddles", name)
+    assert made("default", name) != before
+    assert made("puddles", name) == before
+    for changed in (before.replace(b"a", b"b"), before[:-1], before + b"\n", b"mine"):
+        Path(name).write_bytes(changed)
+        refused = preview("puddles", "-o", name)
+        assert (refused.status, Path(name).read_bytes()) == (2, changed)
+        assert "already exists" in refused.err
+    assert preview("puddles", "-o", name, "--force").status == 0
+    assert Path(name).read_bytes() == before
+
+
+def test_a_picture_that_python_wrote_is_not_overwritten() -> None:
+    load("default").to_svg("a.svg")
+    assert preview("default", "-o", "a.svg").status == 2
+
+
+def test_the_mark_of_a_png_names_the_software() -> None:
+    with Image.open(io.BytesIO(made("default", "a.png"))) as image:
+        image.load()
+        assert re.fullmatch("babyrobot preview [0-9a-f]{8}", image.info["Software"])
+
+
+@pytest.mark.parametrize(
+    ("name", "facts"),
+    [
+        ("a.png", r"198 × 198, \d.* KB"),
+        ("a.svg", r"198 × 198, \d.* KB"),
+        ("a.gif", r"198 × 198, \d.* KB"),
+        ("a.html", r"\d+ KB"),
+        ("a.txt", "98 bytes"),
+    ],
+)
+def test_a_line_says_what_was_written(name: str, facts: str) -> None:
+    assert re.fullmatch(rf"wrote {name} \({facts}\)\n", preview("default", "-o", name).err)

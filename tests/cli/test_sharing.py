@@ -7,6 +7,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
+from support.codes import play_data
 from support.sessions import Result, environment, run_here
 
 from babyrobot_levels.library.catalogue import levels, load
@@ -49,6 +50,21 @@ def test_a_link_is_a_code_and_what_a_page_plays(base: str) -> None:
     assert babyrobot("share", link.out).out == f"{code}\n"
 
 
+@pytest.mark.parametrize("name", ["final-maze", "door-key"])
+def test_a_link_without_answers_has_none(name: str) -> None:
+    full = play_data(babyrobot("share", name, "--link", "p.html").out.strip())
+    link = babyrobot("share", name, "--link", "p.html", "--no-answers")
+    data = play_data(link.out.strip())
+    assert link.err == ""
+    assert {key for key in full if full[key] != data.get(key)} >= {"policy", "walker", "returns"}
+    assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
+    assert not {"returns", "marks"} & set(data)
+    assert "marks" not in data["picture"]
+    assert data["picture"]["layers"]["values"] == data["picture"]["layers"]["policy"] == []
+    refused = babyrobot("share", name, "--no-answers", status=2)
+    assert "--no-answers is for links" in refused.err
+
+
 @pytest.mark.parametrize("base", ["", "my page.html", "page.html\n", "page.html#"])
 def test_what_cannot_begin_a_link_is_refused(base: str) -> None:
     refused = babyrobot("share", "two-doors", "--link", base, status=2)
@@ -82,11 +98,12 @@ def test_large_levels_have_links_without_best_moves_or_none(folder: Path) -> Non
 
 def test_from_a_file_to_a_code_to_a_file(folder: Path) -> None:
     code = babyrobot("share", "levels/ours.yaml").out
-    assert babyrobot("share", code, "-o", "theirs.yaml") == Result("", "", 0)
+    written = Result("", "wrote theirs.yaml (81 bytes)\n", 0)
+    assert babyrobot("share", code, "-o", "theirs.yaml") == written
     assert (folder / "theirs.yaml").read_text("utf-8") == (
         "version: 1\nname: ours\nsize: [3, 2]\nmaze: {seed: 1}\ntheme:\n  colors: {base: navy}\n"
     )
-    assert babyrobot("share", "levels/ours.yaml", "-o", "at-once.yaml") == Result("", "", 0)
+    assert babyrobot("share", "levels/ours.yaml", "-o", "at-once.yaml").status == 0
     assert (folder / "at-once.yaml").read_text("utf-8") == (
         (folder / "theirs.yaml").read_text("utf-8")
     )
@@ -135,8 +152,8 @@ def test_a_resolved_level_finds_its_theme_or_takes_it_along(folder: Path) -> Non
     (folder / "elsewhere").mkdir()
     walls = "version: 1\nsize: [3, 2]\nwalls:\n  - {at: [0, 0], side: S, length: 2}\n"
     call = ("resolve", "levels/ours.yaml", "-o")
-    assert babyrobot(*call, "levels/walls.yaml") == Result("", "", 0)
-    assert babyrobot(*call, "elsewhere/walls.yaml") == Result("", "", 0)
+    for path in ("levels/walls.yaml", "elsewhere/walls.yaml"):
+        assert babyrobot(*call, path).out == ""
     here, there = folder / "levels" / "walls.yaml", folder / "elsewhere" / "walls.yaml"
     assert here.read_text("utf-8") == walls + "theme: mine  # see themes/\n"
     assert there.read_text("utf-8") == walls + "theme:\n  colors: {base: navy}\n"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import struct
 import subprocess
 import sys
 import time
@@ -13,11 +14,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.sessions import FILES, environment
+from support.sessions import FILES, environment, run_here
 
 from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.text.source import columns as columns_of
 
 pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
+fcntl = pytest.importorskip("fcntl")
+termios = pytest.importorskip("termios")
 
 COMMAND = [sys.executable, "-m", "babyrobot_levels"]
 
@@ -54,9 +58,12 @@ def wait_until_it_rests(process: subprocess.Popen[bytes]) -> None:
         before = used
 
 
-def in_terminal(folder: Path, *arguments: str, **variables: str) -> tuple[str, int]:
+def in_terminal(
+    folder: Path, *arguments: str, columns: int = 80, **variables: str
+) -> tuple[str, int]:
     """Return what a terminal would be sent, and the exit status."""
     outer, inner = pty.openpty()
+    fcntl.ioctl(inner, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     process = start(folder, *arguments, stdin=inner, stdout=inner, stderr=inner,
                     variables=variables)  # fmt: skip
     os.close(inner)
@@ -227,14 +234,37 @@ def test_an_interrupt_of_several_processes_ends_quietly(tmp_path: Path, millisec
     assert (process.returncode, err) == (130, b"")
 
 
-def test_the_list_wraps_between_words(tmp_path: Path) -> None:
-    sent, _ = in_terminal(tmp_path, "list", "--tag", "warps")
-    lines = plain(sent).splitlines()
-    assert all(len(line) <= 80 for line in lines[:-1])
-    # Names are whole, and so are the words of titles and tags.
-    words = set(plain(sent).replace(",", " ").split())
-    assert {"cliff-walking-slippery", "sutton-barto", "continuing", "gallery"} <= words
-    assert "\x1b[1" in sent
+@pytest.mark.parametrize("columns", [30, 60, 80, 100, 200])
+def test_the_list_fits_and_breaks_no_words(tmp_path: Path, columns: int) -> None:
+    sent, _ = in_terminal(tmp_path, "list", columns=columns)
+    whole = run_here(["list"], environment(tmp_path)).out
+    heading, *rows = plain(sent).splitlines()[:-1]
+    assert set(heading.split()) <= {"NAME", "SIZE", "TITLE", "TAGS", "FROM"}
+    assert len(rows) == len(whole.splitlines()) - 1
+    for row, line in zip(rows, whole.splitlines()[1:], strict=True):
+        assert columns_of(row) <= columns
+        words = row.replace(",", "").replace("…", "").split()
+        assert words[0] == line.split()[0]
+        assert set(words) <= set(line.replace(",", "").split())
+    if columns == 200:
+        assert plain(sent).startswith(whole)
+
+
+@pytest.mark.parametrize("columns", [40, 60, 200])
+@pytest.mark.parametrize("color", ["", "1"])
+def test_carets_stand_under_their_words(tmp_path: Path, columns: int, color: str) -> None:
+    """Lines that are cut have an ellipsis where they go on, and are whole in files and pipes."""
+    title = "迷路 \t" + 20 * "tall "
+    text = f'{{version: 1, title: "{title}", walls: [{{at: [1, 0], side: Q, pass: 0.5}}]}}\n'
+    (tmp_path / "long.yaml").write_text(text, encoding="utf-8")
+    for command in (["validate", "long.yaml"], ["preview", "long.yaml"]):
+        sent, _ = in_terminal(tmp_path, *command, columns=columns, NO_COLOR=color)
+        lines = plain(sent).splitlines()
+        [number] = (number for number, line in enumerate(lines) if line.strip(" |") == "^")
+        shown, carets = lines[number - 1], lines[number]
+        assert max(columns_of(shown), columns_of(carets)) <= columns
+        assert columns_of(shown[: shown.index("Q")]) == carets.index("^")
+        assert ("…" in shown) == (columns < 200)
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")

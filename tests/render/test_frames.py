@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.scenes import without_legend
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
@@ -89,7 +90,9 @@ def test_poses_and_overlays_are_what_painting_everything_gives(
     painter = FramePainter(WORLD, size, overlay=overlay)
     cells_only = size is not None
     for state in (0, 7, 11, 19):
-        scene = build_scene(WORLD, state=state, pose=pose, cells_only=cells_only, overlay=overlay)
+        scene = without_legend(
+            WORLD, state=state, pose=pose, cells_only=cells_only, overlay=overlay
+        )
         expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
         difference = np.abs(painter.frame(state, pose) - expected)
         # Edges below and edges above are smoothed apart from each other.

@@ -13,7 +13,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.analysis.learning import value_iteration
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Text
@@ -99,7 +99,7 @@ def test_precision_is_a_small_number(precision: Any) -> None:
 def test_numbers_have_as_many_decimals_as_asked_for() -> None:
     def shown(precision: int) -> list[str]:
         overlay = read(values=[[1.23456, None, None], [None] * 3], precision=precision)
-        texts = build_scene(LEVEL, overlay=overlay).shapes
+        texts = build_layers(LEVEL, overlay=overlay)["overlay"].shapes
         return [text.text for text in texts if isinstance(text, Text) and text.text[0] == "1"]
 
     assert [shown(count) for count in (0, 1, 3)] == [["1"], ["1.2"], ["1.235"]]

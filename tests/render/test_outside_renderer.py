@@ -103,7 +103,7 @@ def little_of_all(theme: str) -> Level:
             "blocked": [{"at": [5, 0]}],
             "warps": [{"at": [2, 0], "to": [0, 2]}, {"at": [4, 4], "to": "start", "when": "leave"}],
             "wind": {"east": [0, 0, 2, 0, 0]},
-            "display": {"compass": True, "side_panel": 150},
+            "display": {"compass": True, "side_panel": 120},
         }
     )
 

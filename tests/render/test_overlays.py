@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from itertools import combinations
 from typing import Any
 
@@ -11,6 +12,7 @@ import pytest
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, layout_of
@@ -18,7 +20,6 @@ from babyrobot_levels.render.scene.number_labels import short
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.shapes import Path, Rect, Shape, Text
-from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 
 N, E, S, W = Action.NORTH, Action.EAST, Action.SOUTH, Action.WEST
 EVERY = tuple(Action)
@@ -55,7 +56,7 @@ def box_of(points: list[tuple[float, float]]) -> Box:
 def text_box(text: Text) -> Box:
     # Digits and capitals are about as high as two thirds of their size.
     width = 0.5 * text.size * len(text.text)
-    left = text.x - (width / 2 if text.anchor == "middle" else 0)
+    left = text.x - {"start": 0, "middle": width / 2, "end": width}[text.anchor]
     return left, text.y - 0.65 * text.size, left + width, text.y
 
 
@@ -80,51 +81,141 @@ def touch(a: Box, b: Box) -> bool:
         (-36.5833, "-36.58"),
         (999.994, "999.99"),
         (999.996, "1000"),
-        (-12345.6, "-12346"),
-        (99_999.7, "1.0e5"),
-        (123_456.0, "1.2e5"),
-        (-1.5e12, "-1.5e12"),
+        (-12345.6, "-12345.6"),
+        (99_999.7, "100k"),
+        (923_000.0, "923k"),
+        (999_999.0, "1M"),
+        (-1.25e12, "-1.25T"),
+        (3e17, "3e17"),
     ],
 )
 def test_values_are_written_shortly(value: float, text: str) -> None:
     assert short(value) == text
 
 
-def test_values_are_written_in_their_cells_and_none_is_not() -> None:
-    rows = [[1.0, None, -2.25], [None, 0.0, None]]
-    shapes = shapes_of(level(size=[3, 2]), Overlay(values=rows))
-    found = {
+def written(shapes: Iterable[Shape]) -> dict[tuple[int, int], str]:
+    return {
         (int(text.x // CELL), int(text.y // CELL)): text.text
         for text in shapes
         if isinstance(text, Text)
     }
-    assert found == {(0, 0): "1", (2, 0): "-2.25", (1, 1): "0"}
 
 
-def test_each_value_lies_on_a_ground_of_its_own_in_the_colours_for_texts() -> None:
-    world = level(size=[2, 1])
+def test_values_have_one_form_in_their_cells_and_none_is_not_written() -> None:
+    rows = [[1.0, None, -2.25], [-0.001, 0.5, None]]
+    shapes = shapes_of(level(size=[3, 2]), Overlay(values=rows))
+    assert written(shapes) == {(0, 0): "1.00", (2, 0): "-2.25", (0, 1): "0.00", (1, 1): "0.50"}
+    shapes = shapes_of(level(size=[3, 2]), Overlay(values=rows, precision=1))
+    assert {*written(shapes).values()} == {"1.0", "-2.2", "0.0", "0.5"}
+
+
+def test_nothing_is_answered_where_nobody_can_stand() -> None:
+    world = level(
+        size=[4, 2],
+        exit=[3, 0],
+        blocked=[{"at": [1, 1]}],
+        warps=[{"at": [2, 1], "to": "start"}],
+    )
+    overlay = Overlay(
+        values=in_each_cell(world, 5.0),
+        actions=in_each_cell(world, (E,)),
+        action_values=None,
+    )
+    shapes = shapes_of(world, overlay)
+    # The exit has no arrow; a value of an end is told unless it is 0.
+    assert set(written(shapes)) == {(0, 0), (1, 0), (2, 0), (3, 0), (0, 1), (3, 1)}
+    assert len(heads(world, overlay.actions)) == 5
+    shapes = shapes_of(world, Overlay(values=in_each_cell(world, 0.0)))
+    assert (3, 0) not in written(shapes)
+    moves = Overlay(action_values=in_each_cell(world, (None, 1.0, 2.0, 3.0, 4.0)))
+    assert len([s for s in shapes_of(world, moves) if isinstance(s, Text)]) == 5 * 4
+
+
+def test_each_value_is_readable_on_the_tile_of_its_colour() -> None:
+    for theme in BUILTIN_THEMES:
+        world = level(size=[3, 1], theme=theme)
+        for value in (-99_999.0, -1.5e12, math.inf, -math.inf):
+            heat, _, numbers, _ = overlay_shapes(
+                world, Overlay(values=[[value, 1.0, None]]), layout_of(world, cells_only=True)
+            )
+            tiles = [shape for shape in heat if isinstance(shape, Path) and shape.fill]
+            tile = next(tile for tile in tiles if box_of(points_of(tile))[:2] == (0, 0))
+            (first, *_) = numbers
+            ink = first.stroke if isinstance(first, Path) else first.fill
+            assert ink is not None
+            assert tile.fill is not None
+            assert contrast(ink, tile.fill) >= 4.5
+            box = box_of(points_of(first)) if isinstance(first, Path) else text_box(first)
+            assert 0 < box[0] < box[2] < CELL
+
+
+def test_tiles_of_equal_neighbours_are_one() -> None:
+    world = level(size=[40, 40])
+    values = [[float(y // 20) for _ in range(40)] for y in range(40)]
+    heat, *_ = overlay_shapes(world, Overlay(values=values), layout_of(world, cells_only=True))
     colors = world.resolved_theme.colors
-    for value in (-99_999.0, -1.5e12, math.inf):
-        ground, text = shapes_of(world, Overlay(values=[[None, value]]))
-        assert isinstance(ground, Rect)
-        assert ground.fill == colors.text_bg
-        assert CELL < ground.x < ground.x + ground.width < 2 * CELL
-        if isinstance(text, Text):
-            box = text_box(text)
-            assert text.fill == colors.text_fg
-        else:
-            assert isinstance(text, Path)
-            box = box_of(points_of(text))
-            assert text.stroke == colors.text_fg
-        assert ground.x < box[0] < box[2] < ground.x + ground.width
-        assert ground.y < box[1] < box[3] < ground.y + ground.height
+    pieces = [
+        line
+        for shape in heat
+        if isinstance(shape, Path) and shape.fill not in (colors.start, colors.exit)
+        for line, _ in polylines(shape.commands)
+    ]
+    assert len(pieces) == 2
+
+
+def test_where_numbers_could_not_be_read_there_are_colours_alone() -> None:
+    for side, count in ((30, 30 * 30), (64, 0)):
+        world = level(size=[side, side])
+        overlay = Overlay(values=in_each_cell(world, 3.25))
+        heat, _, numbers, _ = overlay_shapes(world, overlay, layout_of(world, overlay=overlay))
+        assert heat
+        assert len(numbers) == count
+
+
+def test_a_cell_with_a_colour_keeps_a_frame_of_it() -> None:
+    area = {"at": [1, 0], "size": [2, 1], "color": "#123456"}
+    world = level(size=[4, 1], areas=[area])
+    heat, *_ = overlay_shapes(
+        world, Overlay(values=[[1.0, 2.0, 3.0, None]]), layout_of(world, cells_only=True)
+    )
+    (frame,) = (shape for shape in heat if isinstance(shape, Path) and shape.fill == "#123456")
+    assert box_of(points_of(frame)) == (CELL, 0, 3 * CELL, CELL)
+    # Nothing of it lies between its two cells, but at the edges.
+    boxes = [box_of(points) for points, _ in polylines(frame.commands)]
+    assert all(min(box[2] - box[0], box[3] - box[1]) == 4 for box in boxes)
+    assert len(boxes) == 6
+
+
+@pytest.mark.parametrize(
+    ("values", "texts"),
+    [
+        ([0.0, 2.5, 10.0], ["0", "10"]),
+        ([-7.0, 3.0, 5.0], ["-7", "5", "0"]),
+        ([4.0, 4.0, 4.0], ["4"]),
+        ([-1e6, None, 1.0], ["-1M", "1"]),
+    ],
+)
+def test_a_legend_tells_the_ends_of_the_scale(values: list[float | None], texts: list[str]) -> None:
+    world = level(size=[4, 1])
+    overlay = Overlay(values=[[*values, None]])
+    layout = layout_of(world, overlay=overlay)
+    heat, *_ = overlay_shapes(world, overlay, layout)
+    legend = [shape for shape in heat if isinstance(shape, Text)]
+    assert [shape.text for shape in legend][: len(texts)] == texts
+    for shape in legend:
+        box = text_box(shape)
+        assert layout.grid_height + 2 * layout.margin < box[1] < box[3] < layout.height
+    assert layout_of(world).height + 28 == layout.height
+    assert layout_of(world, overlay=Overlay(actions=[[()] * 4])) == layout_of(world)
 
 
 def test_infinite_values_are_drawn_with_their_signs() -> None:
     def strokes(value: float) -> list[Path]:
-        shapes = shapes_of(level(size=[2, 1]), Overlay(values=[[value, None]]))
-        assert not any(isinstance(shape, Text) for shape in shapes)
-        return [shape for shape in shapes if isinstance(shape, Path)]
+        world = level(size=[2, 1])
+        layers = overlay_shapes(
+            world, Overlay(values=[[value, None]]), layout_of(world, cells_only=True)
+        )
+        return [shape for shape in layers.overlay if isinstance(shape, Path)]
 
     (endless,) = strokes(math.inf)
     below, sign = strokes(-math.inf)
@@ -147,7 +238,7 @@ def heads(world: Any, actions: Any) -> list[Box]:
     ("action", "towards"), [(N, (0, -1)), (E, (1, 0)), (S, (0, 1)), (W, (-1, 0))]
 )
 def test_an_arrow_points_to_its_side(action: Action, towards: tuple[int, int]) -> None:
-    ((left, top, right, bottom),) = heads(bare(2, 1), [[(), (action,)]])
+    ((left, top, right, bottom),) = heads(bare(3, 1), [[(), (action,), ()]])
     across, along = (left + right) / 2 - 1.5 * CELL, (top + bottom) / 2 - 0.5 * CELL
     assert (round(across / 10), round(along / 10)) == towards
     tips = {N: top, E: right, S: bottom, W: left}
@@ -156,14 +247,29 @@ def test_an_arrow_points_to_its_side(action: Action, towards: tuple[int, int]) -
 
 
 def test_there_is_an_arrow_for_each_action_and_a_ring_for_stay() -> None:
-    world = bare(2, 1)
-    assert len(heads(world, [[(N, E, S, W), (E,)]])) == 5
-    assert heads(world, [[(Action.STAY,), ()]]) == []
-    (*_, ring) = shapes_of(world, Overlay(actions=[[(Action.STAY,), ()]]))
+    world = bare(3, 1)
+    assert len(heads(world, [[(N, E, S, W), (E,), ()]])) == 5
+    assert heads(world, [[(Action.STAY,), (), ()]]) == []
+    (*_, ring) = shapes_of(world, Overlay(actions=[[(Action.STAY,), (), ()]]))
     assert isinstance(ring, Path)
     assert ring.fill is None
     distances = {round(math.dist(point, (CELL / 2, CELL / 2)), 1) for point in points_of(ring)}
     assert len(distances) == 1
+
+
+def test_the_more_probable_an_action_the_longer_its_arrow() -> None:
+    world = bare(3, 1)
+    chances = {1: 0.1, 2: 0.6, 3: 0.3, 4: 0.0}
+    overlay = Overlay(actions=[[(E,), (), ()]], probabilities=[[chances, {}, {}]])
+    color = world.resolved_theme.colors.arrows
+    (tips,) = (
+        shape
+        for shape in shapes_of(world, overlay)
+        if isinstance(shape, Path) and shape.fill == color
+    )
+    boxes = [box_of(points) for points, _ in polylines(tips.commands)]
+    north, east, south = (max(abs(place - CELL / 2) for place in box) for box in boxes)
+    assert north < south < east
 
 
 def test_where_nothing_is_to_be_done_nothing_is_drawn() -> None:
@@ -202,41 +308,54 @@ def test_overlays_and_texts_do_not_touch(coordinates: bool) -> None:
         areas=[{"at": [0, 1], "size": [4, 1], "label": "a label of some length"}],
         display={"coordinates": coordinates},
     )
+    overlay = Overlay(in_each_cell(world, -123.45), in_each_cell(world, EVERY))
     layout = layout_of(world, cells_only=True)
-    texts = [text_box(text) for text in end_texts(world, layout)]
-    texts += [pill_box(s) for s in label_shapes(world, layout) if isinstance(s, Rect)]
-    texts += [text_box(t) for t in coordinate_texts(world, layout) if isinstance(t, Text)]
-    values, actions = in_each_cell(world, -123.45), in_each_cell(world, EVERY)
-    values[2][3], actions[2][3] = None, ()
-    shapes = shapes_of(world, Overlay(values, actions))
-    pills = [pill_box(s) for s in shapes if isinstance(s, Rect)]
+    layers = build_layers(world, robot=False, cells_only=True, overlay=overlay)
+    texts = [text_box(s) for s in layers["grid"].shapes if isinstance(s, Text)]
+    texts += [text_box(s) for s in layers["text"].shapes if isinstance(s, Text)]
+    numbers = [text_box(s) for s in layers["overlay"].shapes if isinstance(s, Text)]
     pieces = [
         box_of(points)
-        for shape in shapes
+        for shape in layers["underlay"].shapes
         if isinstance(shape, Path)
         for points, _ in polylines(shape.commands)
     ]
-    assert len(pills) == 11
-    for pill in pills:
-        assert not any(touch(pill, text) for text in texts)
-        assert not any(touch(pill, piece) for piece in pieces)
+    assert len(numbers) == 12
+    # START and EXIT give way to coordinates; the frames of their cells have their colours.
+    assert len(texts) == (1 + 12 if coordinates else 1 + 3)
+    assert layout.legend == 0
+    for number in numbers:
+        assert not any(touch(number, other) for other in (*texts, *pieces))
     for text in texts:
         assert not any(touch(piece, text) for piece in pieces)
-    assert not any(touch(a, b) for a, b in combinations(pills, 2))
+    assert not any(touch(a, b) for a, b in combinations((*numbers, *texts), 2))
 
 
 def test_numbers_lie_over_the_robot_and_arrows_below_him() -> None:
     world = level(size=[2, 1])
     overlay = Overlay([[1.5, None]], [[(E,), ()]])
     layers = build_layers(world, overlay=overlay)
-    plain = build_scene(world).shapes
-    arrows, robot, numbers = (layers[name].shapes for name in ("underlay", "robot", "overlay"))
-    shown = build_scene(world, overlay=overlay).shapes
-    assert shown == (*plain[: -len(robot)], *arrows, *robot, *numbers)
-    assert arrows
+    names = ("base", "heat", "grid", "underlay", "robot", "overlay")
+    heat, arrows, robot, numbers = (layers[names[place]].shapes for place in (1, 3, 4, 5))
+    assert all((heat, arrows, robot))
     assert any(isinstance(shape, Text) and shape.text == "1.5" for shape in numbers)
+    shown = build_scene(world, overlay=overlay).shapes
+    assert shown == tuple(shape for name in names for shape in layers[name].shapes)
     alone = build_scene(world, robot=False, overlay=overlay).shapes
-    assert alone == (*plain[: -len(robot)], *arrows, *numbers)
+    assert alone == tuple(shape for shape in shown if shape not in robot)
+
+
+def test_the_robot_hides_neither_the_arrow_nor_the_value_of_its_cell() -> None:
+    world = level(size=[2, 1])
+    overlay = Overlay([[-12.25, None]], [[(N, W, S), ()]])
+    layers = build_layers(world, overlay=overlay)
+    (tips,) = (s for s in layers["underlay"].shapes[-1:] if isinstance(s, Path))
+    arrows = [box_of(points) for points, _ in polylines(tips.commands)]
+    numbers = [text_box(s) for s in layers["overlay"].shapes if isinstance(s, Text)]
+    bodies = [pill_box(s) for s in layers["robot"].shapes if isinstance(s, Rect)]
+    assert len(arrows) == 3
+    for box in (*arrows, *numbers):
+        assert not any(touch(box, body) for body in bodies)
 
 
 # -- action values -------------------------------------------------------------------------
@@ -263,12 +382,27 @@ def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
     def texts(overlay: Overlay) -> list[Text]:
         return [shape for shape in shapes_of(bare(2, 1), overlay) if isinstance(shape, Text)]
 
-    numbers = [[(None, -12.34, -12.34, None, None), ()]]
-    north, east = texts(Overlay(action_values=numbers))
-    assert (north.text, east.text) == ("-12.34", "-12.3")
+    numbers = [[(None, -12.34, 5.0, None, None), ()]]
+    assert [text.text for text in texts(Overlay(action_values=numbers))] == ["-12.3", "5.0"]
     beside_arrows = texts(Overlay(action_values=numbers, actions=[[(E,), ()]]))
-    assert [text.text for text in beside_arrows] == ["-12.34", "-12"]
+    assert [text.text for text in beside_arrows] == ["-12", "5"]
     assert min(text.size for text in beside_arrows) > 6
+
+
+def test_the_value_of_an_action_is_the_colour_of_its_side() -> None:
+    world = bare(1, 2)
+    values = [[(9, 1, 2, 3, 3)], [()]]
+    heat, *_ = overlay_shapes(
+        world, Overlay(action_values=values), layout_of(world, cells_only=True)
+    )
+    middle = (CELL / 2, CELL / 2)
+    sides = {
+        shape.fill: [points for points, _ in polylines(shape.commands)]
+        for shape in heat
+        if isinstance(shape, Path) and shape.fill and middle in points_of(shape)
+    }
+    # 3 is twice the best, to the south and to the west.
+    assert sorted(map(len, sides.values())) == [1, 1, 2]
 
 
 # -- visits --------------------------------------------------------------------------------
@@ -277,29 +411,36 @@ def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
 def test_the_busier_a_cell_the_stronger_its_colour() -> None:
     world = bare(4, 1)
     overlay = Overlay(visits=[[1, 200, 0, None]])
-    heat, numbers, _ = overlay_shapes(world, overlay, layout_of(world, cells_only=True))
-    few, many = (shape for shape in heat if isinstance(shape, Rect))
-    assert few.opacity < many.opacity
-    assert few.x < CELL < many.x
+    heat, _, numbers, _ = overlay_shapes(world, overlay, layout_of(world, cells_only=True))
+    color = world.resolved_theme.colors.start
+    tiles = {
+        box_of(points_of(s))[0]: s.fill for s in heat if isinstance(s, Path) and s.fill != color
+    }
+    few, many = tiles[0], tiles[CELL]
+    # In the default theme, darker is more.
+    assert contrast(str(few), "#000000") > contrast(str(many), "#000000")
+    assert 2 * CELL not in tiles
     assert [shape.text for shape in numbers if isinstance(shape, Text)] == ["1", "200"]
 
 
-def test_heat_and_counts_keep_clear_of_texts() -> None:
+@pytest.mark.parametrize("values", [False, True])
+def test_counts_keep_clear_of_texts(values: bool) -> None:
     world = level(size=[3, 2], areas=[{"at": [1, 0], "size": [2, 1], "label": "a label"}])
-    layout = layout_of(world, cells_only=True)
-    texts = [text_box(text) for text in end_texts(world, layout)]
-    texts += [pill_box(s) for s in label_shapes(world, layout) if isinstance(s, Rect)]
     for coordinates in (False, True):
-        overlay = Overlay(visits=in_each_cell(world, 12), coordinates=coordinates)
-        shapes = shapes_of(world, overlay)
-        boxes = [pill_box(shape) for shape in shapes if isinstance(shape, Rect)]
-        written = [text_box(t) for t in shapes if isinstance(t, Text) and "," in t.text]
-        assert len(boxes) == 12
-        assert len(written) == 6 * coordinates
-        counts = [box for box in boxes if box[2] - box[0] < CELL / 2]
-        assert len(counts) == 6
-        assert not any(touch(box, text) for box in boxes + written for text in texts)
-        assert not any(touch(box, text) for box in counts for text in written)
+        overlay = Overlay(
+            visits=in_each_cell(world, 12),
+            values=in_each_cell(world, 1.5) if values else None,
+            coordinates=coordinates,
+        )
+        layers = build_layers(world, robot=False, cells_only=True, overlay=overlay)
+        boxes = [
+            text_box(shape)
+            for name in ("grid", "overlay", "text")
+            for shape in layers[name].shapes
+            if isinstance(shape, Text)
+        ]
+        assert len(boxes) >= 6 + 6 * coordinates + 6 * values + 1
+        assert not any(touch(a, b) for a, b in combinations(boxes, 2))
 
 
 def test_coordinates_that_the_level_shows_are_not_written_twice() -> None:

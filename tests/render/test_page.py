@@ -6,7 +6,9 @@ import base64
 import hashlib
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -15,9 +17,9 @@ import pytest
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.page import embedded_json, to_html
+from babyrobot_levels.render.page import SCRIPTS, embedded_json, to_html
 from babyrobot_levels.render.page_data import Guide, facts, playable
-from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES
+from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES, good_ends
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
@@ -140,6 +142,21 @@ def test_its_policy_allows_its_own_style_and_script_and_nothing_else() -> None:
     ]
     for _, attributes in page.elements:
         assert not [name for name in attributes if name == "style" or name.startswith("on")]
+
+
+def test_scripts_have_no_texts_of_several_lines_which_shortening_would_change() -> None:
+    folder = files("babyrobot_levels.render").joinpath("static")
+    for script in SCRIPTS:
+        for line in folder.joinpath(script).read_text("utf-8").splitlines():
+            assert line.replace('"`"', "").count("`") % 2 == 0, line
+    page = Reader(to_html(ROW))
+    for text in (page.texts["script"][2], page.texts["style"][0]):
+        assert not [line for line in text.splitlines() if line.startswith((" ", "//", "/*"))]
+
+
+def test_a_page_is_small() -> None:
+    world = load("final-maze")
+    assert len(world.to_html().encode()) < 180_000
 
 
 def test_the_same_level_is_the_same_page() -> None:
@@ -277,7 +294,9 @@ def test_every_outcome_has_the_pose_of_the_pictures() -> None:
 def test_every_pose_has_its_pictures() -> None:
     common = common_of(to_html(ROW))
     assert [len(phases) for phases in common["sprites"]] == [common["phases"]] * len(POSES)
-    assert len(common["sprites"][0][0][0][2]) == len(robot_shapes(ROW.resolved_theme, 0, 0))
+    assert len(common["sprites"][0][0]) == len(robot_shapes(ROW.resolved_theme, 0, 0))
+    used = {number for phases in common["sprites"] for look in phases for number in look}
+    assert used == set(range(len(common["shapes"])))
     assert common["palette"].count("robot") == common["palette"].count("puddle") == 1
 
 
@@ -306,6 +325,49 @@ def test_a_level_without_an_answer_has_nothing_of_it() -> None:
 def test_an_infinite_return_is_not_told_as_a_number() -> None:
     assert data_of(to_html(ROW, guide=GUIDE))["best"] == "\N{MINUS SIGN}1"
     assert data_of(to_html(ROW, guide=Guide([2, 2, -1], Overlay(), float("inf"))))["best"] == ""
+
+
+def test_returns_are_compared_with_what_is_known() -> None:
+    def returns(guide: Guide) -> Any:
+        return data_of(to_html(ROW, guide=guide)).get("returns")
+
+    known = replace(GUIDE, random_return=-9.87654321, quantiles=[-2.0, -1.0, -0.5])
+    assert returns(known) == {"best": -1, "random": -9.87654, "quantiles": [-2, -1, -0.5]}
+    assert returns(GUIDE) == {"best": -1, "random": None, "quantiles": []}
+    assert returns(replace(known, random_return=-float("inf")))["random"] is None
+    assert returns(replace(known, expected_return=float("inf"))) is None
+
+
+@pytest.mark.parametrize(
+    ("value", "told"), [(0.254186, "0.25"), (-0.0345, "-0.035"), (1e-7, "0"), (0.00001, "0.00001")]
+)
+def test_the_best_average_has_digits_where_it_is_small(value: float, told: str) -> None:
+    best = data_of(to_html(ROW, guide=replace(GUIDE, expected_return=value)))["best"]
+    assert best == told.replace("-", "\N{MINUS SIGN}")
+
+
+def test_the_page_knows_the_discount_and_the_goal() -> None:
+    data = data_of(to_html(level(size=[3, 1], discount=0.9)))
+    assert (data["discount"], data["goal"]) == (0.9, "Move the robot to the exit.")
+
+
+PIT = {"at": [1, 0], "ends": True, "reward": -9}
+CHEST = {"at": [2, 1], "ends": True, "reward": 3}
+
+
+@pytest.mark.parametrize(
+    ("fields", "least"),
+    [
+        ({"areas": [PIT], "rewards": {"exit": -2}}, [-2, 1]),
+        ({"areas": [PIT, CHEST]}, [0, 3]),
+        ({"areas": [PIT], "rewards": {"exit": 5}}, [5, 1]),
+        ({"areas": [PIT, CHEST], "exit": "none"}, [0, 3]),
+        ({"areas": [PIT], "exit": "none"}, [0, -9]),
+    ],
+)
+def test_ends_are_good_if_they_pay_or_nothing_better_is_there(fields: Any, least: Any) -> None:
+    """Exits that cost are good if none pays; without exits, so are the cheapest ends."""
+    assert good_ends(level(size=[4, 2], start=[2, 0], **fields)) == least
 
 
 def test_it_says_what_level_it_is() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -107,6 +108,7 @@ def test_layers_painted_one_over_the_other_are_the_scene(
     scene = build_scene(world, cells_only=cells_only, **told)
     assert tuple(layers) == (
         "base",
+        "heat",
         "grid",
         "things",
         "underlay",
@@ -125,13 +127,14 @@ def test_what_changes_has_a_layer_of_its_own() -> None:
     panels = Overlay(side_panel=["a"], bottom_panel=["b"])
     before = build_layers(world, state=1, overlay=panels)
     moved = build_layers(world, state=2, pose=Pose(Action.EAST), overlay=panels)
-    told = build_layers(world, state=1, overlay=OVERLAY)
+    noted = build_layers(world, state=1, overlay=replace(panels, notes=[Note(1, 1, "a")]))
     assert {name for name in before if before[name] != moved[name]} == {"robot"}
-    assert {name for name in before if before[name] != told[name]} == {
-        "underlay",
-        "overlay",
-        "text",
-    }
+    assert {name for name in before if before[name] != noted[name]} == {"text"}
+    told, changed = (
+        build_layers(world, state=1, overlay=replace(OVERLAY, values=[[value, 2, 3], [4, 5, 6]]))
+        for value in (1.0, 7.0)
+    )
+    assert {name for name in told if told[name] != changed[name]} == {"heat", "overlay"}
     assert build_layers(world, robot=False)["robot"].shapes == ()
 
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from renew.golden import FOLDER
+from support.scenes import without_legend
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
 from babyrobot_levels.language.things import SHAPES
@@ -340,7 +341,7 @@ def test_frames_with_an_overlay_are_what_painting_everything_gives() -> None:
     )
     painter = FramePainter(VAULT, overlay=overlay)
     for state in reached(VAULT, 4):
-        scene = build_scene(VAULT, state=state, overlay=overlay)
+        scene = without_legend(VAULT, state=state, overlay=overlay)
         expected = to_rgb(scene, (painter.width, painter.height)).astype(int)
         assert np.abs(painter.frame(state) - expected).mean() < 0.3
 

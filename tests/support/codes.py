@@ -44,3 +44,21 @@ def play_sealed(stream: bytes, code: str = CODE) -> str:
     checksum = zlib.crc32(stream, zlib.crc32(code.encode()))
     body = base64.urlsafe_b64encode(checksum.to_bytes(4, "big") + stream).decode().rstrip("=")
     return f"{code}~1.{len(body)}.{body}"
+
+
+def play_stream(link: str) -> bytes:
+    """Return the play part's stream, its checksum tested."""
+    code, part = link.partition("#")[2].split("~")
+    version, length, body = part.split(".")
+    assert version in ("1", "2")
+    assert int(length) == len(body)
+    data = base64.urlsafe_b64decode(body + "=" * (-len(body) % 4))
+    assert int.from_bytes(data[:4], "big") == zlib.crc32(code.encode() + data[4:])
+    return data[4:]
+
+
+def play_data(link: str) -> Any:
+    """Return what the page of a link plays."""
+    return json.loads(
+        zlib.decompressobj(-15, zdict=PLAY_DICTIONARY_1).decompress(play_stream(link))
+    )

@@ -91,7 +91,7 @@ def _figures(
     effects = effects_of(level)
     yield "wind", wind_shapes(effects.winds, slots, colors.arrows)
     yield "warp", warp_shapes(level, layout, slots, effects)
-    yield "mark", mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
+    yield "mark", mark_shapes(level, slots, effects)
     yield "wall", wall_shapes(level, layout)
     yield "compass", [*compass_shapes(level, layout)][1:]
     for cell in level.starts:

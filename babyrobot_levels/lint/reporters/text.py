@@ -16,9 +16,17 @@ _COLORS = {
 _CYAN = "\x1b[36m"
 
 
-def render(diagnostics: Iterable[Diagnostic], *, color: bool = False) -> str:
-    """Return the findings as text, separated by blank lines; empty if there are none."""
-    shown = [_colored(d) if color else str(d) for d in diagnostics]
+def render(
+    diagnostics: Iterable[Diagnostic], *, color: bool = False, width: int | None = None
+) -> str:
+    """Return the findings as text, separated by blank lines; empty if there are none.
+
+    Args:
+        diagnostics: the findings.
+        color: whether to use ANSI escapes.
+        width: the columns of a terminal, to which source lines are cut.
+    """
+    shown = [_colored(d, width) if color else d.shown(width) for d in diagnostics]
     return "\n\n".join(shown) + "\n" if shown else ""
 
 
@@ -37,14 +45,14 @@ def summary(diagnostics: Sequence[Diagnostic], files: int, clean: str = "valid")
     return f"{listed} in 1 file" if files == 1 else f"{listed} in {affected} of {files} files"
 
 
-def _colored(diagnostic: Diagnostic) -> str:
+def _colored(diagnostic: Diagnostic, width: int | None) -> str:
     color = _COLORS[diagnostic.severity]
     head = (
         f"{_BOLD}{one_line(diagnostic.location)}{_RESET}: "
         f"{color}{diagnostic.severity} {diagnostic.code}{_RESET}: "
         f"{_BOLD}{one_line(diagnostic.message)}{_RESET}"
     )
-    _, *rest = str(diagnostic).split("\n")
+    _, *rest = diagnostic.shown(width).split("\n")
     lines = [head]
     for line in rest:
         mark = line.lstrip()

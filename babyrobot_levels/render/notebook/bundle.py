@@ -31,6 +31,12 @@ MAX_PIXELS = 1_000_000
 PNG_COLORS = 128
 """The colours of a PNG; the reduction is hardly visible and saves two thirds of the size."""
 
+WIDEST = 800
+"""The width in pixels above which an SVG picture is as wide as its cell; few cells are narrower.
+
+JupyterLab and nbconvert show SVG in a way that no style of the picture itself can restrict.
+"""
+
 MAX_CELLS = 40_000
 """The largest level that is shown as a picture; others would add megabytes to a notebook."""
 
@@ -42,8 +48,9 @@ def picture_mimebundle(scene: Scene, text: str) -> Bundle:
     """
     scale = min(1.0, math.sqrt(MAX_PIXELS / (scene.width * scene.height)))
     size = max(1, int(scale * scene.width)), max(1, int(scale * scene.height))
+    shown = screen_scale(scene)
     return {
-        SVG: to_svg(scene, screen_scale(scene)),
+        SVG: to_svg(scene, shown if shown * scene.width <= WIDEST else None),
         PNG: base64.b64encode(to_png(scene, size, colors=PNG_COLORS)).decode(),
         TEXT: text,
     }

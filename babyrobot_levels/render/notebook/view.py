@@ -31,6 +31,7 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.text import TextPainter
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from ipycanvas import MultiCanvas  # type: ignore[import-untyped]
@@ -47,7 +48,6 @@ _GLIDE_SHARE = 0.8
 
 _FRAME_SECONDS = 0.025
 
-_NOTE = "Above is a picture. Where ipycanvas is installed and the kernel runs, the robot moves."
 _COLAB_NOTE = (
     "This is a picture of each step. Colab shows the robot moving only after "
     "`google.colab.output.enable_custom_widget_manager()`."
@@ -137,14 +137,18 @@ class LevelView:
             self._output = Output(self._picture)
 
     def _widget_bundle(self) -> Bundle:
-        return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: _NOTE}
+        # Where no widget can be shown, and in files that nbconvert makes, the picture above it is
+        # all there is to see.
+        return {WIDGET: self.widget._repr_mimebundle_()[WIDGET], TEXT: ""}
 
     def _picture(self) -> Bundle:
         if is_too_large(self._level):
             return in_words(self._level)
         shapes = tuple(shape for layer in self._layers.values() for shape in layer.shapes)
         text = TextPainter(self._level, overlay=self._overlay).lines(self._state)
-        bundle = picture_mimebundle(replace(self._layers["base"], shapes=shapes), "\n".join(text))
+        description = describe(self._level, self._state)
+        scene = replace(self._layers["base"], shapes=shapes, description=description)
+        bundle = picture_mimebundle(scene, "\n".join(text))
         if self._frontend is Frontend.CANVAS:
             bundle[SVG] = bundle[SVG].replace("<svg ", f'<svg class="{self._name}" ', 1)
         return bundle

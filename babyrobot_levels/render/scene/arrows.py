@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
@@ -21,7 +21,7 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import ICON, Box, Cell, Label, Slots
+from babyrobot_levels.render.scene.slots import ICON, Box, Cell, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -46,9 +46,6 @@ _AWAY = 4.0
 _FARTHEST = 2 * CELL
 """How far an arrow may bow beyond its ends, in pixels."""
 
-_STEPS = 24
-"""How many parts of an arrow are looked at."""
-
 _MAX_CHEVRONS = 3
 
 Dash = tuple[float, float] | None
@@ -71,7 +68,6 @@ def warp_shapes(
     """
     color = level.resolved_theme.colors.arrows
     rim = rim_on([color])
-    rings = {warp.at for warp in level.warps}
     for warp in level.warps:
         box = slots.icon(warp.at)
         centre, size = box.centre, _scale(box)
@@ -80,35 +76,11 @@ def warp_shapes(
             yield from _outlined(*_turning_arrow(centre, size), color, rim, dash)
             continue
         if warp.to != warp.at:
-            target = slots.icon(warp.to)
-            gap = _RING * _scale(target) + 4 if warp.to in rings else 0.0
-            parts = _arrow(centre, target.centre, gap, layout, slots.labels)
-            yield from _outlined(*parts, color, rim, dash)
+            yield from _outlined(*_arrow(level, layout, slots, warp), color, rim, dash)
         has_sign = warp.at in effects.pays or warp.at in effects.costs
         for number, radius in enumerate(_SIGN_RING if has_sign else _DOT_RING):
             fill = color if number % 2 else rim
             yield Ellipse(*centre, size * radius, size * radius, fill)
-
-
-def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
-    """Return the cells in which texts may lie on puddles, arrows of warps, things or tracks."""
-    cells = {puddle.at for puddle in level.puddles} | {switch.at for switch in level.switches}
-    cells |= {cell for item in level.items for cell in item.places}
-    for door in level.doors:
-        dx, dy = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}[door.side]
-        cells |= {cell for x, y in sides_of(door) for cell in ((x, y), (x + dx, y + dy))}
-    cells |= {*(level.exit_one_of or ())}
-    for warp in level.warps:
-        if not isinstance(warp.to, str) and warp.to != warp.at:
-            ends = slots.icon(warp.at).centre, slots.icon(warp.to).centre
-            shaft, _ = _arrow(*ends, 0.0, layout, slots.labels)
-            cells |= {layout.cell(point) for point in _points(shaft)}
-    for mover in level.movers:
-        if mover.within is not None:
-            (left, top), (width, height) = mover.within.at, mover.within.size
-            cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
-        cells.update(mover.path or ())
-    return cells
 
 
 def _scale(box: Box) -> float:
@@ -129,23 +101,27 @@ def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
     return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
 
 
-def _arrow(
-    start: Point, end: Point, gap: float, layout: Layout, labels: Sequence[Label]
-) -> tuple[Commands, Commands]:
-    """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible.
+def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells that the arrows of warps cross."""
+    return {
+        layout.cell(point)
+        for warp in level.warps
+        if not isinstance(warp.to, str) and warp.to != warp.at
+        for point in _points(_arrow(level, layout, slots, warp)[0])
+    }
 
-    Args:
-        start: where it begins.
-        end: where it points to.
-        gap: the distance in pixels from its tip to `end`.
-        layout: where the grid is.
-        labels: the labels of areas.
-    """
+
+def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[Commands, Commands]:
+    """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
+    start, target = slots.icon(warp.at).centre, slots.icon(warp.to)
+    end = target.centre
+    has_ring = any(other.at == warp.to for other in level.warps)
+    gap = _RING * _scale(target) + 4 if has_ring else 0.0
     left, right = sorted((start[0], end[0]))
     top, bottom = sorted((start[1], end[1]))
     near = [
         Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
-        for box, _, _ in labels
+        for box, _, _ in slots.labels
         if left - _FARTHEST < box.right
         and box.left < right + _FARTHEST
         and top - _FARTHEST < box.bottom
@@ -176,7 +152,15 @@ def _is_in(point: Point, box: Box) -> bool:
 def _bowed(
     start: Point, end: Point, gap: float, bow: float, reach: float
 ) -> tuple[Commands, Commands]:
-    """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side."""
+    """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side.
+
+    Args:
+        start: where it begins.
+        end: where it points to.
+        gap: the distance in pixels from its tip to `end`.
+        bow: how far it bows.
+        reach: from how far it arrives.
+    """
     length = math.dist(start, end)
     along_x, along_y = (end[0] - start[0]) / length, (end[1] - start[1]) / length
     away = max(-CELL, min(bow * length, CELL))
@@ -204,10 +188,11 @@ def _bowed(
 
 
 def _points(shaft: Commands) -> Iterator[Point]:
-    """Yield points of a cubic Bézier curve."""
+    """Yield points along a shaft, less than half a cell apart."""
     (_, (x0, y0)), (_, (x1, y1, x2, y2, x3, y3)) = shaft
-    for step in range(_STEPS + 1):
-        t = step / _STEPS
+    count = math.ceil(4 * math.dist((x0, y0), (x3, y3)) / CELL)
+    for step in range(count + 1):
+        t = step / count
         u = 1 - t
         a, b, c, d = u * u * u, 3 * u * u * t, 3 * u * t * t, t * t * t
         yield a * x0 + b * x1 + c * x2 + d * x3, a * y0 + b * y1 + c * y2 + d * y3
@@ -236,7 +221,7 @@ def wind_shapes(winds: Mapping[Cell, tuple[int, int]], slots: Slots, color: str)
         commands += _chevrons(box.centre, _scale(box), east, south)
     for size, commands in by_size.items():
         lines, width = tuple(commands), 3.4 * size
-        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round", opacity=0.85)
+        yield Path(lines, stroke=rim_on([color]), width=width + 2.6, cap="round")
         yield Path(lines, stroke=color, width=width, cap="round")
 
 

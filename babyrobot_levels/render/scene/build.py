@@ -6,14 +6,18 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, line_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import Layout, layout_of
-from babyrobot_levels.render.scene.marks import mark_shapes, sheen_shapes
+from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, strip_shapes
+from babyrobot_levels.render.scene.panels import (
+    compass_shapes,
+    panel_shapes,
+    rules_shapes,
+    strip_shapes,
+)
 from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
@@ -23,6 +27,7 @@ from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, lab
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.scene.walls import wall_shapes
+from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -72,7 +77,8 @@ def build_scene(
         overlay=overlay,
     )
     shapes = tuple(shape for layer in layers.values() for shape in layer.shapes)
-    return replace(layers["base"], shapes=shapes)
+    shown = robot and (state is not None or level.display.robot.show)
+    return replace(layers["base"], shapes=shapes, description=describe(level, state, robot=shown))
 
 
 def build_layers(
@@ -91,7 +97,7 @@ def build_layers(
 
     All are as large as the picture. What changes from step to step has layers of its own:
 
-    - `base`: the ground, panels and the compass;
+    - `base`: the ground, panels, the compass and the rules;
     - `heat`: values as colours, and their legend;
     - `grid`: puddles and walls, and the arrows and texts of the level itself;
     - `things`: items, switches, doors, drawn and locked exits, and what is held;
@@ -153,6 +159,7 @@ def _base_shapes(
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
         yield from compass_shapes(level, layout)
+        yield from rules_shapes(level, overlay, layout)
 
 
 def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -165,12 +172,8 @@ def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 def sign_shapes(
     level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what the level tells of its cells: what they do, wind, warps, and texts."""
-    effects, color = effects_of(level), level.resolved_theme.colors.arrows
-    yield from sheen_shapes(effects.skids, layout, slots)
-    yield from wind_shapes(effects.winds, slots, color)
-    yield from warp_shapes(level, layout, slots, effects)
-    yield from mark_shapes(effects, slots, {warp.at for warp in level.warps} | {*effects.winds})
+    """Yield what the level tells of its cells: what they do, and texts."""
+    yield from effect_shapes(level, layout, slots, effects_of(level))
     yield from end_texts(level, layout, slots)
     yield from label_shapes(level, slots)
     if coordinates:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Scene, Shape, polyline, rounded
@@ -17,11 +18,22 @@ _INSET = 6.0
 _WIDTH, _RIM_WIDTH = 4.0, 8.0
 
 
+class Side(NamedTuple):
+    """A side of a cell.
+
+    Attributes:
+        cell: the cell, `(x, y)`.
+        name: `E` or `S`.
+        is_wall: whether there is a wall.
+    """
+
+    cell: tuple[int, int]
+    name: str
+    is_wall: bool
+
+
 def marked(
-    scene: Scene,
-    layout: Layout,
-    cells: Iterable[tuple[int, int]],
-    sides: Iterable[tuple[tuple[int, int], str]],
+    scene: Scene, layout: Layout, cells: Iterable[tuple[int, int]], sides: Sequence[Side]
 ) -> Scene:
     """Return a picture in which some cells and sides are marked.
 
@@ -29,9 +41,11 @@ def marked(
         scene: the picture.
         layout: its layout.
         cells: the cells, `(x, y)`.
-        sides: the sides, each as its cell and `E` or `S`.
+        sides: the sides; those without a wall are dotted.
     """
-    shapes = *_rings(layout, cells), *_bars(layout, sides)
+    walls = _bars(layout, (side for side in sides if side.is_wall))
+    others = _bars(layout, (side for side in sides if not side.is_wall))
+    shapes = *_rings(layout, cells), *_lines(others, dotted=True), *_lines(walls)
     return replace(scene, shapes=(*scene.shapes, *shapes))
 
 
@@ -44,16 +58,17 @@ def _rings(layout: Layout, cells: Iterable[tuple[int, int]]) -> Iterator[Shape]:
     yield from _lines(commands)
 
 
-def _bars(layout: Layout, sides: Iterable[tuple[tuple[int, int], str]]) -> Iterator[Shape]:
+def _bars(layout: Layout, sides: Iterable[Side]) -> list[Command]:
     commands: list[Command] = []
-    for (x, y), side in sides:
+    for (x, y), side, _ in sides:
         end = layout.corner(x + 1, y + 1)
         begin = layout.corner(x + 1, y) if side == "E" else layout.corner(x, y + 1)
         commands += polyline([begin, end])
-    yield from _lines(commands)
+    return commands
 
 
-def _lines(commands: list[Command]) -> Iterator[Shape]:
+def _lines(commands: list[Command], *, dotted: bool = False) -> Iterator[Shape]:
+    dash = (0.01, CELL / 6) if dotted else None
     if commands:
         for color, width in ((RIM, _RIM_WIDTH), (MARK, _WIDTH)):
-            yield Path(tuple(commands), stroke=color, width=width, cap="round")
+            yield Path(tuple(commands), stroke=color, width=width, cap="round", dash=dash)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.moves import shifts
@@ -22,8 +23,7 @@ class End(NamedTuple):
     """How a cell that is no exit ends the episode.
 
     Attributes:
-        is_good: whether it is an end to look for: it pays, or no end pays more and it costs no
-            more than a step.
+        is_good: whether it pays; without exits and ends that pay, whether none costs less.
         costs: whether it costs more than a step.
         strength: 1 to 3: its reward beside the largest one of such ends.
     """
@@ -52,6 +52,14 @@ class Effects:
     costs: dict[Cell, int] = field(default_factory=dict)
     skids: dict[Cell, int] = field(default_factory=dict)
     winds: dict[Cell, tuple[int, int]] = field(default_factory=dict)
+
+    def at(self, cell: Cell) -> Effects:
+        """Return what one of the cells does, as if it were the cell (0, 0)."""
+        parts = {
+            part.name: {(0, 0): told[cell]} if cell in (told := getattr(self, part.name)) else {}
+            for part in fields(self)
+        }
+        return Effects(**parts)
 
 
 def effects_of(level: GridWorld) -> Effects:
@@ -104,11 +112,12 @@ def _usual(rewards: Iterable[float], step: float) -> float:
 
 
 def _ends(rewards: Mapping[Cell, float], step: float, level: GridWorld) -> dict[Cell, End]:
-    best = max([*rewards.values(), *[level.rewards.exit for _ in level.exits]], default=0.0)
+    best = max(rewards.values(), default=0.0)
+    least = math.inf if level.exits or best > 0 else best
     most = max(map(abs, rewards.values()), default=0.0)
     return {
         cell: End(
-            is_good=reward > 0 or reward >= max(step, best),
+            is_good=reward > 0 or reward >= least,
             costs=reward < min(step, 0.0),
             strength=_strength(abs(reward), most),
         )

@@ -13,10 +13,10 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.ground import shore_shapes
-from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout
+from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
-from babyrobot_levels.render.scene.scale import STEPS, Scale, count_scale, scale_of
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
@@ -193,11 +193,7 @@ def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) ->
 
 def _bar(scale: Scale, left: float, top: float, length: float) -> Iterator[Shape]:
     step = length / _BAR_STEPS
-    for index in range(_BAR_STEPS):
-        share = (index + 0.5) / _BAR_STEPS
-        color = scale.color(scale.low + share * (scale.high - scale.low))
-        # Of a logarithmic scale, equal lengths are equal colours all the same.
-        color = scale.colors[round(STEPS * share)] if scale.is_logarithmic else color
+    for index, color in enumerate(scale.strip(_BAR_STEPS)):
         yield Rect(left + index * step, top, length - index * step, _BAR, color)
 
 

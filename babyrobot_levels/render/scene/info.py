@@ -202,15 +202,14 @@ def policy_actions(policy: Any, level: GridWorld) -> list[list[tuple[Action, ...
 
 
 def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]] | None:
-    """Return the probability of each action in each cell; None for a policy without them."""
+    """Return the probability of each action in each cell; None where these are all equal."""
     if hasattr(policy, "greedy"):
         return None
     table, _ = unwrapped_policy(policy)
     table = getattr(table, "policy", table)
     if len(shape_of(table, 3)) != 3 or not hasattr(table, "shape"):
         return None
-    rows = cells_of(table, "policy", level, deep=True)
-    return [
+    rows = [
         [
             {
                 NUM_ACTIONS - len(cell) + index: number
@@ -219,8 +218,11 @@ def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]
             }
             for cell in row
         ]
-        for row in rows
+        for row in cells_of(table, "policy", level, deep=True)
     ]
+    # Flags, and probabilities that are all equal, have nothing to tell by lengths.
+    is_told = any(len(set(cell.values())) > 1 for row in rows for cell in row)
+    return rows if is_told else None
 
 
 def _most_likely(weights: Sequence[Any]) -> tuple[Action, ...]:

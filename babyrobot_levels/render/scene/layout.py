@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from babyrobot_levels.language.looks import Panel
-from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
+from babyrobot_levels.render.scene.rule_rows import NARROWEST, height_for
+from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -64,6 +66,16 @@ class HeldSlots(NamedTuple):
         return self.left + (column + 0.5) * self.side, self.top + (row + 0.5) * self.side
 
 
+class Room(NamedTuple):
+    """A rectangle with room for text: in the panel beside the grid or below it, or a box below."""
+
+    left: float
+    top: float
+    width: float
+    height: float
+    where: Literal["side", "bottom", "box"]
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
     """The parts of a picture, in pixels.
@@ -78,6 +90,7 @@ class Layout:
         held_in: where what is held is shown: in a panel, or in a strip below the grid.
         strip: the height of that strip, 0 for none.
         legend: the height of the legend of a heat map below the grid, 0 for none.
+        rules: the height of the box with the rules below everything, 0 for none.
     """
 
     columns: int
@@ -89,6 +102,7 @@ class Layout:
     held_in: Literal["side", "bottom", "strip"] = "strip"
     strip: float = 0.0
     legend: float = 0.0
+    rules: float = 0.0
 
     @property
     def grid_width(self) -> float:
@@ -113,12 +127,13 @@ class Layout:
     @property
     def width(self) -> float:
         """The width of the picture."""
-        return self.left_width + self.side
+        width = self.left_width + self.side
+        return max(width, NARROWEST) if self.rules else width
 
     @property
     def height(self) -> float:
         """The height of the picture."""
-        return self.top_height + self.bottom + self.strip
+        return self.top_height + self.bottom + self.strip + self.rules
 
     @property
     def slots(self) -> HeldSlots | None:
@@ -187,7 +202,56 @@ def layout_of(
         bottom = max(bottom, layout.bottom) if items and held_in == "bottom" else bottom
     strip = STRIP if items and held_in == "strip" else 0.0
     legend = LEGEND if overlay is not None and overlay.has_colors else 0.0
-    return Layout(columns, rows, margin, side, bottom, items, held_in, strip, legend)
+    layout = Layout(columns, rows, margin, side, bottom, items, held_in, strip, legend)
+    return with_rules(level, overlay, layout) if overlay is not None and overlay.rules else layout
+
+
+def with_rules(level: GridWorld, overlay: Overlay, layout: Layout) -> Layout:
+    """Return a layout with a box for the rules below the picture, if no panel has room for all."""
+    texts = [rule.text for rule in rules_of(level)]
+    room = rules_room(level, overlay, layout)
+    if room is not None and height_for(texts, room.width) <= room.height:
+        return layout
+    return replace(layout, rules=height_for(texts, max(layout.width, NARROWEST)))
+
+
+def rules_room(level: GridWorld, overlay: Overlay, layout: Layout) -> Room | None:
+    """Return where a picture shows the rules: in their box, or in a panel that is not used."""
+    if layout.rules:
+        top = layout.height - layout.rules
+        return Room(0.0, top, layout.width, layout.rules, "box")
+    side, bottom = (
+        panel_width(panel) for panel in (level.display.side_panel, level.display.bottom_panel)
+    )
+    if side >= NARROWEST and not overlay.side_panel:
+        top = COMPASS if level.display.compass else 0.0
+        return Room(layout.left_width, top, layout.side, side_foot(layout) - top, "side")
+    if bottom >= LINE and bottom_room(layout) >= NARROWEST and not overlay.bottom_panel:
+        return Room(0.0, layout.top_height, bottom_room(layout), layout.bottom, "bottom")
+    return None
+
+
+def side_foot(layout: Layout) -> float:
+    """Return where the room for text in the panel beside the grid ends."""
+    slots = layout.slots if layout.held_in == "side" else None
+    return layout.top_height if slots is None else slots.top
+
+
+def each_cell(
+    rows: Rows[Content] | None, layout: Layout
+) -> Iterator[tuple[tuple[int, int], Content]]:
+    """Yield each cell with its content; nothing if there are no rows.
+
+    Raises:
+        ValueError: there are more or fewer rows or columns than in the layout.
+    """
+    if rows is None:
+        return
+    if len(rows) != layout.rows or any(len(row) != layout.columns for row in rows):
+        raise ValueError(f"an overlay must have {layout.rows} rows of {layout.columns} cells")
+    for y, row in enumerate(rows):
+        for x, content in enumerate(row):
+            yield (x, y), content
 
 
 def bottom_room(layout: Layout) -> float:

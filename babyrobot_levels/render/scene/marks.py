@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.icons import INK, RIM, Commands, Spot
 from babyrobot_levels.render.scene.layout import Layout
@@ -19,6 +21,9 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.scene.slots import Cell, Slots
 
+if TYPE_CHECKING:
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
 Figure = Callable[[Spot], Iterable[Path]]
 
 _WOOD, _METAL = "#b8742f", "#ffd23f"
@@ -30,19 +35,37 @@ _SIZES = (0.75, 0.9, 1.0)
 """The sizes of marks by strength, as shares of the largest."""
 
 
-def mark_shapes(effects: Effects, slots: Slots, taken: Container[Cell]) -> Iterator[Shape]:
+def effect_shapes(
+    level: GridWorld, layout: Layout, slots: Slots, effects: Effects
+) -> Iterator[Shape]:
+    """Yield what the cells of a level do: glints, wind, warps, and marks."""
+    yield from sheen_shapes(effects.skids, layout, slots)
+    yield from wind_shapes(effects.winds, slots, level.resolved_theme.colors.arrows)
+    yield from warp_shapes(level, layout, slots, effects)
+    yield from mark_shapes(level, slots, effects)
+
+
+def mark_shapes(level: GridWorld, slots: Slots, effects: Effects) -> Iterator[Shape]:
     """Yield the marks of what cells do; those of one kind and size are painted as one.
 
+    A sign is small in the ring of a warp, and beside wind and the path of a guard.
+
     Args:
-        effects: what the cells do.
+        level: the level.
         slots: where the marks are.
-        taken: the cells that have something else in that place: a mark is small in its middle.
+        effects: what the cells do.
     """
+    rings = {warp.at for warp in level.warps}
+    beside = {cell for mover in level.movers for cell in mover.path or ()}.union(effects.winds)
     placed: dict[tuple[Figure, float], list[Spot]] = {}
     for cell, figure, wide, strength in _marks(effects):
         box = slots.icon(cell)
-        scale = _SIZES[strength - 1] * box.width / wide / (2 if cell in taken else 1)
-        placed.setdefault((figure, scale), []).append(Spot(*box.centre, scale))
+        (x, y), scale = box.centre, _SIZES[strength - 1] * box.width / wide
+        if cell in rings or cell in beside:
+            scale /= 2
+        if cell in beside:
+            x, y = x + 0.3 * box.width, y + 0.3 * box.height
+        placed.setdefault((figure, scale), []).append(Spot(x, y, scale))
     for (figure, _), spots in placed.items():
         for alike in zip(*map(figure, spots), strict=True):
             commands = tuple(command for path in alike for command in path.commands)

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
-
-if TYPE_CHECKING:
-    from babyrobot_levels.render.scene.layout import Layout
+from typing import TypeVar
 
 Content = TypeVar("Content")
 Rows = Sequence[Sequence[Content]]
@@ -50,6 +47,9 @@ class Overlay:
         precision: the largest number of decimals.
         extent: the lowest and highest value of all configurations, where they differ: these have
             the same colours in all of them.
+        rules: whether the rules of the level are shown: in a panel of the level in which they have
+            room, else in a box of their own below the picture. Without it, only panels show them
+            that have nothing else to show.
         parts: the overlay of a configuration and heading (each None if none is at hand), where
             they differ; it takes the place of this one.
     """
@@ -65,6 +65,7 @@ class Overlay:
     bottom_panel: Sequence[str] = ()
     precision: int = 2
     extent: tuple[float, float] | None = None
+    rules: bool = False
     parts: Callable[[int | None, int | None], Overlay] | None = None
 
     @property
@@ -87,20 +88,3 @@ class Overlay:
     def at(self, configuration: int | None = None, heading: int | None = None) -> Overlay:
         """Return what is shown in a configuration, with a heading; None for none at hand."""
         return self if self.parts is None else self.parts(configuration, heading)
-
-
-def each_cell(
-    rows: Rows[Content] | None, layout: Layout
-) -> Iterator[tuple[tuple[int, int], Content]]:
-    """Yield each cell with its content; nothing if there are no rows.
-
-    Raises:
-        ValueError: there are more or fewer rows or columns than in the layout.
-    """
-    if rows is None:
-        return
-    if len(rows) != layout.rows or any(len(row) != layout.columns for row in rows):
-        raise ValueError(f"an overlay must have {layout.rows} rows of {layout.columns} cells")
-    for y, row in enumerate(rows):
-        for x, content in enumerate(row):
-            yield (x, y), content

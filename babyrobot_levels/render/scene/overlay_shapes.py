@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat
-from babyrobot_levels.render.scene.layout import CELL, Layout
+from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
-from babyrobot_levels.render.scene.overlay import Overlay, each_cell
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import panel_texts
 from babyrobot_levels.render.scene.scale import ink_on
 from babyrobot_levels.render.scene.shapes import (
@@ -25,7 +24,7 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
-from babyrobot_levels.render.scene.texts import coordinate_texts, note_shapes
+from babyrobot_levels.render.scene.texts import busy_cells, coordinate_texts, note_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -146,7 +145,7 @@ _TIE = 1e-9
 _WIDTH = 3.2
 _RING = 0.25
 """The radius of the ring that means `stay`, as a share of the arrows' length."""
-_SHORTEST = 0.45
+_SHORTEST = 0.4
 """The length of the arrow of an improbable action, as a share of that of the most likely one."""
 _LEAST = 0.005
 """The probability below which an action has no arrow."""

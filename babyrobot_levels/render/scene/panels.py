@@ -16,10 +16,30 @@ from babyrobot_levels.render.scene.layout import (
     Layout,
     bottom_room,
     panel_width,
+    rules_room,
+    side_foot,
     wrapped,
 )
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Shape, Text, polygon
+from babyrobot_levels.render.scene.rule_rows import (
+    RULE_LINE,
+    RULE_SIZE,
+    SAMPLE,
+    TEXT_LEFT,
+    rows_in,
+)
+from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.shapes import (
+    Ellipse,
+    Path,
+    Rect,
+    Shape,
+    Text,
+    polygon,
+    rounded,
+    shifted,
+)
+from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -65,16 +85,43 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         yield Text(x + 23.5 * dx, y + 23.5 * dy + 3.8, letter, 11, colors.text_fg, bold=True)
 
 
+def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
+    """Yield the rules of a level where the picture has room for them, each with its sample."""
+    room = rules_room(level, overlay, layout)
+    if room is None:
+        return
+    display, colors = level.display, level.resolved_theme.colors
+    if room.where == "box":
+        yield Rect(*room[:4], colors.text_bg)
+        ink = colors.text_fg
+    else:
+        panel = display.side_panel if room.where == "side" else display.bottom_panel
+        ink = _text_color(panel, colors)
+    rules = rules_of(level)
+    for row in rows_in([rule.text for rule in rules], room.width, room.height):
+        left, top = room.left + row.left, room.top + row.top
+        if row.rule is not None:
+            sample = sample_shapes(level, rules[row.rule].sample, SAMPLE)
+            yield from shifted(sample, left, top)
+            if sample:
+                # A sample may have the colour of the panel.
+                frame = rounded(left, top, SAMPLE, SAMPLE, 0)
+                yield Path(frame, stroke=ink, width=1, opacity=0.5)
+        # A single line stands beside the middle of its sample.
+        top += max(0.0, (SAMPLE - RULE_LINE * len(row.lines)) / 2)
+        for number, line in enumerate(row.lines):
+            baseline = top + RULE_LINE * (number + 0.76)
+            yield Text(left + TEXT_LEFT, baseline, line, RULE_SIZE, ink, "start")
+
+
 def panel_texts(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Text]:
     """Yield the lines of the panels; long ones are wrapped, those that do not fit left out."""
     display, colors = level.display, level.resolved_theme.colors
     top = COMPASS if display.compass else 0.0
-    slots = layout.slots
     if layout.side:
-        foot = slots.top if slots is not None and layout.held_in == "side" else layout.top_height
         yield from _lines(
             overlay.side_panel,
-            (layout.left_width, top, layout.side, foot - top),
+            (layout.left_width, top, layout.side, side_foot(layout) - top),
             _text_color(display.side_panel, colors),
         )
     if layout.bottom:

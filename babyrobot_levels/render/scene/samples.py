@@ -10,18 +10,20 @@ from babyrobot_levels.language.looks import Display
 from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
+from babyrobot_levels.render.scene.effects import Effects, effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout
+from babyrobot_levels.render.scene.marks import effect_shapes
 from babyrobot_levels.render.scene.movers import mover_shapes
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import Shape, scaled, shifted
 from babyrobot_levels.render.scene.situation import situation_of
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import pieces
 from babyrobot_levels.render.scene.walls import wall_shapes
 
 _HERE = (0, 0)
-_NONE = "transparent"
 _SPOT = Spot(CELL / 2, CELL / 2)
 _PARTS: dict[str, dict[str, Any]] = {
     "exit": {"exit": _HERE},
@@ -40,9 +42,7 @@ def sample_shapes(level: GridWorld, sample: str, size: float = CELL) -> tuple[Sh
         sample: the `sample` of one of the level's rules.
         size: the side of the picture in pixels; its upper left corner is (0, 0).
     """
-    shapes = _shapes(level, sample) if sample else ()
-    seen = (shape for shape in shapes if shape.fill != _NONE)
-    return tuple(scaled(seen, size / CELL))
+    return tuple(scaled(_shapes(level, sample), size / CELL)) if sample else ()
 
 
 def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
@@ -55,7 +55,11 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
     if kind in ("wall", "glass"):
         yield from _wall(level, is_glass=kind == "glass")
     elif kind == "wind":
-        yield from wind_shapes(_small(level, wind=Wind(**{what: (1,)})), _layout())
+        small = _small(level, wind=Wind(**{what: (1,)}), skid=None)
+        yield from _effects(small, effects_of(small))
+    elif kind == "ground":
+        small = _small(level)
+        yield from _effects(small, effects_of(small))
     elif kind == "item":
         item = next(item for item in level.items if item.name == what)
         color = item.color or default_color(item.picture, level.resolved_theme.colors)
@@ -64,7 +68,7 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
         switch = next(switch for switch in level.switches if switch.name == what)
         plate = switch.model_copy(update={"at": _HERE, "label": None})
         small = _small(level, switches=(plate,))
-        for piece in pieces(small, _layout(), situation_of(small, None)):
+        for piece in pieces(small, _layout(), situation_of(small, None), _slots(small)):
             yield from piece.shapes
     elif kind == "mover":
         yield from mover_shapes(level, int(what), _SPOT)
@@ -73,23 +77,33 @@ def _shapes(level: GridWorld, sample: str) -> Iterator[Shape]:
 def _small(level: GridWorld, *, shows_start: bool = False, **fields: Any) -> GridWorld:
     """Return a level of one cell that looks and pays like another one, and has no outer wall."""
     theme = level.resolved_theme
-    hidden = {} if shows_start else {"start": _NONE, "start_text": _NONE}
-    parts = {
-        "colors": theme.colors.model_copy(update=hidden),
-        "widths": theme.widths.model_copy(update={"border": 0.0}),
-    }
+    widths = theme.widths.model_copy(update={"border": 0.0})
     given = {
         "size": (1, 1),
         "skid": level.skid,
         "rewards": level.rewards,
-        "theme": theme.model_copy(update=parts),
+        "theme": theme.model_copy(update={"widths": widths}),
         "display": Display(start_text=False, exit_text=False),
     }
-    return GridWorld.model_construct(version=1, **{**given, **fields})
+    kind = GridWorld if shows_start else _Startless
+    return kind.model_construct(version=1, **{**given, **fields})
+
+
+class _Startless(GridWorld):
+    """A level whose start is not drawn."""
+
+    @property
+    def starts(self) -> tuple[tuple[int, int], ...]:
+        """No cells."""
+        return ()
 
 
 def _layout(columns: int = 1) -> Layout:
     return Layout(columns, 1, 0.0, 0.0, 0.0)
+
+
+def _slots(small: GridWorld, columns: int = 1) -> Slots:
+    return Slots(small, _layout(columns), Overlay())
 
 
 def _ground(small: GridWorld) -> Iterator[Shape]:
@@ -107,15 +121,20 @@ def _cell(level: GridWorld, cell: tuple[int, int]) -> Iterator[Shape]:
     ]
     puddles = [Puddle(at=_HERE, size=puddle.size) for puddle in level.puddles if puddle.at == cell]
     yield from _ground(_small(level, areas=tuple(areas), puddles=tuple(puddles)))
-    for warp in level.warps:
-        if warp.at == cell and isinstance(warp.to, str):
-            small = _small(level, warps=(warp.model_copy(update={"at": _HERE}),))
-            yield from warp_shapes(small, _layout())
-        elif warp.at == cell:
-            # The arrow to the next cell, in half the size.
-            there = warp.model_copy(update={"at": _HERE, "to": (1, 0)})
-            shapes = warp_shapes(_small(level, warps=(there,)), _layout(2))
-            yield from shifted(scaled(shapes, 0.5), 0, CELL / 4)
+    effects = effects_of(level).at(cell)
+    warps = [warp.model_copy(update={"at": _HERE}) for warp in level.warps if warp.at == cell]
+    if warps and warps[0].to != "start":
+        # The arrow to the next cell, in half the size.
+        there = warps[0].model_copy(update={"to": (1, 0)})
+        shapes = _effects(_small(level, size=(2, 1), warps=(there,)), effects)
+        yield from shifted(scaled(shapes, 0.5), 0, CELL / 4)
+    else:
+        yield from _effects(_small(level, warps=tuple(warps)), effects)
+
+
+def _effects(small: GridWorld, effects: Effects) -> Iterator[Shape]:
+    layout = _layout(small.size[0])
+    yield from effect_shapes(small, layout, _slots(small, layout.columns), effects)
 
 
 def _wall(level: GridWorld, *, is_glass: bool) -> Iterator[Shape]:

@@ -89,6 +89,14 @@ class Scale:
             return self.above if value > 0 else self.below
         return self.colors[round(STEPS * min(max(self._share(value), 0.0), 1.0))]
 
+    def strip(self, count: int) -> list[str]:
+        """Return the colours from the lowest to the highest number, in equal parts."""
+        shares = ((index + 0.5) / count for index in range(count))
+        if self.is_logarithmic:
+            # Equal lengths are equal colours all the same.
+            return [self.colors[round(STEPS * share)] for share in shares]
+        return [self.color(self.low + share * (self.high - self.low)) for share in shares]
+
     def ink(self, value: float) -> str:
         """Return black or white, whichever is readable on the colour of a number."""
         return ink_on(self.color(value))

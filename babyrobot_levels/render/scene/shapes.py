@@ -76,12 +76,16 @@ Shape = Rect | Ellipse | Path | Text
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """A picture: shapes in painting order, without a background; `width`, `height` in pixels."""
+    """A picture: shapes in painting order, without a background; `width`, `height` in pixels.
+
+    `title` and `description` are its texts for people who do not see it; they may be empty.
+    """
 
     width: float
     height: float
     shapes: tuple[Shape, ...]
     title: str = ""
+    description: str = ""
 
 
 def shifted(shapes: Iterable[Shape], right: float, down: float) -> Iterator[Shape]:

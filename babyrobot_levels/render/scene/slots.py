@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
-from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
+from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, each_cell, fit
 from babyrobot_levels.render.scene.overlay import Overlay
 
 if TYPE_CHECKING:
@@ -38,9 +38,9 @@ ROBOT_CORNER = (33.0, 0.5)
 
 _TOP, _FOOT, _EDGE, _GAP = 4.0, CELL - 4.0, 3.0, 2.0
 _WORD, _COORDINATES = 10.25, 12.0
-_LONGEST = 16.0
+_LONGEST = 15.0
 _SHORTEST = 8.0
-_CORNER, _CORNER_OF_ACTIONS = 20.0, 14.0
+_CORNER, _CORNER_OF_ACTIONS, _TINY = 20.0, 14.0, 9.0
 _LABEL_MARGIN = 16.0
 
 
@@ -175,12 +175,9 @@ class Slots:
         starts = level.starts if display.start_text else ()
         exits = level.exits if display.exit_text and level.exit_one_of is None else ()
         self._words = {*starts, *exits}
-        self._answered = self.acting | {
-            (x, y)
-            for x, y in self.ends
-            for rows in (overlay.values, overlay.visits)
-            if rows is not None and rows[y][x]
-        }
+        numbers = (overlay.values, overlay.visits)
+        told = {cell for rows in numbers for cell, number in each_cell(rows, layout) if number}
+        self._answered = self.acting | (self.ends & told)
 
     @property
     def is_crowded(self) -> bool:
@@ -240,11 +237,11 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if contents.word and not answers:
         word = Box(4, CELL - 5 - _WORD, CELL - 4, CELL - 5)
         foot = min(foot, word.top - _GAP)
-    elif contents.word and not (shown.coordinates or shown.actions or is_labelled):
+    elif contents.word and not (shown.coordinates or shown.second or shown.actions or is_labelled):
         word = Box(_EDGE, _EDGE, _EDGE + 33, _EDGE + _WORD)
     is_left_taken = shown.coordinates or (word is not None and answers)
     number = Box(2, foot - NUMBER, CELL - 2, foot)
-    second = Box(CELL / 2, top, CELL - 4, top + NUMBER)
+    second = Box(CELL / 2, top, CELL - 4, top + _COORDINATES)
     if shown.number and answers:
         foot = number.top - _GAP
     upper = top + (_COORDINATES if is_left_taken or shown.second or shown.arrows else 0)
@@ -273,7 +270,8 @@ def _corner(top: float, is_left_taken: bool, is_labelled: bool, shown: Shown) ->
     upper = top - 1
     if is_left_taken and shown.second:
         # Both upper corners are taken.
-        return Box(_EDGE, upper + _COORDINATES, _EDGE + 12, upper + _COORDINATES + 12)
+        upper += _COORDINATES
+        return Box(_EDGE, upper, _EDGE + _TINY, upper + _TINY)
     left = CELL - _EDGE - side if is_left_taken else _EDGE
     return Box(left, upper, left + side, upper + side)
 

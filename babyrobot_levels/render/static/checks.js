@@ -97,8 +97,10 @@ function checkThings({ things = [], picture }, cells) {
   return configurations;
 }
 
-function checkTexts({ title, description, best, seed, facts, shown, robot, goal = "", rules = [] }) {
-  for (const value of [title, description, best, seed, goal]) text(value);
+function checkTexts(data) {
+  const { title, description, best, seed, facts, shown, robot } = data;
+  const { goal = "", alt = "", rules = [] } = data; // Links of earlier versions have none.
+  for (const value of [title, description, best, seed, goal, alt]) text(value);
   need(/^[0-9]{1,40}$/.test(seed));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   // The samples of rules are shapes, which are checked as they are painted.

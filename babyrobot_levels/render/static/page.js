@@ -132,7 +132,7 @@ function showResult() {
   find("result").hidden = game.end === null;
   if (game.end === null) return;
   const stars = starsOf(game);
-  find("result-title").textContent = game.isGood ? "Well done" : "The end";
+  find("result-title").textContent = titleOf(game);
   find("stars").hidden = find("result-help").parentElement.hidden = stars === null;
   find("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
   find("stars").setAttribute("aria-label", `${stars} of 3 stars`);
@@ -144,7 +144,8 @@ function showResult() {
 function showHint(action) {
   trail.point(action);
   for (const button of document.querySelectorAll("[data-action]")) {
-    button.classList.toggle("hinted", button.dataset.action === String(action));
+    const isMeant = button.dataset.action === String(action) && !button.closest("[hidden]");
+    button.classList.toggle("hinted", isMeant);
   }
 }
 

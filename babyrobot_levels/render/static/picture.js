@@ -25,6 +25,7 @@ function levelPicture(data) {
     "stroke-linejoin": "round",
   },
   element("title", {}, title),
+  element("desc", { id: "alt" }, data.alt ?? ""),
   element("defs", {}, ...sprites(robot), ...things.definitions),
   element(
     "g",
@@ -53,8 +54,9 @@ function isDark(given) {
 function sprites(robot) {
   const palette = COMMON.palette.map((name) => robot[COMMON.robot.indexOf(name)] ?? name);
   const painter = new Painter(palette);
-  return COMMON.sprites.flatMap((phases, pose) => phases.map((layer, phase) =>
-    element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer(layer))));
+  const group = (numbers) => [0, 0, numbers.map((number) => COMMON.shapes[number])];
+  return COMMON.sprites.flatMap((phases, pose) => phases.map((numbers, phase) =>
+    element("symbol", { id: `pose-${pose}-${phase}` }, ...painter.layer([group(numbers)]))));
 }
 
 /** The picture of a game in the view that shows it. */
@@ -68,7 +70,7 @@ class Picture {
     this.marks = new MarksLayer(game, svg);
     this.calm = view.calm;
     this.running = null;
-    view.show(svg);
+    view.show(svg, game.data.exits.map((exit) => game.corner(...game.place(exit))));
   }
 
   /** Show the robot at a place, in a pose and a phase of its move. */

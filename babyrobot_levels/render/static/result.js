@@ -1,5 +1,12 @@
 // The result of an episode: how good it is, and how lucky.
-const WAY_TO_TWO_STARS = 0.75;
+const WAY_TO_TWO_STARS = 0.9;
+
+/** Return how the episode ended, as a title. */
+function titleOf({ end, isGood }) {
+  if (end === "time") return "Time limit reached";
+  const how = end === "exit" || end === "wrong" ? "Exit reached" : "Episode ended";
+  return isGood ? `${how}!` : how;
+}
 
 /** Return how many of three stars an episode earns; null if the level's returns are unknown. */
 function starsOf({ known, total, isGood }) {

@@ -6,8 +6,8 @@ class Trail {
   constructor(game, svg) {
     this.game = game;
     const [color] = game.data.robot;
-    const width = 0.09 * COMMON.cell;
-    const line = (dash) => element("path", { fill: "none", stroke: color, opacity: 0.55,
+    const width = 0.06 * COMMON.cell;
+    const line = (dash) => element("path", { fill: "none", stroke: color, opacity: 0.5,
       "stroke-width": width, "stroke-linecap": "round", "stroke-dasharray": dash });
     this.walked = line();
     this.jumped = line(`0 ${2 * width}`);

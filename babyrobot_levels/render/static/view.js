@@ -25,9 +25,13 @@ class View {
     map.addEventListener("pointermove", seek);
   }
 
-  /** Show a picture: the whole, or the part around the robot if its cells were too small. */
-  show(svg) {
+  /**
+   * Show a picture: the whole, or the part around the robot if its cells were too small. The map
+   * marks the exits, whose cells have these corners.
+   */
+  show(svg, exits) {
     this.svg = svg;
+    this.exits = exits;
     this.robot = svg.querySelector("#robot");
     this.stage.replaceChildren(svg);
     const { width, height } = svg.viewBox.baseVal;
@@ -98,11 +102,17 @@ class View {
   /** Show on the map where the robot is, and which part of the picture is seen. */
   drawMap() {
     if (this.zoom === 1) return;
-    const [image, dot, frame] = this.map.children;
+    const [image, marks, dot, frame] = this.map.children;
     const [width, height] = this.size;
     const set = (shape, attributes) => Object.entries(attributes).forEach(([name, value]) =>
       shape.setAttribute(name, value));
-    if (!image.hasAttribute("href")) set(image, { width, height, href: this.still() });
+    const half = COMMON.cell / 2;
+    const size = (4 * Math.max(width, height)) / MAP_SIDE;
+    if (!image.hasAttribute("href")) {
+      set(image, { width, height, href: this.still() });
+      set(marks, { d: this.exits.map(([x, y]) =>
+        `M${x + half} ${y + half - size}l${size} ${size}l${-size} ${size}l${-size} ${-size}z`).join("") });
+    }
     const { left, top, width: wide } = this.svg.getBoundingClientRect();
     const scale = width / wide;
     const seen = this.stage.getBoundingClientRect();
@@ -113,15 +123,18 @@ class View {
       height: Math.min(height, scale * seen.height),
     });
     const { e, f } = this.robot.transform.baseVal[0]?.matrix ?? { e: 0, f: 0 };
-    const half = COMMON.cell / 2;
-    set(dot, { cx: e + half, cy: f + half, r: (4 * Math.max(width, height)) / MAP_SIDE });
+    set(dot, { cx: e + half, cy: f + half, r: size });
+    // The map is in a corner in which the robot is not.
+    const isBelow = [e / scale + left - seen.left > seen.width / 2, f / scale + top - seen.top > seen.height / 2];
+    this.map.classList.toggle("left", isBelow.every(Boolean));
   }
 
-  /** Return the level without what moves, as an image of its own. */
+  /** Return the level without what moves and without answers, as an image of its own. */
   still() {
     const copy = this.svg.cloneNode(false);
     copy.removeAttribute("style");
     copy.append(this.svg.querySelector("#ground").cloneNode(true));
+    for (const answer of copy.querySelectorAll("#heat, #beside")) answer.remove();
     return `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   }
 }

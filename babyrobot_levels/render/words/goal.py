@@ -48,7 +48,7 @@ def _exit_reward(level: GridWorld) -> float:
 
 def _reach(best: Ground, equal: list[Ground]) -> str:
     """Return the sentence for the ends that pay most."""
-    if len({end.label for end in equal}) == 1 and any(map(str.isalpha, best.label)):
+    if len({end.label for end in equal}) == 1 and best.label:
         return f"Reach the {best.label}."
     return f"Reach an end of the episode that {phrases.reward(best.reward)}."
 

@@ -24,7 +24,7 @@ class Ground:
     Attributes:
         cells: the numbers of its cells, row by row.
         color: its colour; None for that of all other cells.
-        label: the label of its area, which may be empty.
+        label: the label of its area; empty without one, or if it has no letters.
         reward: the reward for entering it.
         skid: its own skid; None for that of the level.
         ends: whether it ends the episode.
@@ -83,7 +83,7 @@ def _ground(level: GridWorld, cells: tuple[int, ...], areas: list[int], warp: in
     return Ground(
         cells=cells,
         color=color.color if color else None,
-        label=phrases.name_of(label.label) if label else "",
+        label=phrases.worded(phrases.name_of(label.label)) if label else "",
         reward=reward.reward if reward and reward.reward is not None else level.rewards.step,
         skid=as_skid(skid.skid) if skid and skid.skid is not None else None,
         ends=bool(ends and ends.ends),

@@ -38,6 +38,11 @@ def name_of(text: str | None) -> str:
     return line if len(line) <= LONGEST_NAME else line[: LONGEST_NAME - 1].rstrip() + "…"
 
 
+def worded(label: str) -> str:
+    """Return a label that has letters; one such as `-1` or `★` says nothing in a text."""
+    return label if any(map(str.isalpha, label)) else ""
+
+
 def amount(value: float) -> str:
     """Return a number without its sign."""
     return f"{abs(value):,.6g}"

@@ -118,7 +118,7 @@ def _grounds(level: GridWorld, grounds: list[Ground]) -> Told:
 
 
 def _name(ground: Ground) -> str:
-    if any(map(str.isalpha, ground.label)):
+    if ground.label:
         return ground.label
     if ground.warp is not None:
         return "warp"

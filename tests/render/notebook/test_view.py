@@ -150,9 +150,11 @@ def test_he_slips_on_the_way_but_cheers_only_when_he_is_there(
 ) -> None:
     seen: list[Pose] = []
 
-    def look(theme: Theme, left: float, top: float, pose: Pose) -> tuple[Shape, ...]:
+    def look(
+        theme: Theme, left: float, top: float, pose: Pose, *, small: bool
+    ) -> tuple[Shape, ...]:
         seen.append(pose)
-        return robot_shapes(theme, left, top, pose)
+        return robot_shapes(theme, left, top, pose, small=small)
 
     monkeypatch.setattr(views, "robot_shapes", look)
     view = LevelView(LEVEL)

@@ -1,0 +1,189 @@
+"""The picture of a level in words, for people who do not see it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.base import SIDE_NAMES
+from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.mdp.configurations import Configuration, listed
+from babyrobot_levels.mdp.doors import door_sides
+from babyrobot_levels.mdp.grid import BIT
+from babyrobot_levels.render.words import phrases
+from babyrobot_levels.render.words.grounds import grounds_of
+from babyrobot_levels.render.words.things import spoken
+
+if TYPE_CHECKING:
+    from babyrobot_levels.language.things import Item
+    from babyrobot_levels.mdp.gridworld import GridWorld
+
+Cell = tuple[int, int]
+
+MOST_CHARACTERS = 400
+"""The most characters of a description."""
+
+_MOST_PLACES = 3
+"""The most cells of a kind that are told one by one."""
+
+
+def describe(level: GridWorld, state: int | None = None, *, robot: bool = True) -> str:
+    """Return the picture of a level in words: its size, where the robot is, what is around it.
+
+    Cells are `[x, y]`, counted from 0, as in level files. The text has at most `MOST_CHARACTERS`;
+    what would make it longer is left out.
+
+    Args:
+        level: the level; a maze needs a seed.
+        state: the configuration and the cell of the robot, as in `level.compile()`. None describes
+            the level as a whole, with the robot on the first start.
+        robot: whether the robot is in the picture; if not, the first start is told instead.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+    """
+    columns, rows = level.size
+    text = f"A grid of {phrases.counted(columns, 'column')} and {phrases.counted(rows, 'row')}."
+    now, cell = None, level.starts[0]
+    if state is not None:
+        number, place = divmod(state, columns * rows)
+        now = level.configuration(number) if level.has_things else None
+        cell = place % columns, place // columns
+    subject = "The robot is" if robot else "A start is" if len(level.starts) > 1 else "The start is"
+    for sentence in (
+        f"{subject} at {show_cell(cell)}, {_around(level, cell, now)}.",
+        *_sentences(level, cell, now),
+    ):
+        if len(text) + 1 + len(sentence) > MOST_CHARACTERS:
+            break
+        text += f" {sentence}"
+    return text
+
+
+def _sentences(level: GridWorld, cell: Cell, now: Configuration | None) -> Iterator[str]:
+    if now is not None and now.held:
+        yield f"It holds the {spoken(now.held)}."
+    yield _exits(level, cell, now)
+    if ends := _ends(level):
+        yield f"The episode {'also ' if level.exits else ''}ends at {ends}."
+    if found := [*_things(level, now), *_features(level)]:
+        yield f"On the grid: {listed(found)}."
+
+
+def _around(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
+    """Return what closes the sides of a cell: walls, glass and closed doors."""
+    grid = level.grid()
+    place = cell[1] * grid.width + cell[0]
+    closed = _closed(level, now)
+    doors = {
+        side for there, side, door in door_sides(level, grid) if there == place and closed[door]
+    }
+    kinds: dict[str, list[str]] = {}
+    for name, side in SIDE_NAMES.items():
+        if side in doors:
+            kinds.setdefault("closed door", []).append(name)
+        elif (place, side) in grid.glass:
+            kinds.setdefault("glass wall", []).append(name)
+        elif not grid.open_bits[place] & BIT[side]:
+            kinds.setdefault("wall", []).append(name)
+    told = [
+        f"{f'{kind}s' if len(sides) > 1 else f'a {kind}'} to the {listed(sides)}"
+        for kind, sides in kinds.items()
+    ]
+    return f"with {listed(told)}" if told else "with no wall around it"
+
+
+def _closed(level: GridWorld, now: Configuration | None) -> Sequence[bool]:
+    """Return for each door whether it is closed; in the level as a whole, at the beginning."""
+    if now is not None or not level.doors:
+        return now.doors if now is not None else ()
+    return level.things().closed(frozenset(s.name for s in level.switches if s.on))
+
+
+def _exits(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
+    exits = level.exits if now is None else now.exits
+    if not exits:
+        return "There is no exit."
+    x, y = min(exits, key=lambda other: abs(other[0] - cell[0]) + abs(other[1] - cell[1]))
+    steps = [
+        f"{phrases.counted(abs(distance), unit)} {sides[distance > 0]}"
+        for distance, unit, sides in (
+            (x - cell[0], "column", ("west", "east")),
+            (y - cell[1], "row", ("north", "south")),
+        )
+        if distance
+    ]
+    if not steps:
+        return "That is the exit."
+    if level.exit_one_of is not None and now is None:
+        return f"The exit is in one of {len(exits)} cells, the nearest {listed(steps)}."
+    is_locked = level.exit_keys and not (now is not None and now.exit_is_open)
+    name = f"{'locked ' if is_locked else ''}exit"
+    subject = f"The {name}" if len(exits) == 1 else f"The nearest of {len(exits)} {name}s"
+    return f"{subject} is {listed(steps)}."
+
+
+def _ends(level: GridWorld) -> str:
+    """Return the cells other than exits that end the episode."""
+    grounds = [ground for ground in grounds_of(level) if ground.ends]
+    ends = [(ground.label, cell) for ground in grounds for cell in ground.cells]
+    if len(ends) > _MOST_PLACES:
+        return f"{len(ends):,} cells"
+    places = [(label, divmod(cell, level.size[0])) for label, cell in ends]
+    return listed([f"{label} {show_cell((x, y))}".strip() for label, (y, x) in places])
+
+
+def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
+    """Yield what lies, stands and moves."""
+    places = [item.places for item in level.items]
+    if now is not None:
+        places = [() if cell is None else (cell,) for cell in now.items]
+    lying = [(item, cells) for item, cells in zip(level.items, places, strict=True) if cells]
+    if len(lying) <= _MOST_PLACES:
+        yield from (_item(item, cells) for item, cells in lying)
+    else:
+        for shape, count in Counter(item.picture for item, _ in lying).items():
+            plural = "boxes" if shape == "box" else None
+            yield phrases.counted(count, shape, plural)
+    closed = sum(_closed(level, now))
+    for count, kind in ((closed, "closed door"), (len(level.doors) - closed, "open door")):
+        if count:
+            yield phrases.counted(count, kind)
+    if level.switches:
+        yield phrases.counted(len(level.switches), "switch", "switches")
+    for kind in ("guard", "wanderer"):
+        cells = [
+            now.movers[number] if now is not None else None
+            for number, mover in enumerate(level.movers)
+            if (mover.within is None) == (kind == "guard")
+        ]
+        if cells:
+            at = f" at {show_cell(cells[0])}" if len(cells) == 1 and cells[0] is not None else ""
+            yield f"{phrases.counted(len(cells), kind)}{at}"
+
+
+def _item(item: Item, cells: Sequence[Cell]) -> str:
+    where = show_cell(cells[0]) if len(cells) == 1 else f"one of {len(cells)} cells"
+    return f"the {spoken([item.name])} {'in' if len(cells) > 1 else 'at'} {where}"
+
+
+def _features(level: GridWorld) -> Iterator[str]:
+    """Yield what the level is made of."""
+    puddles = Counter(puddle.size for puddle in level.puddles)
+    for size in ("small", "large"):
+        if puddles[size]:
+            yield phrases.counted(puddles[size], f"{size} puddle")
+    if level.warps:
+        yield phrases.counted(len(level.warps), "warp")
+    if level.grid().glass:
+        # Each wall is known to both of its cells.
+        yield phrases.counted(len(level.grid().glass) // 2, "glass wall")
+    if level.wind is not None:
+        yield "wind"
+    if blocked := sum(level.grid().blocked_cells):
+        yield phrases.counted(blocked, "blocked cell")
+    ends = {ground.label for ground in grounds_of(level) if ground.ends}
+    labels = dict.fromkeys(phrases.worded(phrases.name_of(area.label)) for area in level.areas)
+    if shown := [label for label in labels if label and label not in ends]:
+        yield f"the area{'s' if len(shown) > 1 else ''} {listed(shown)}"
