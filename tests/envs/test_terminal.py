@@ -90,7 +90,7 @@ def in_terminal(folder: Path, code: str, size: tuple[int, int] = (80, 24), **var
     process = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", code],
         cwd=folder,
-        env=environment(folder, TERM="xterm-256color") | variables,
+        env=environment(folder, TERM="xterm-256color", COLORTERM="truecolor") | variables,
         stdin=inner,
         stdout=inner,
         stderr=inner,
