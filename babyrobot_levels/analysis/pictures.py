@@ -11,8 +11,6 @@ from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.mdp.states import configuration_with, initial_configuration
-
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
     from babyrobot_levels.library.level import Level
@@ -131,6 +129,8 @@ def still(
     info = {"values": values, "policy": policy, "action_values": action_values, "visits": visits}
     overlay = overlay_of(level, info)
     if overlay is not None and configuration is None and level.has_things:
+        from babyrobot_levels.mdp.states import initial_configuration
+
         configuration = initial_configuration(level)
     robot = overlay is None and held is None
     overlay = _with_rules(overlay) if rules else overlay
@@ -168,6 +168,8 @@ def configuration_of(level: Level, held: str | Iterable[str]) -> int:
         LevelError: the maze has no seed yet (`seed: random`).
         ValueError: a name is not that of an item or switch, or no episode comes to this.
     """
+    from babyrobot_levels.mdp.states import configuration_with
+
     names = held.split(",") if isinstance(held, str) else held
     wanted = [name for name in (part.strip() for part in names) if name]
     return configuration_with(level, () if wanted == [NOTHING] else wanted)

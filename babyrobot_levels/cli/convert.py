@@ -29,6 +29,7 @@ from babyrobot_levels.cli.inputs import (
     load_level,
     with_seed,
 )
+from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import PictureOptions, picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.cli.schema import schema_for
@@ -320,7 +321,8 @@ def export_level(
     made: str | bytes
     beside: Mapping[str, bytes] = {}
     if chosen in (ExportFormat.PNG, ExportFormat.SVG):
-        made = picture(loaded, PictureOptions(), svg=chosen is ExportFormat.SVG)
+        with working("drawing") as report:
+            made = picture(loaded, PictureOptions(), report, svg=chosen is ExportFormat.SVG)
     else:
         from babyrobot_levels.convert.formats import export
 

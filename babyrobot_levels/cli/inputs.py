@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -51,6 +52,16 @@ def load_level(text: str) -> Level:
     if "\n" in text and not is_code(text):
         raise LevelNotFoundError(text)
     return load(text)
+
+
+def file_of(text: str) -> Path:
+    """Return the file of the level that an argument names, for commands that watch it."""
+    from babyrobot_levels.language.share_code import is_code
+    from babyrobot_levels.library.catalogue import find, looks_like_path
+
+    if text == str(STANDARD_INPUT) or is_code(text):
+        fail("--watch needs a level in a file", "give its name or its path")
+    return Path(text) if looks_like_path(text) else find(text)
 
 
 def load_two(one: str, other: str) -> tuple[Level, Level]:

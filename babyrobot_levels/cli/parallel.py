@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import chain
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 if TYPE_CHECKING:
-    from rich.progress import Progress, TaskID
+    from rich.progress import Progress
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -79,60 +78,78 @@ def _each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Res
 PATIENCE = 1.0
 """Seconds before a progress bar appears."""
 
+Report = Callable[[int, int], None]
+"""Is told how much of how much is done."""
+
 
 def track(items: Iterable[Item], total: int, label: str) -> Iterator[Item]:
-    """Yield the items, with a progress bar on standard error if it is a terminal.
+    """Yield the items, with a progress bar as that of `working`.
 
     Args:
         items: the items or results.
         total: their number.
         label: the label of the bar, such as `linting`.
     """
-    if not sys.stderr.isatty():
-        yield from items
-        return
-    bar: Progress | None = None
-    task: TaskID | None = None
-    begin = time.monotonic()
-    try:
-        for count, item in enumerate(items):
+    with working(label) as report:
+        for count, item in enumerate(items, 1):
             yield item
-            if bar is None and time.monotonic() - begin > PATIENCE:
-                bar = _bar()
-                bar.start()
-                task = bar.add_task(label, total=total)
-            if bar is not None and task is not None:
-                bar.update(task, completed=count + 1)
-    finally:
-        if bar is not None:
-            bar.stop()
+            report(count, total)
 
 
 @contextmanager
-def working(label: str) -> Iterator[None]:
-    """Show on a terminal that something is being done, if it takes longer than a moment."""
+def working(label: str) -> Iterator[Report]:
+    """Show on a terminal that something is being done, if it takes longer than a moment.
+
+    Yields a function that is told how much is done, which a bar on standard error then shows.
+    """
     if not sys.stderr.isatty():
-        yield
+        yield lambda done, total: None
         return
     from threading import Timer
 
-    from rich.console import Console
-
-    status = Console(stderr=True).status(f"{label} …")
-    timer = Timer(PATIENCE, status.start)
+    bar = _Bar(label)
+    timer = Timer(PATIENCE, bar.start)
     timer.daemon = True
     timer.start()
     try:
-        yield
+        yield bar.report
     finally:
         timer.cancel()
         timer.join()
-        status.stop()
+        bar.stop()
 
 
-def _bar() -> Progress:
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+class _Bar:
+    """A progress bar that need not be shown."""
 
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
-    return Progress(*columns, console=Console(stderr=True), transient=True)
+    def __init__(self, label: str) -> None:
+        self._label = label
+        self._progress: Progress | None = None
+        self._done: int | None = None
+        self._total: int | None = None
+
+    def start(self) -> None:
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        columns = TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()
+        # The streams stay as they are: what is drawn depends on what they are.
+        self._progress = Progress(
+            *columns,
+            console=Console(stderr=True),
+            transient=True,
+            redirect_stdout=False,
+            redirect_stderr=False,
+        )
+        self._progress.add_task(self._label, total=self._total, completed=self._done or 0)
+        self._progress.start()
+
+    def report(self, done: int, total: int) -> None:
+        self._done, self._total = done, total
+        if self._progress is not None:
+            for task in self._progress.task_ids:
+                self._progress.update(task, completed=done, total=total)
+
+    def stop(self) -> None:
+        if self._progress is not None:
+            self._progress.stop()

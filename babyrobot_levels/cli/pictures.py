@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NoReturn
+from functools import partial
+from typing import TYPE_CHECKING, NoReturn
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, fail, note, speaks_unicode, wants_color
+from babyrobot_levels.cli.console import FINDINGS, fail, note
 from babyrobot_levels.cli.inputs import configuration_of
-from babyrobot_levels.render.text import number_lines
+from babyrobot_levels.cli.parallel import Report
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -51,8 +51,10 @@ class PictureOptions:
     rules: bool = False
 
 
-def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
-    """Return a still picture: an SVG document, or a PNG file."""
+def picture(
+    level: Level, options: PictureOptions, report: Report | None = None, *, svg: bool
+) -> str | bytes:
+    """Return a still picture: an SVG document, or a PNG file, of whose making `report` is told."""
     from babyrobot_levels.analysis import pictures
 
     if options.policy is PolicyName.RANDOM:
@@ -62,7 +64,7 @@ def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
         )
     if options.held is not None:
         configuration_of(level, options.held)
-    make = pictures.to_svg if svg else pictures.to_png
+    make = pictures.to_svg if svg else partial(pictures.to_png, progress=report)
     with _refusing("use a smaller --scale or --cell"):
         return make(
             level,
@@ -74,8 +76,8 @@ def picture(level: Level, options: PictureOptions, *, svg: bool) -> str | bytes:
         )
 
 
-def gif(level: Level, options: PictureOptions) -> bytes:
-    """Return an episode as an animated GIF."""
+def gif(level: Level, options: PictureOptions, report: Report) -> bytes:
+    """Return an episode as an animated GIF, of whose making `report` is told."""
     from babyrobot_levels.analysis import pictures
 
     with _refusing("use a smaller --scale or --cell"):
@@ -86,6 +88,7 @@ def gif(level: Level, options: PictureOptions) -> bytes:
             values=options.values,
             rules=options.rules,
             scale=options.scale,
+            progress=report,
             tell=note,
         )
 
@@ -154,46 +157,3 @@ def solution_of(level: Level, discount: float | None = None, actions: str = "all
         return solve(level, discount, actions=actions)
     except UndefinedReturnError as error:
         _end_unsolved(error)
-
-
-def policy_text(
-    level: Level, solution: Solution, *, plain: bool, configuration: int | None = None
-) -> str:
-    """Return a drawing of an optimal policy, in ASCII if `plain`."""
-    from babyrobot_levels.analysis.pictures import policy_of
-    from babyrobot_levels.render.text import policy_drawing
-
-    width, height = level.size
-    number = shown_configuration(level, configuration)
-    first = (number or 0) * width * height
-    policy = policy_of(solution)[first : first + width * height]
-    actions = [policy[start : start + width] for start in range(0, len(policy), width)]
-    return policy_drawing(level, level.grid(), actions, configuration=number, plain=plain)
-
-
-def values_text(level: Level, solution: Solution, configuration: int | None = None) -> str:
-    """Return the values in rows and columns, with two decimals."""
-    values = _at(solution, solution.values, shown_configuration(level, configuration))
-    return "".join(f"{line}\n" for line in number_lines(values.tolist(), 2))
-
-
-def _at(solution: Solution, table: Any, configuration: int | None) -> Any:
-    """Return the part of an array that belongs to a configuration: `[height, width, …]`."""
-    return table[configuration or 0] if solution.values.ndim > 2 else table
-
-
-def text_picture(level: Level, *, plain: bool = False, configuration: int | None = None) -> str:
-    """Return the level for standard output: in Unicode and colour on a terminal, else in ASCII."""
-    plain = plain or not takes_pictures()
-    if plain and configuration is None:
-        return level.draw()
-    from babyrobot_levels.render.text import policy_drawing, unicode_drawing
-
-    if plain:
-        return policy_drawing(level, level.grid(), None, configuration=configuration, plain=True)
-    return unicode_drawing(level, level.grid(), configuration=configuration, color=True)
-
-
-def takes_pictures() -> bool:
-    """Return whether standard output shows Unicode and colour."""
-    return wants_color(sys.stdout) and speaks_unicode(sys.stdout)

@@ -12,10 +12,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import fail, speaks_unicode, wants_color, write
+from babyrobot_levels.cli.console import fail, speaks_unicode, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.render.terminal import colors_of
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -153,7 +154,7 @@ class _Game:
         self.keys: dict[str, int] = {**(_TURNS if turns else _MOVES)}
         self._env = level.make(observation="index", actions="turns" if turns else "valid")
         self._options = {} if maze_seed is None else {"maze_seed": maze_seed}
-        self._color, self._unicode = wants_color(sys.stdout), speaks_unicode(sys.stdout)
+        self._colors, self._unicode = colors_of(sys.stdout), speaks_unicode(sys.stdout)
         self._name = printable(level.name or "level")
         self._title = printable(level.title or self._name)
         self._aim = "Find the exit." if level.exits else "This level has no exit."
@@ -311,7 +312,7 @@ class _Game:
         size = type(room)((room.columns - 2, max(1, room.lines - len(above) - len(below))))
         heading = self._mdp.heading(self._state) if self._turns else None
         picture = self._painter.lines(
-            self._shown(), heading=heading, color=self._color, held=False, room=size
+            self._shown(), heading=heading, colors=self._colors, held=False, room=size
         )
         if len(picture) + len(above) + len(below) + 3 <= room.lines:
             # There is room for empty lines.
@@ -331,7 +332,7 @@ class _Game:
     def _styled(self, text: str, style: _Style, room: os.terminal_size) -> str:
         """Return a line that fits, in a style if the terminal takes colour."""
         text = " " + text[: room.columns - 2]
-        return typer.style(text, **style) if style and self._color and text.strip() else text
+        return typer.style(text, **style) if style and self._colors and text.strip() else text
 
 
 def _listed(names: Sequence[str]) -> str:

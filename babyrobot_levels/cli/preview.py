@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable, Iterator
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,9 +17,10 @@ from babyrobot_levels.cli.console import (
     fail,
     note,
     save,
+    width_of,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
+from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, file_of, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
     PictureOptions,
@@ -26,13 +28,11 @@ from babyrobot_levels.cli.pictures import (
     gif,
     page,
     picture,
-    policy_text,
     solution_of,
-    takes_pictures,
-    text_picture,
-    values_text,
 )
+from babyrobot_levels.cli.texts import solution_text, takes_pictures, text_picture
 from babyrobot_levels.render.text import WIDEST
+from babyrobot_levels.text.errors import BabyRobotError, LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
@@ -171,16 +171,23 @@ def preview(
         ),
     ] = None,
     force: ForceOption = False,
+    watch: Annotated[
+        bool, typer.Option("--watch", help="Repeat whenever the level is saved.")
+    ] = False,
 ) -> None:
     """Draw a level in the terminal, or save it as a picture, an animated GIF or a web page.
 
-    The suffix of FILE chooses the format. An HTML page can be played in any browser.
+    The suffix of FILE chooses the format. An HTML page can be played in any browser. A picture or
+    page that this command has written, and that has not been changed since, is overwritten without
+    --force.
 
     Examples:
 
       babyrobot preview final-maze
 
       babyrobot preview levels/first.yaml -o first.png
+
+      babyrobot preview levels/first.yaml --watch
 
       babyrobot preview frozen-lake --values --policy -o answers.svg
 
@@ -202,23 +209,48 @@ def preview(
     if no_answers:
         _check_no_answers(chosen, asked=values or policy is PolicyName.BEST)
     times = _scale(scale, cell, chosen)
-    shown = _prepared(load_level(level), theme, coordinates, maze_seed)
+    if watch and output is None and chosen not in _TEXTS:
+        fail("--watch needs a file to write to", "add -o FILE")
+    if chosen in _TEXTS and coordinates:
+        note("--coordinates has no effect on text output")
     options = PictureOptions(
         values, policy, seed or 0, times, held, answers=not no_answers, rules=rules
     )
-    if chosen in _TEXTS and coordinates:
-        note("--coordinates has no effect on text output")
-    made: str | bytes
-    with working("drawing"):
-        if chosen in _TEXTS:
-            made = _text(shown, options, plain=chosen is PictureFormat.ASCII or output is not None)
-            made += _rules_text(shown) if rules else ""
-        elif chosen is PictureFormat.GIF:
-            made = gif(shown, options)
-        elif chosen is PictureFormat.HTML:
-            made = page(shown, options)
-        else:
-            made = picture(shown, options, svg=chosen is PictureFormat.SVG)
+    plain = chosen is PictureFormat.ASCII or output is not None
+
+    def made() -> str | bytes:
+        with working("drawing") as report:
+            shown = _prepared(load_level(level), theme, coordinates, maze_seed)
+            if chosen in _TEXTS:
+                return _text(shown, options, plain=plain) + (_rules_text(shown) if rules else "")
+            if chosen is PictureFormat.GIF:
+                return gif(shown, options, report)
+            if chosen is PictureFormat.HTML:
+                return page(shown, options)
+            return picture(shown, options, report, svg=chosen is PictureFormat.SVG)
+
+    for result in _each_time(made, file_of(level)) if watch else [made()]:
+        _put(result, chosen, output, force=force)
+
+
+def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
+    """Yield a picture whenever a level is saved; of a level with errors, these are shown."""
+    from babyrobot_levels.cli.watching import each_change
+
+    for _ in each_change(lambda: [file]):
+        try:
+            yield made()
+        except LevelError as error:
+            note(error.shown(width_of(sys.stderr)))
+        except BabyRobotError as error:
+            note(f"error: {error}")
+        except typer.Exit:
+            # The reason has been shown.
+            continue
+
+
+def _put(made: str | bytes, chosen: PictureFormat, output: Path | None, *, force: bool) -> None:
+    """Write a picture to a file, or to standard output."""
     if output is not None:
         save(output, made, force=force, marks=True)
     elif isinstance(made, str):
@@ -281,7 +313,6 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
 def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
     """Return the level with the theme, coordinates and maze that are asked for."""
     from babyrobot_levels.analysis.pictures import dressed
-    from babyrobot_levels.text.errors import LevelError
 
     try:
         level = dressed(level, theme=theme, coordinates=coordinates or None)
@@ -303,17 +334,17 @@ def _text(level: Level, options: PictureOptions, *, plain: bool) -> str:
     configuration = None if options.held is None else configuration_of(level, options.held)
     if not (options.values or options.policy):
         return text_picture(level, plain=plain, configuration=configuration)
-    solution = solution_of(level)
     plain = plain or not takes_pictures()
-    if options.policy:
-        text = policy_text(level, solution, plain=plain, configuration=configuration)
-    else:
-        text = text_picture(level, plain=plain, configuration=configuration)
-    if options.values and level.size[0] > WIDEST:
+    if options.values and plain and level.size[0] > WIDEST:
         note(f"values are shown for up to {WIDEST} columns; save a picture with -o FILE.svg")
-    elif options.values:
-        text += "\n" + values_text(level, solution, configuration)
-    return text
+    return solution_text(
+        level,
+        solution_of(level),
+        values=options.values,
+        policy=options.policy is not None,
+        plain=plain,
+        configuration=configuration,
+    )
 
 
 preview.command_class = PreviewCommand  # type: ignore[attr-defined]

@@ -20,8 +20,8 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.inputs import LevelArgument, load_level
-from babyrobot_levels.cli.pictures import text_picture
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
+from babyrobot_levels.cli.texts import text_picture
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 

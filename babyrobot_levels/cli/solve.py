@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,19 +14,16 @@ from babyrobot_levels.cli.console import (
     fact_lines,
     fail,
     note,
-    speaks_unicode,
-    wants_color,
     write,
     write_json,
 )
 from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import (
-    policy_text,
     shown_configuration,
     solution_of,
-    values_text,
 )
+from babyrobot_levels.cli.texts import solution_text, values_text
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.render.text import WIDEST
 
@@ -108,11 +104,11 @@ def solve(
         note(solution.explanation)
     _note_limit(loaded, solution)
     shown = shown_configuration(loaded, configuration)
-    write(_summary(loaded, solution, shown) + "\n" + _policy(loaded, solution, shown))
-    # Wider tables are for `--format json`.
-    if loaded.size[0] <= WIDEST:
-        part = _part(loaded, solution, shown) if actions is ActionSet.TURNS else solution
-        write("\n" + values_text(loaded, part, shown))
+    write(_summary(loaded, solution, shown) + "\n")
+    if actions is ActionSet.TURNS:
+        write(_turns(loaded, solution, shown))
+    else:
+        write(solution_text(loaded, solution, values=True, policy=True, configuration=shown))
 
 
 def _note_limit(level: Level, solution: Solution) -> None:
@@ -131,18 +127,13 @@ def _note_limit(level: Level, solution: Solution) -> None:
         note(f"{ignored}; within it, the best expected return is {within:.4g}")
 
 
-def _policy(level: Level, solution: Solution, configuration: int | None) -> str:
-    """Return a drawing of the policy; for a robot that turns, a table of letters."""
-    if solution.actions != ActionSet.TURNS:
-        plain = not (wants_color(sys.stdout) and speaks_unicode(sys.stdout))
-        return policy_text(level, solution, plain=plain, configuration=configuration)
-    rows = _part(level, solution, configuration).policy.tolist()
-    return "".join(" ".join(".LRF"[action + 1] for action in row) + "\n" for row in rows)
-
-
-def _part(level: Level, solution: Solution, configuration: int | None) -> Solution:
-    """Return the part of the solution in which a robot that turns looks as at the start."""
-    return solution.at(configuration or 0, level.heading)
+def _turns(level: Level, solution: Solution, configuration: int | None) -> str:
+    """Return letters and values of a robot that looks as at the start."""
+    part = solution.at(configuration or 0, level.heading)
+    rows = part.policy.tolist()
+    text = "".join(" ".join(".LRF"[action + 1] for action in row) + "\n" for row in rows)
+    # Wider tables are for `--format json`.
+    return text + ("\n" + values_text(part, None) if level.size[0] <= WIDEST else "")
 
 
 def _data(level: Level, solution: Solution) -> dict[str, Any]:

@@ -134,7 +134,7 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
         return load_code(level)
     if "\n" in level:
         raise LevelError(message="this is the text of a level; `loads` reads it")
-    if _looks_like_path(level):
+    if looks_like_path(level):
         return _load_path(Path(level))
     return load_file(find(level))
 
@@ -221,7 +221,7 @@ def find_suite(suite: str | os.PathLike[str], first: Sequence[Place] = ()) -> Pa
     Raises:
         SuiteNotFoundError: nothing has that name.
     """
-    if not isinstance(suite, str) or _looks_like_path(suite):
+    if not isinstance(suite, str) or looks_like_path(suite):
         path = Path(suite)
         if not is_file(path):
             raise SuiteNotFoundError(str(path), nearest_files(path), is_file=True)
@@ -237,7 +237,7 @@ def suite_path(text: str) -> Path | None:
     if is_code(text) or "\n" in text:
         return None
     try:
-        path = Path(text) if _looks_like_path(text) else find(text)
+        path = Path(text) if looks_like_path(text) else find(text)
     except LevelNotFoundError:
         return None
     return path if is_file(path) and is_suite_file(path) else None
@@ -273,7 +273,8 @@ def _files_of_pack(pack: str | None, first: Sequence[Place]) -> Iterator[LevelFi
             yield from files_in(place)
 
 
-def _looks_like_path(text: str) -> bool:
+def looks_like_path(text: str) -> bool:
+    """Tell whether an argument is the path of a file, and not the name of a level."""
     path = Path(text)
     if path.suffix in SUFFIXES or text.startswith((".", "~")) or path.is_absolute():
         return True

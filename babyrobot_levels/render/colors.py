@@ -112,9 +112,12 @@ def ink_on(grounds: Iterable[str], preferred: str, least: float = TEXT) -> str:
 
     Args:
         grounds: what lies below, opaque; at least one.
-        preferred: the colour to use if its contrast suffices; else it is black or white.
+        preferred: the colour to use if its contrast suffices; else it is black or white. What is
+            transparent is hidden, and remains so.
         least: the contrast that suffices: `TEXT` or `GRAPHICS`.
     """
+    if rgba(preferred)[3] == 0:
+        return preferred
     below = tuple(grounds)
     is_clear = min(contrast(preferred, ground) for ground in below) >= least
     return preferred if is_clear else rim_on(below)

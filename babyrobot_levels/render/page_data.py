@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -30,6 +30,7 @@ from babyrobot_levels.render.page_tables import (
 )
 from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
+from babyrobot_levels.render.scene.heat import frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -244,7 +245,9 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
     alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
     own = level.display.coordinates
-    bare = build_layers(level, robot=False, layout=layout)
+    # Without the strip for what is held, which the page has outside of the picture.
+    seen = replace(layout, strip=0.0)
+    bare = build_layers(level, robot=False, layout=seen)
     shapes: dict[str, Iterable[Shape]] = {
         "base": bare["base"].shapes,
         "grid": floor_shapes(level, layout),
@@ -252,14 +255,16 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     }
     shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
-        shapes["beside"] = sign_shapes(level, layout, beside, own)
+        signs = sign_shapes(level, layout, beside, own)
+        # Tiles of marks are below the frames of all cells.
+        frames = frame_shapes(level, beside.acting, layout) if has_marks else ()
+        shapes["beside"] = (*frames, *signs)
     if guide is not None and not has_marks:
-        layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
+        layers = build_layers(level, robot=False, overlay=overlay, layout=seen)
         shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
     picture: dict[str, Any] = {
-        "width": round(layout.width),
-        # Without the strip for what is held, which the page has outside of the picture.
-        "height": round(layout.top_height),
+        "width": round(seen.width),
+        "height": round(seen.height),
         "layers": {name: pack(each, palette, layout.margin) for name, each in shapes.items()},
     }
     data: dict[str, Any] = {"picture": picture}
@@ -272,14 +277,14 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     )
     marks = Marks(level, layout, palette, beside, [*moves, *turned])
     if moves:
-        data["marks"] = marks.values(moves) | {"policy": marks.actions(moves)}
+        data["marks"] = {"values": marks.values(moves), "policy": marks.actions(moves)}
         picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
     if may_turn:
         data["turns"] = _turns(level, turning, on=turns)
         if turned:
-            data["turns"]["marks"] = marks.values(turned)
+            data["turns"]["marks"] = {"values": marks.values(turned)}
     if marks.packed:
-        picture["marks"] = marks.packed
+        picture["marks"], picture["tiles"] = marks.packed, marks.tiles
     data["rules"] = [
         [pack(sample_shapes(level, rule.sample), palette), rule.text, _runs(rule.cells)]
         for rule in rules_of(level)

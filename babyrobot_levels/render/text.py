@@ -50,6 +50,7 @@ WIDEST = 16
 _ARROWS, _PLAIN_ARROWS = "·↑→↓←", ".^>v<"
 """The characters of the actions, from `stay` on."""
 
+_BLACK = (0, 0, 0)
 _BAR = 24
 """The columns of the bar in the legend of a scale."""
 
@@ -183,6 +184,31 @@ class TextPainter:
             lines = [palette.line(line, n) if n in rows else "" for n, line in enumerate(lines)]
         return [*cut_out(lines, *window), *below] if room else [*lines, *below]
 
+    def blocks(self, *, configuration: int | None = None, colors: int) -> list[str]:
+        """Return the lines of a small picture: a cell has two columns and one line.
+
+        Cells and walls are blocks of colour, two in each character. Arrows and numbers are not
+        shown, nor is what has no colour.
+
+        Args:
+            configuration: what is where; None is the level as a whole.
+            colors: how many colours the terminal shows, 16, 256 or all.
+        """
+        cells, drawn = Cells(1, 0), self._at(configuration, None, colors, 1)
+        situation = situation_of(self._level, configuration)
+        marks = marks_of(self._level, situation, plain=False, cells=cells)
+        ends = {*self._level.starts, *situation.exits}
+        fills = {cell: color for cell, color in drawn.fills.items() if cell not in ends}
+        palette = self._palette(drawn._replace(cells=cells, fills=fills), None, marks, colors)
+        lines = unicode_lines(self._drawing, [[" "] * len(row) for row in self._drawing.cells])
+        pixels: list[list[Rgb | None]] = [
+            [palette.style(row, column, each)[each in " ·"] for column, each in enumerate(line)]
+            for row, line in enumerate(lines)
+        ]
+        pixels.append([None] * len(lines[0]))
+        pairs = zip(pixels[::2], pixels[1::2], strict=True)
+        return [*(_half_blocks(*pair, colors) for pair in pairs), *drawn.below]
+
     def _palette(
         self,
         drawn: _Drawn,
@@ -202,7 +228,10 @@ class TextPainter:
         key = at_hand, colors, columns
         if self._drawn is None or self._drawn[0] != key:
             overlay = self._overlay.at(*at_hand)
-            drawn = self._painted(overlay, colors, columns) if colors else self._lined(overlay)
+            if colors and not self._plain:
+                drawn = self._painted(overlay, colors, columns)
+            else:
+                drawn = self._lined(overlay)
             self._drawn = key, drawn
         return self._drawn[1]
 
@@ -232,12 +261,16 @@ class TextPainter:
         }
         form = form_of(values.values(), overlay.precision)
         numbers = {cell: _number(value, form) for cell, value in values.items()}
-        cells = Cells(2 + max(map(len, numbers.values()), default=0), 0)
-        width = self._level.size[0]
-        if columns is not None and (cells.width + 1) * width + 1 > columns:
-            numbers = {}
-        if not numbers:
-            cells = Cells(3, 0) if arrows or values else USUAL
+        longest = max(map(len, numbers.values()), default=0)
+        # A blank between arrow and number is left out where that lets the numbers fit.
+        fitting = (
+            Cells(longest + more, 0)
+            for more in ((3, 2) if arrows else (2,))
+            if columns is None or (longest + more + 1) * self._level.size[0] < columns
+        )
+        cells = next(fitting, None) if numbers else None
+        if cells is None:
+            numbers, cells = {}, Cells(3, 0) if arrows or values else USUAL
         contents = [
             [
                 _content(symbol, arrows.get((x, y), ""), numbers.get((x, y), ""), cells)
@@ -248,7 +281,7 @@ class TextPainter:
             for y, row in enumerate(symbols_of(self._level, self._drawing))
         ]
         fills = {cell: rgba(color)[:3] for cell, color in heat.tiles.items()}
-        below = [*_legend(heat.scale, overlay.precision, colors)] if fills else []
+        below = [*_legend(heat.scale, form, colors)] if fills else []
         if overlay.values is not None and overlay.visits is not None:
             below += _table(overlay.visits, 0)
         below += _texts_below(overlay)
@@ -282,6 +315,16 @@ def _number(value: float, form: Form) -> str:
     if math.isinf(value):
         return "∞" if value > 0 else "-∞"
     return form.text(value)
+
+
+def _half_blocks(above: Sequence[Rgb | None], below: Sequence[Rgb | None], colors: int) -> str:
+    """Return a line whose characters show two blocks of colour each."""
+    parts, last = [], ""
+    for top, foot in zip(above, below, strict=True):
+        code = escape(top or _BLACK, foot, colors)
+        parts.append(("" if code == last else code) + "▀")
+        last = code
+    return "".join(parts) + RESET
 
 
 # -- parts of a picture -----------------------------------------------------------------------
@@ -355,9 +398,8 @@ def number_lines(rows: Sequence[Sequence[float | None]], precision: int) -> Iter
         yield "  ".join(text.rjust(width) for text in row).rstrip()
 
 
-def _legend(scale: Scale, precision: int, colors: int) -> Iterator[str]:
+def _legend(scale: Scale, form: Form, colors: int) -> Iterator[str]:
     """Yield the lines of a legend: the lowest number, the colours up to the highest, and that."""
-    form = form_of((scale.low, scale.high), precision)
     ends = [form.text(scale.low), form.text(scale.high)]
     strip = scale.strip(_BAR)
     if scale.low == scale.high:

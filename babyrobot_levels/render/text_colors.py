@@ -103,14 +103,17 @@ class Palette:
 
     def _parts(self, text: str, row: int) -> Iterator[str]:
         last: Style | None = None
-        step = self._cells.width + 1
         for column, character in enumerate(text):
-            is_cell = row % 2 and column % step
-            style = (self._cell if is_cell else self._wall)(row, column, character)
+            style = self.style(row, column, character)
             if style != last:
                 yield escape(*style, self._count)
                 last = style
             yield character
+
+    def style(self, row: int, column: int, character: str) -> Style:
+        """Return the colours of a character and of its background."""
+        is_cell = row % 2 and column % (self._cells.width + 1)
+        return (self._cell if is_cell else self._wall)(row, column, character)
 
     def _cell(self, row: int, column: int, character: str) -> Style:
         x, y = column // (self._cells.width + 1), row // 2
@@ -129,7 +132,7 @@ class Palette:
             ink = self._grounds.texts[x, y]
         if not own or (ink is None and character.isascii()):
             return readable_on(ground), ground
-        return over(ink or self._colors.arrows, ground), ground
+        return _seen(ink or self._colors.arrows, ground), ground
 
     def _wall(self, row: int, column: int, character: str) -> Style:
         step = self._cells.width + 1
@@ -164,10 +167,13 @@ def mean(colors: list[Rgb]) -> Rgb:
 def _marked(color: str, ground: Rgb, *, is_solid: bool) -> Style:
     """Return the colours of a thing: on a background of its colour, or in that if it is seen."""
     ink = over(color, ground)
-    if is_solid:
-        return readable_on(ink), ink
+    return (readable_on(ink), ink) if is_solid else (_seen(color, ground), ground)
+
+
+def _seen(color: str, ground: Rgb) -> Rgb:
+    """Return a colour if it can be seen on a background, else one that can."""
     below = "#{:02x}{:02x}{:02x}".format(*ground)
-    return ink if contrast(color, below) >= _CONTRAST else readable_on(ground), ground
+    return over(color, ground) if contrast(color, below) >= _CONTRAST else readable_on(ground)
 
 
 def readable_on(ground: Rgb) -> Rgb:

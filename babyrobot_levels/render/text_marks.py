@@ -119,7 +119,7 @@ def _doors(
                 line += 1 if door.side == "S" else -1
                 first, middle, last = _LEVEL[closed][kind]
                 text = first + middle * (cells.width - 2) + last
-                for column, character in enumerate(text, left + 1):
+                for column, character in enumerate(text[: cells.width], left + 1):
                     yield (line, column), Mark(character, color, closed)
 
 

@@ -10,6 +10,7 @@ import pytest
 from support.contrasts import faint_parts
 from support.playing import GALLERY, level_named
 
+import babyrobot_levels as brl
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.colors import (
@@ -24,6 +25,7 @@ from babyrobot_levels.render.colors import (
     rim_on,
 )
 from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
 
@@ -43,6 +45,8 @@ EACH = (
 )
 """Levels that have everything there is to see: the others are slow."""
 
+OVERLAID = ("bat-cave", "final-maze", "frozen-lake", "teleport-pads")
+
 
 def level(**fields: Any) -> Level:
     return Level.from_fields({"version": 1, **fields})
@@ -52,6 +56,11 @@ def level(**fields: Any) -> Level:
 def resolved(name: str) -> Level:
     found = level_named(name)
     return found.replace(maze={"seed": 1}) if found.has_random_maze else found
+
+
+@cache
+def solved(name: str) -> Any:
+    return brl.solve(resolved(name))
 
 
 # -- the gallery ---------------------------------------------------------------------------------
@@ -71,6 +80,29 @@ def test_coordinates_are_readable_on_all_grounds(theme: str) -> None:
         shown = resolved(name).replace(theme=theme)
         faint = faint_parts(shown, Overlay(coordinates=True))
         assert [part for part in faint if "text" in part[0]] == []
+
+
+ANSWERS = ("values", "values policy", "action_values policy", "visits", "policy", "visits values")
+
+
+@pytest.mark.parametrize("theme", BUILTIN_THEMES)
+@pytest.mark.parametrize(
+    "name",
+    [*OVERLAID, *(pytest.param(n, marks=pytest.mark.slow) for n in EACH if n not in OVERLAID)],
+)
+def test_answers_stand_out(name: str, theme: str) -> None:
+    shown = resolved(name).replace(theme=theme)
+    solution = solved(name)
+    faint = {}
+    for keys in ANSWERS:
+        info: dict[str, Any] = {key: solution for key in keys.split() if key != "visits"}
+        if "visits" in keys:
+            width, height = shown.size
+            info["visits"] = [[7 * x * y * y for x in range(width)] for y in range(height)]
+        for coordinates in (False, True):
+            overlay = overlay_from(info | {"coordinates": coordinates}, shown)
+            faint[keys, coordinates] = faint_parts(shown, overlay)
+    assert {key: parts for key, parts in faint.items() if parts} == {}
 
 
 # -- colours of a level's own --------------------------------------------------------------------

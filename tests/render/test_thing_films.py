@@ -24,8 +24,10 @@ from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
+from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose
-from babyrobot_levels.render.text import TextPainter, policy_drawing, unicode_drawing
+from babyrobot_levels.render.terminal import ALL_COLORS
+from babyrobot_levels.render.text import TextPainter, unicode_drawing
 
 VAULT = load(str(FOLDER / "things.yaml"))
 
@@ -197,15 +199,18 @@ def test_nothing_is_held_at_first_and_the_line_can_be_left_out() -> None:
 
 
 def test_arrows_leave_room_for_things_beside_them() -> None:
-    policy = [[2, 2, 2, -1, -1]]
-    assert policy_drawing(CORRIDOR, CORRIDOR.grid(), policy, configuration=0, plain=True) == (
-        "+---+---+---+---+---+\n| >   >k  >0/     & |\n+---+---+---+---+---+\n"
-    )
+    overlay = Overlay(actions=[[(2,), (2,), (2,), (), ()]])
+    painter = TextPainter(CORRIDOR, plain=True, overlay=overlay)
+    assert painter.lines(None, configuration=0, held=False) == [
+        "+---+---+---+---+---+",
+        "| >   >k  >0/     & |",
+        "+---+---+---+---+---+",
+    ]
 
 
 def test_characters_of_things_have_colors_that_are_seen() -> None:
     state = initial_configuration(CORRIDOR) * 5
-    line = TextPainter(CORRIDOR).lines(state, color=True)[1]
+    line = TextPainter(CORRIDOR).lines(state, colors=ALL_COLORS)[1]
     # The key on its own colour, and the door on that of the key.
     escapes = re.findall(r"\x1b\[38;2;\d+;\d+;\d+;48;2;(\d+);(\d+);(\d+)m([^\x1b]*)", line)
     grounds = {text: (red, green, blue) for red, green, blue, text in escapes}

@@ -26,6 +26,7 @@ from babyrobot_levels.render.scene.ground import flag_shapes, pad_shapes, puddle
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
 from babyrobot_levels.render.scene.marks import mark_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.overlay_shapes import arrow_lengths, arrow_shapes
 from babyrobot_levels.render.scene.panels import compass_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text
 from babyrobot_levels.render.scene.situation import situation_of
@@ -45,16 +46,19 @@ _WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 _NOWHERE = "#010203"
 """A colour that no shape has."""
 
+_ROUNDING = 0.05
+"""How much a contrast may miss its bound, for colours are whole numbers."""
+
 _CHARACTER = 0.5
 """The width of a character as a share of its size: rather too little, so that it is the text's."""
 
-_REACH = 7
+_REACH = 9
 """The pixels of a figure that count as its outline: rim, outline and casing."""
 
-_FAINT_PIXELS, _FAINT_SHARE = 12, 0.2
+_FAINT_PIXELS, _FAINT_SHARE = 16, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
 
-_FAINT_TEXT = 0.1
+_FAINT_TEXT = 0.2
 """The share of what is below a text that may be too much like it: lines that cross it."""
 
 
@@ -95,6 +99,8 @@ def _figures(
         yield "pad", [*pad_shapes(layout, cell, ink_on([grounds[cell]], colors.start_text))][1:]
     for cell in level.exits if level.exit_one_of is None else ():
         yield "flag", flag_shapes(layout, cell, ink_on([grounds[cell]], colors.exit_text))
+    lengths = arrow_lengths(overlay.at(), slots, layout)
+    yield "arrow", arrow_shapes(lengths, slots, layout, colors.arrows)
     situation = situation_of(level, None)
     crowded = overlay.fills_cells
     movers = moving_pieces(level, layout, situation, level.starts[0], crowded=crowded)
@@ -157,7 +163,7 @@ def _faint_text(image: Image.Image, text: Text) -> Iterator[tuple[str, float]]:
     ink = np.rint(alpha * np.array(front) + (1 - alpha) * below).astype(np.uint8)
     ratios = _ratios(_of(ink), _of(below))
     worst = float(np.quantile(ratios, _FAINT_TEXT))
-    if worst < TEXT - 0.01:
+    if worst < TEXT - _ROUNDING:
         yield f"text {text.text!r}", worst
 
 
@@ -173,7 +179,7 @@ def _faint_outline(
     cells = np.stack([xs // int(CELL), ys // int(CELL)])
     for x, y in sorted({*zip(*cells.tolist(), strict=True)}):
         here = ratios[ys, xs][(cells[0] == x) & (cells[1] == y)]
-        faint = here[here < GRAPHICS - 0.01]
+        faint = here[here < GRAPHICS - _ROUNDING]
         if len(faint) >= _FAINT_PIXELS and len(faint) > _FAINT_SHARE * len(here):
             yield f"{role} at {x}, {y}", float(np.median(faint))
 

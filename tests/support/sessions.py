@@ -38,6 +38,8 @@ FILES = TESTS / "cli" / "files"
 USER = TESTS / "cli" / "user"
 HOME = Path(gallery_folder().parent)
 MODULE = "python -m babyrobot_levels"
+_TERMINALS = ("NO_COLOR", "FORCE_COLOR", "TERM", "COLORTERM", "TERM_PROGRAM", "COLUMNS",
+              "PYTHONIOENCODING")  # fmt: skip
 _PICTURE_SIZE = re.compile(
     r"^(2> wrote \S+\.(?:svg|png|gif|html?) \((?:\d+ × \d+, )?)[\d.]+ (?:bytes|KB|MB)\)$",
     re.M | re.I,
@@ -63,7 +65,7 @@ def environment(folder: Path, **more: str) -> dict[str, str]:
         name: value
         for name, value in os.environ.items()
         if not name.startswith(("BABYROBOT", "XDG_", "_TYPER", "COVERAGE"))
-        and name not in ("NO_COLOR", "FORCE_COLOR", "TERM", "COLUMNS", "PYTHONIOENCODING")
+        and name not in _TERMINALS
     }
     nobody = str(folder / "nobody")
     package = str(ROOT)

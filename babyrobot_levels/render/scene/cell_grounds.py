@@ -23,12 +23,13 @@ class CellGrounds:
 
     Attributes:
         base: the colour of the base, `#rrggbb`.
+        own: the colours of the cells whose ground is another one.
     """
 
     def __init__(self, level: GridWorld) -> None:
         colors = level.resolved_theme.colors
         self.base = mixed(colors.base, _PAPER)
-        self._others: dict[Cell, str] = {}
+        self.own: dict[Cell, str] = {}
         for area in level.areas:
             if area.color is not None:
                 (left, top), (width, height) = area.at, area.size
@@ -42,13 +43,8 @@ class CellGrounds:
         self._lay(colors.exit, level.exits if level.exit_one_of is None else ())
 
     def __getitem__(self, cell: Cell) -> str:
-        return self._others.get(cell, self.base)
-
-    @property
-    def distinct(self) -> frozenset[str]:
-        """All colours that there are."""
-        return frozenset((self.base, *self._others.values()))
+        return self.own.get(cell, self.base)
 
     def _lay(self, color: str, cells: Iterable[Cell]) -> None:
         for cell in cells:
-            self._others[cell] = mixed(color, self[cell])
+            self.own[cell] = mixed(color, self[cell])

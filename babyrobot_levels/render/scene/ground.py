@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_
 from typing import TYPE_CHECKING
 
@@ -141,6 +141,7 @@ _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
 """The waves of the outline: how many in one turn, and their height as a share of the radius."""
 _WHITE = "#ffffff"
 _SHORE = "#000000"
+_SHORE_WIDTH = 1.5
 
 
 def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
@@ -174,6 +175,30 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         )
 
 
+def shore_shapes(
+    level: GridWorld, layout: Layout, grounds: Callable[[tuple[int, int]], Iterable[str]]
+) -> Iterator[Shape]:
+    """Yield what sets puddles off from other grounds than the level's own, such as a heat map.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        grounds: returns the colours of the ground in a cell.
+    """
+    fill = level.resolved_theme.colors.puddle
+    for puddle in level.puddles:
+        faint = [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]
+        if faint:
+            x, y = layout.corner(puddle.at[0] + 0.5, puddle.at[1] + 0.5)
+            radius = _RADIUS[puddle.size]
+            outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
+            points = [(x + dx, y + dy) for dx, dy in outline]
+            rim = rim_on(faint)
+            yield Path(smooth(points), fill=rim)
+            if puddle.size == "small":
+                yield from _drops(*puddle.at, x, y, radius, rim, _SHORE_WIDTH)
+
+
 def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
     """Return points around (0, 0): a wavy circle, flattened a little."""
     phases = [2 * math.pi * _noise(x, y, waves) for waves, _ in _WAVES]
@@ -192,13 +217,13 @@ def _puddle_outline(x: int, y: int, radius: float) -> list[Point]:
 
 
 def _drops(
-    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str
+    x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str, more: float = 0.0
 ) -> Iterator[Shape]:
     angle = 2 * math.pi * _noise(x, y, 200)
     for turn, size, distance in ((0.0, 3.4, 1.55), (0.75, 2.2, 1.5)):
         drop_x = centre_x + distance * radius * math.cos(angle + turn)
         drop_y = centre_y + _FLATTEN * distance * radius * math.sin(angle + turn)
-        yield Ellipse(drop_x, drop_y, size, _FLATTEN * size, fill)
+        yield Ellipse(drop_x, drop_y, size + more, _FLATTEN * size + more, fill)
 
 
 def _highlight(centre_x: float, centre_y: float, radius: float) -> Path:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed
-from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.icons import INK, Commands, Spot, default_color
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -142,13 +141,13 @@ def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float, look: Cell) 
 
 # -- where they may be, in the picture of the level as a whole --------------------------------
 
-_REGION = 0.2
+_REGION = 0.15
 """The opacity of rectangles."""
 
 
 def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the paths and the rectangles of movers, faintly."""
-    colors, grounds = level.resolved_theme.colors, CellGrounds(level)
+    colors = level.resolved_theme.colors
     for mover in level.movers:
         if mover.within is not None:
             color = mover.color or default_color("wanderer", colors)
@@ -156,19 +155,16 @@ def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             x, y = layout.corner(left, top)
             box = x + 7, y + 7, width * CELL - 14, height * CELL - 14
             yield Rect(*box, color, radius=12, opacity=_REGION)
-            cells = ((left + dx, top + dy) for dx in range(width) for dy in range(height))
-            # Its edge lies half inside.
-            below = {grounds[cell] for cell in cells}
-            below |= {mixed(color, ground, _REGION) for ground in below}
-            yield _dotted(rounded(*box, 12), ink_on(below, colors.arrows, GRAPHICS), 2.0)
+            yield from _dotted(rounded(*box, 12), colors.arrows, 2.0)
         elif track := _track(mover.path or (), is_loop=not mover.back):
             points = [layout.corner(x + 0.5, y + 0.5) for x, y in track]
-            below = {grounds[cell] for cell in track}
-            yield _dotted(polyline(points), ink_on(below, colors.arrows, GRAPHICS), 3.0)
+            yield from _dotted(polyline(points), colors.arrows, 3.0)
 
 
-def _dotted(commands: Commands, color: str, width: float) -> Path:
-    return Path(commands, stroke=color, width=width, dash=(2.0, 7.0), cap="round")
+def _dotted(commands: Commands, color: str, width: float) -> Iterator[Path]:
+    """Yield a dotted line whose dots have a rim."""
+    for ink, more in ((rim_on([color]), 2.4), (color, 0.0)):
+        yield Path(commands, stroke=ink, width=width + more, dash=(2.0, 7.0), cap="round")
 
 
 def _track(path: Sequence[Cell], *, is_loop: bool) -> Sequence[Cell]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
+from babyrobot_levels.render.colors import rim_on
+from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
@@ -57,7 +59,7 @@ def overlay_shapes(
     texts: list[Shape] = []
     # On a heat map, the level's own are written in the inks of their tiles.
     if overlay.has_colors if level.display.coordinates else overlay.coordinates:
-        texts += coordinate_texts(level, layout, slots, heat.tiles)
+        texts += coordinate_texts(level, layout, slots, heat.colors_of)
     texts += note_shapes(level, overlay.notes, layout)
     texts += panel_texts(level, overlay, layout)
     return OverlayShapes(
@@ -75,10 +77,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
     colors = level.resolved_theme.colors
-    covered = {puddle.at for puddle in level.puddles}
-    if level.warps:
-        # Their arrows pass through other cells.
-        covered = {*layout.cells()}
+    covered = busy_cells(level, layout, slots)
     form = number_form(heat.values.values(), overlay.precision)
     if form.is_readable(layout) and slots.shown.number:
         for cell, value in heat.values.items():
@@ -97,7 +96,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             else:
                 ink, ground = ink_on(tile), tile if cell in covered else None
             yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
-    yield from _action_labels(heat)
+    yield from _action_labels(heat, covered)
 
 
 def number_form(values: Iterable[float | None], precision: int) -> Form:
@@ -105,7 +104,7 @@ def number_form(values: Iterable[float | None], precision: int) -> Form:
     return form_of(values, precision, CELL - 8)
 
 
-def _action_labels(heat: Heat) -> Iterator[Shape]:
+def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
     """Yield the values of moves in their triangles, the best in bold; `stay` has none."""
     slots, layout = heat.slots, heat.layout
     # Beside an arrow there is less room.
@@ -128,9 +127,12 @@ def _action_labels(heat: Heat) -> Iterator[Shape]:
             value = values[action]
             if value is not None:
                 box = box.moved(*layout.corner(*cell))
-                ink = heat.scale.ink(value)
+                color = heat.scale.color(value)
+                ground = color if cell in covered else None
                 is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
-                yield from number_shapes(value, form, box, ink, anchor=anchor, bold=is_best)
+                yield from number_shapes(
+                    value, form, box, ink_on(color), ground, anchor=anchor, bold=is_best
+                )
 
 
 # -- arrows --------------------------------------------------------------------------------------
@@ -148,7 +150,10 @@ _SHORTEST = 0.4
 """The length of the arrow of an improbable action, as a share of that of the most likely one."""
 _LEAST = 0.005
 """The probability below which an action has no arrow."""
-_SHADE = "#000000"
+_RIM = 2.0
+"""The width of the rim that makes an arrow visible on every background."""
+_MOST_RIMMED = 100
+"""The most columns and rows with rims: in larger pictures they would be finer than a pixel."""
 
 Lengths = Mapping[int, float]
 """The length of the arrow of each action, as a share of the longest."""
@@ -197,11 +202,12 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
-    for ink, rim, opacity in ((_SHADE, 3.2, 0.3), (ink_on(color), 2.0, 1.0)):
+    if max(layout.columns, layout.rows) <= _MOST_RIMMED:
+        rim = rim_on([color])
         if lines:
-            yield Path(lines, stroke=ink, width=_WIDTH + 2 * rim, cap="round", opacity=opacity)
+            yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
         if tips:
-            yield Path(tips, stroke=ink, width=2 * rim, opacity=opacity)
+            yield Path(tips, stroke=rim, width=2 * _RIM)
     if lines:
         yield Path(lines, stroke=color, width=_WIDTH, cap="round")
     if tips:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.colors import ink_on, plate_for
-from babyrobot_levels.render.scene.arrows import crossed_cells
+from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
@@ -18,8 +18,6 @@ if TYPE_CHECKING:
 
 _END_SIZE, _SMALL_END_SIZE = 11.0, 8.5
 _COORDINATE_SIZE = 9.5
-
-NO_TILES: Mapping[Cell, str] = {}
 
 
 def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
@@ -40,6 +38,10 @@ def end_texts(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]
                 yield Rect(box.left, box.top, box.width, box.height, ground, radius=3.0)
                 yield Text(box.centre[0], box.bottom - 2.2, word, _SMALL_END_SIZE, ink, bold=True)
             else:
+                if slots.shown.fills_cells:
+                    # Its cell may have another colour.
+                    left, width = box.centre[0] - 19, 38
+                    yield Rect(left, box.top - 1, width, box.height + 2, ground, radius=3.0)
                 yield Text(box.centre[0], box.bottom, word, _END_SIZE, ink, bold=True)
 
 
@@ -53,7 +55,7 @@ def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
     """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
     plate = plate_for(colors.text_fg, colors.text_bg)
-    for box, size, text in slots.labels:
+    for box, size, text, _ in slots.labels:
         yield Rect(*box[:2], box.width, box.height, plate, radius=box.height / 2)
         yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 
@@ -78,30 +80,36 @@ def note_shapes(level: GridWorld, notes: Sequence[Note], layout: Layout) -> Iter
 
 
 def coordinate_texts(
-    level: GridWorld, layout: Layout, slots: Slots, tiles: Mapping[Cell, str] = NO_TILES
+    level: GridWorld,
+    layout: Layout,
+    slots: Slots,
+    colors_of: Callable[[Cell], Sequence[str]] | None = None,
 ) -> Iterator[Shape]:
-    """Yield the coordinates of each free cell, at its left; arrows of warps are cut off there.
+    """Yield the coordinates of each free cell, at its left, where nothing crosses them.
 
     Args:
         level: the level.
         layout: where its cells are.
         slots: what stands where in them.
-        tiles: the colours of the cells of a heat map.
+        colors_of: returns the colours of a cell, from the north clockwise; by default, that of
+            its ground.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
-    crossed, grounds = crossed_cells(level, layout, slots), CellGrounds(level)
+    busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
     fills = dict.fromkeys(level.starts, colors.start_text)
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
         if not blocked[y * layout.columns + x]:
             box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
-            text, ground = f"{x},{y}", tiles.get((x, y), grounds[x, y])
-            width, radius = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH, 3.0
-            if slots.is_small((x, y)) and (x, y) in fills:
-                ground = colors.start if (x, y) in level.starts else colors.exit
-                yield Rect(box.left - 3, box.top, width + 6, box.height + 2, ground, radius)
-            elif (x, y) in crossed:
-                yield Rect(box.left - 1, box.bottom - 9, width + 2, 11, ground, radius)
-            fill = ink_on([ground], fills.get((x, y), colors.arrows))
+            text = f"{x},{y}"
+            # They lie on the northern and the western part of a cell with values of actions.
+            below = colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
+            is_end = slots.is_small((x, y)) and (x, y) in fills
+            if is_end:
+                below = [grounds[x, y]]
+            fill = ink_on(below, fills.get((x, y), colors.arrows))
+            if is_end or (x, y) in busy:
+                width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
+                yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")

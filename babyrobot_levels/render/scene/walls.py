@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
@@ -58,6 +58,10 @@ class _Style:
         return "butt" if self.fit or self.rim else "round"
 
 
+Beside = Callable[[tuple[int, int], str], str]
+"""Returns the colour of the ground in a cell, at one of its sides `N`, `E`, `S` and `W`."""
+
+
 def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
@@ -65,30 +69,70 @@ def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
     not stand out from the ground beside it, a casing below all walls does. Glass has the more
     gaps, the more often it lets the robot through, and says how often.
     """
-    colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
-    glass = [
-        _Style(GLASS, widths.walls + _GLASS_EXTRA, rim=colors.walls, dash=dash)
-        for dash in _GLASS_DASHES
-    ]
-    solid = _Style(colors.walls, widths.walls)
-    border = _Style(colors.border, widths.border)
-    chances = dict(_inner_edges(level.grid()))
-    inner = {
-        edge: glass[min(int(3 * chance), 2)] if chance else solid
-        for edge, chance in chances.items()
-    }
-    outer = dict.fromkeys(_outer_edges(layout), border)
-    own = _own_styles(level, inner | outer)
-    yield from _casings(level, layout, inner | outer | own)
-    for styles, lowest in ((inner, (*glass, solid)), (outer, (border,))):
+    grounds = CellGrounds(level)
+    yield from casing_shapes(level, layout, lambda cell, _: grounds[cell])
+    inner, outer = _styles(level, layout)
+    for styles, lowest in zip((inner, outer), _lowest(level), strict=True):
         drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
         for edge, style in styles.items():
-            drawn.setdefault(own.get(edge, style), []).append(edge)
+            drawn.setdefault(style, []).append(edge)
         for style, edges in drawn.items():
             if style.width > 0:
                 yield from _strokes(layout, style, edges)
-    shown = {edge for edge, style in inner.items() if own.get(edge, style).width > 0}
-    yield from _numbers(layout, {edge: chances[edge] for edge in chances if edge in shown})
+    shown = {edge for edge, style in inner.items() if style.width > 0}
+    chances = _inner_edges(level.grid())
+    yield from _numbers(layout, {edge: chance for edge, chance in chances if edge in shown})
+
+
+def casing_shapes(level: GridWorld, layout: Layout, beside: Beside) -> Iterator[Shape]:
+    """Yield thin lines, black or white, beside the walls that are like the ground there."""
+    blocked = level.grid().blocked_cells
+    drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
+    for styles in _styles(level, layout):
+        for edge, style in styles.items():
+            down, x, y = edge
+            faint = {
+                side: ground
+                for side, column, row, name in (
+                    (-1, x - down, y - (not down), "E" if down else "S"),
+                    (1, x, y, "W" if down else "N"),
+                )
+                if 0 <= column < layout.columns and 0 <= row < layout.rows
+                if not blocked[row * layout.columns + column]
+                if contrast(style.outline, ground := beside((column, row), name)) < GRAPHICS
+            }
+            if faint and style.width > 0:
+                drawn.setdefault((rim_on(faint.values()), style, sum(faint)), []).append(edge)
+    for (rim, style, side), edges in drawn.items():
+        # On one side, a line beside the wall; on both, a wider one below it.
+        away = side * (style.width + _CASING) / 2
+        width = _CASING if side else style.width + 2 * _CASING
+        cap: Literal["butt", "round"] = "butt" if side else style.cap
+        commands = tuple(_commands(layout, edges, away))
+        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=cap)
+
+
+def _lowest(level: GridWorld) -> tuple[tuple[_Style, ...], tuple[_Style]]:
+    """Return the styles of walls without looks of their own: inside, from the bottom, and outer."""
+    colors, widths = level.resolved_theme.colors, level.resolved_theme.widths
+    glass = (
+        _Style(GLASS, widths.walls + _GLASS_EXTRA, rim=colors.walls, dash=dash)
+        for dash in _GLASS_DASHES
+    )
+    return (*glass, _Style(colors.walls, widths.walls)), (_Style(colors.border, widths.border),)
+
+
+def _styles(level: GridWorld, layout: Layout) -> tuple[dict[Edge, _Style], dict[Edge, _Style]]:
+    """Return the styles of the walls between cells, and of those around them."""
+    (*glass, solid), (border,) = _lowest(level)
+    inner = {
+        edge: glass[min(int(3 * chance), 2)] if chance else solid
+        for edge, chance in _inner_edges(level.grid())
+    }
+    outer = dict.fromkeys(_outer_edges(layout), border)
+    for edge, style in _own_styles(level, inner | outer).items():
+        (inner if edge in inner else outer)[edge] = style
+    return inner, outer
 
 
 def _inner_edges(grid: Grid) -> Iterator[tuple[Edge, float]]:
@@ -132,37 +176,6 @@ def _own_styles(level: GridWorld, place: dict[Edge, _Style]) -> dict[Edge, _Styl
 
 def _edge(wall: Wall, x: int, y: int) -> Edge:
     return wall.side in ("E", "W"), x + (wall.side == "E"), y + (wall.side == "S")
-
-
-def _casings(level: GridWorld, layout: Layout, styles: dict[Edge, _Style]) -> Iterator[Shape]:
-    """Yield thin lines, black or white, beside the walls that are like the ground there."""
-    grounds, blocked = CellGrounds(level), level.grid().blocked_cells
-    faint = {
-        color: {each for each in grounds.distinct if contrast(color, each) < GRAPHICS}
-        for color in {style.outline for style in styles.values()}
-    }
-    if not any(faint.values()):
-        return
-    drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
-    for edge, style in styles.items():
-        down, x, y = edge
-        beside = {
-            side: grounds[column, row]
-            for side, column, row in ((-1, x - down, y - (not down)), (1, x, y))
-            if 0 <= column < layout.columns and 0 <= row < layout.rows
-            if not blocked[row * layout.columns + column]
-        }
-        unclear = {side for side, color in beside.items() if color in faint[style.outline]}
-        if unclear and style.width > 0:
-            rim = rim_on(beside[side] for side in unclear)
-            drawn.setdefault((rim, style, sum(unclear)), []).append(edge)
-    for (rim, style, side), edges in drawn.items():
-        # On one side, a line beside the wall; on both, a wider one below it.
-        away = side * (style.width + _CASING) / 2
-        width = _CASING if side else style.width + 2 * _CASING
-        commands = tuple(_commands(layout, edges, away))
-        cap: Literal["butt", "round"] = "butt" if side else style.cap
-        yield Path(commands, stroke=rim, width=width, dash=style.dash, cap=cap)
 
 
 def _strokes(layout: Layout, style: _Style, edges: list[Edge]) -> Iterator[Shape]:
