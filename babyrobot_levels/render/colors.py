@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from colorsys import hls_to_rgb
 from functools import lru_cache
 
+from babyrobot_levels.language.looks import Colors
+
 Rgb = tuple[int, int, int]
 """Red, green, blue in 0..255."""
 
@@ -148,3 +150,8 @@ def _hexadecimal(digits: str) -> Rgba:
         digits = "".join(2 * digit for digit in digits)
     red, green, blue, *alpha = bytes.fromhex(digits)
     return red, green, blue, alpha[0] / 255 if alpha else 1.0
+
+
+def is_gray(colors: Colors) -> bool:
+    """Return whether all colours of a theme are greys: its pictures are grey throughout."""
+    return all(len({*rgba(color)[:3]}) == 1 for color in colors.model_dump().values())

@@ -17,11 +17,11 @@ from scipy import ndimage
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, ink_on, rgba
+from babyrobot_levels.render.effects import effects_of
 from babyrobot_levels.render.raster import Painter
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
-from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import flag_shapes, pad_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
 from babyrobot_levels.render.scene.marks import mark_shapes

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.effects import Effects
+from babyrobot_levels.render.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
@@ -96,7 +96,7 @@ def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
 
 def _scale(box: Box) -> float:
     """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
-    return (box.width / ICON) ** _SHRINK
+    return round((box.width / ICON) ** _SHRINK, 3)
 
 
 def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
@@ -132,7 +132,7 @@ def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[
     top, bottom = sorted((start[1], end[1]))
     near = [
         Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
-        for box, _, _ in slots.labels
+        for box, *_ in slots.labels
         if left - _FARTHEST < box.right
         and box.left < right + _FARTHEST
         and top - _FARTHEST < box.bottom

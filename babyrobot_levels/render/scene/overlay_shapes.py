@@ -152,6 +152,8 @@ _LEAST = 0.005
 """The probability below which an action has no arrow."""
 _RIM = 2.0
 """The width of the rim that makes an arrow visible on every background."""
+_MOST_RIMMED = 100
+"""The most columns and rows with rims: in larger pictures they would be finer than a pixel."""
 
 Lengths = Mapping[int, float]
 """The length of the arrow of each action, as a share of the longest."""
@@ -200,11 +202,12 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
-    rim = rim_on([color])
-    if lines:
-        yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
-    if tips:
-        yield Path(tips, stroke=rim, width=2 * _RIM)
+    if max(layout.columns, layout.rows) <= _MOST_RIMMED:
+        rim = rim_on([color])
+        if lines:
+            yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
+        if tips:
+            yield Path(tips, stroke=rim, width=2 * _RIM)
     if lines:
         yield Path(lines, stroke=color, width=_WIDTH, cap="round")
     if tips:

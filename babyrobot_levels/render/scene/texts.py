@@ -55,7 +55,7 @@ def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
     """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
     plate = plate_for(colors.text_fg, colors.text_bg)
-    for box, size, text in slots.labels:
+    for box, size, text, _ in slots.labels:
         yield Rect(*box[:2], box.width, box.height, plate, radius=box.height / 2)
         yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 

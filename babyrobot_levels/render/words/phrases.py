@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 
 from babyrobot_levels.language.cells import Skid
 from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.runs import consecutive
-from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.colors import gray, is_gray, rgba
 from babyrobot_levels.text.diagnostics import one_line
 
 LONGEST_NAME = 28
@@ -101,8 +102,15 @@ def cells(places: Iterable[Sequence[int]]) -> str:
     return ", ".join(show_cell((x, y)) for x, y in places)
 
 
-def color_name(color: str) -> str:
-    """Return a CSS colour as one of a few words: `dark blue`, `grey`."""
+def color_name(color: str, colors: Colors) -> str:
+    """Return a CSS colour as a theme shows it, in one of a few words: `dark blue`, `grey`.
+
+    Args:
+        color: the colour.
+        colors: those of the theme.
+    """
+    if is_gray(colors):
+        color = gray(color)
     red, green, blue, _ = rgba(color)
     hue, light, saturation = colorsys.rgb_to_hls(red / 255, green / 255, blue / 255)
     if light < 0.08 or light > 0.95:
