@@ -140,7 +140,7 @@ def test_each_value_is_readable_on_the_tile_of_its_colour() -> None:
             )
             tiles = [shape for shape in heat if isinstance(shape, Path) and shape.fill]
             tile = next(tile for tile in tiles if box_of(points_of(tile))[:2] == (0, 0))
-            (first, *_) = numbers
+            first = next(shape for shape in numbers if not isinstance(shape, Rect))
             ink = first.stroke if isinstance(first, Path) else first.fill
             assert ink is not None
             assert tile.fill is not None
@@ -169,7 +169,7 @@ def test_where_numbers_could_not_be_read_there_are_colours_alone() -> None:
         overlay = Overlay(values=in_each_cell(world, 3.25))
         heat, _, numbers, _ = overlay_shapes(world, overlay, layout_of(world, overlay=overlay))
         assert heat
-        assert len(numbers) == count
+        assert len([shape for shape in numbers if isinstance(shape, Text)]) == count
 
 
 def test_a_cell_with_a_colour_keeps_a_frame_of_it() -> None:
@@ -482,10 +482,10 @@ def lines(world: Any, **panels: Any) -> list[Text]:
 
 
 def test_lines_are_written_into_the_panels_in_their_colours() -> None:
-    world = level(display={"side_panel": {"width": 90, "text_color": "gold"}, "bottom_panel": 50})
+    world = level(display={"side_panel": {"width": 90, "text_color": "ivory"}, "bottom_panel": 50})
     side, bottom = lines(world, side_panel=["beside"], bottom_panel=["below"])
     base = build_scene(world)
-    assert (side.text, side.fill) == ("beside", "gold")
+    assert (side.text, side.fill) == ("beside", "ivory")
     assert side.x > 198
     assert (bottom.text, bottom.fill) == ("below", world.resolved_theme.colors.text_fg)
     assert bottom.y > 198
