@@ -140,7 +140,7 @@ def test_each_value_is_readable_on_the_tile_of_its_colour() -> None:
             )
             tiles = [shape for shape in heat if isinstance(shape, Path) and shape.fill]
             tile = next(tile for tile in tiles if box_of(points_of(tile))[:2] == (0, 0))
-            first = next(shape for shape in numbers if not isinstance(shape, Rect))
+            first = next(shape for shape in numbers if isinstance(shape, Text | Path))
             ink = first.stroke if isinstance(first, Path) else first.fill
             assert ink is not None
             assert tile.fill is not None
@@ -391,7 +391,7 @@ def test_where_room_is_short_decimals_are_given_up_before_size() -> None:
 
 def test_the_value_of_an_action_is_the_colour_of_its_side() -> None:
     world = bare(1, 2)
-    values = [[(9, 1, 2, 3, 3)], [()]]
+    values: list[list[tuple[float, ...]]] = [[(9, 1, 2, 3, 3)], [()]]
     heat, *_ = overlay_shapes(
         world, Overlay(action_values=values), layout_of(world, cells_only=True)
     )
