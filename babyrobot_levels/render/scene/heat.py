@@ -218,8 +218,8 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
     for y in range(layout.rows + 1):
         row = [(tiles.get((x, y)), x) for x in range(layout.columns)]
         found = set()
-        for color, run in groupby(row, itemgetter(0)):
-            cells = [x for _, x in run]
+        for color, equal in groupby(row, itemgetter(0)):
+            cells = [x for _, x in equal]
             if color is not None:
                 found.add((cells[0], len(cells), color))
         for run in [run for run in growing if run not in found]:

@@ -225,7 +225,7 @@ def standing_cells(level: GridWorld) -> tuple[frozenset[Cell], frozenset[Cell]]:
     stands[mdp.next_state[enters]] = True
 
     def cells(flags: NDArray[np.bool_]) -> frozenset[Cell]:
-        found = flags.reshape(-1, mdp.cells).any(axis=0).nonzero()[0]
+        (found,) = np.nonzero(flags.reshape(-1, mdp.cells).any(axis=0))
         return frozenset((cell % mdp.width, cell // mdp.width) for cell in found.tolist())
 
     acting = cells(stands & going_on)
