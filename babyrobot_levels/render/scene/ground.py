@@ -157,7 +157,7 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             yield from _drops(x, y, centre_x, centre_y, radius, fill)
         shore, strength = _SHORE, 0.22
         if contrast(fill, ground := grounds[puddle.at]) < GRAPHICS:
-            shore, strength = rim_on([ground]), 1.0
+            shore, strength = rim_on([ground, fill]), 1.0
         for scale, colour, opacity in (
             (1.06, shore, strength),
             (1.0, fill, 1.0),
@@ -194,7 +194,7 @@ def shore_shapes(
             radius = _RADIUS[puddle.size]
             outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
             points = [(x + dx, y + dy) for dx, dy in outline]
-            rim = rim_on(faint)
+            rim = rim_on([*faint, fill])
             yield Path(smooth(points), fill=rim)
             if puddle.size == "small":
                 yield from _drops(*puddle.at, x, y, radius, rim, _SHORE_WIDTH)

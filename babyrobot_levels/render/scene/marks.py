@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.icons import INK, RIM, Commands, Spot
 from babyrobot_levels.render.scene.layout import Layout
 from babyrobot_levels.render.scene.shapes import (
