@@ -105,7 +105,7 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     page.wait_for_selector("body.ready")
     drawn = page.evaluate(
         "() => { const svg = document.querySelector('#stage svg'); svg.removeAttribute('style');"
-        " svg.querySelector('#robot').remove();"
+        " svg.querySelectorAll('#robot, .hidden').forEach((part) => part.remove());"
         " return svg.outerHTML }"
     )
 
