@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from colorsys import hls_to_rgb
 from functools import lru_cache
 
+from babyrobot_levels.language.looks import Colors
+
 Rgb = tuple[int, int, int]
 """Red, green, blue in 0..255."""
 
@@ -110,9 +112,12 @@ def ink_on(grounds: Iterable[str], preferred: str, least: float = TEXT) -> str:
 
     Args:
         grounds: what lies below, opaque; at least one.
-        preferred: the colour to use if its contrast suffices; else it is black or white.
+        preferred: the colour to use if its contrast suffices; else it is black or white. What is
+            transparent is hidden, and remains so.
         least: the contrast that suffices: `TEXT` or `GRAPHICS`.
     """
+    if rgba(preferred)[3] == 0:
+        return preferred
     below = tuple(grounds)
     is_clear = min(contrast(preferred, ground) for ground in below) >= least
     return preferred if is_clear else rim_on(below)
@@ -145,3 +150,8 @@ def _hexadecimal(digits: str) -> Rgba:
         digits = "".join(2 * digit for digit in digits)
     red, green, blue, *alpha = bytes.fromhex(digits)
     return red, green, blue, alpha[0] / 255 if alpha else 1.0
+
+
+def is_gray(colors: Colors) -> bool:
+    """Return whether all colours of a theme are greys: its pictures are grey throughout."""
+    return all(len({*rgba(color)[:3]}) == 1 for color in colors.model_dump().values())

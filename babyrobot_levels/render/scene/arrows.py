@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.effects import Effects
+from babyrobot_levels.render.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
@@ -83,20 +83,9 @@ def warp_shapes(
             yield Ellipse(*centre, size * radius, size * radius, fill)
 
 
-def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
-    """Return the cells in which texts may lie on puddles, arrows of warps or tracks of movers."""
-    cells = {puddle.at for puddle in level.puddles} | _crossed_cells(level, layout, slots)
-    for mover in level.movers:
-        if mover.within is not None:
-            (left, top), (width, height) = mover.within.at, mover.within.size
-            cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
-        cells.update(mover.path or ())
-    return cells
-
-
 def _scale(box: Box) -> float:
     """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
-    return (box.width / ICON) ** _SHRINK
+    return round((box.width / ICON) ** _SHRINK, 3)
 
 
 def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
@@ -112,7 +101,7 @@ def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
     return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
 
 
-def _crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     """Return the cells that the arrows of warps cross."""
     return {
         layout.cell(point)
@@ -132,7 +121,7 @@ def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[
     top, bottom = sorted((start[1], end[1]))
     near = [
         Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
-        for box, _, _ in slots.labels
+        for box, *_ in slots.labels
         if left - _FARTHEST < box.right
         and box.left < right + _FARTHEST
         and top - _FARTHEST < box.bottom

@@ -73,11 +73,19 @@ class Box(NamedTuple):
 
 
 class Label(NamedTuple):
-    """The label of an area: its box in the picture, the font size, and as much text as fits."""
+    """The label of an area.
+
+    Attributes:
+        box: its box in the picture.
+        size: its font size.
+        text: as much of it as fits.
+        columns: the columns of the area.
+    """
 
     box: Box
     size: float
     text: str
+    columns: range
 
 
 class Shown(NamedTuple):
@@ -289,16 +297,22 @@ def _labels(level: GridWorld, layout: Layout, *, at_foot: bool) -> Iterator[Labe
         width, height = len(text) * size * CHARACTER_WIDTH + size, 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
         top += area.size[1] * CELL - height - _TOP if at_foot else _TOP
-        yield Label(Box(x - width / 2, top, x + width / 2, top + height), size, text)
+        box = Box(x - width / 2, top, x + width / 2, top + height)
+        yield Label(box, size, text, range(area.at[0], area.at[0] + area.size[0]))
 
 
 def _covered(
     labels: tuple[Label, ...], layout: Layout, *, at_foot: bool
 ) -> Iterator[tuple[Cell, tuple[float, float]]]:
-    """Yield the cells that labels cover, with `label_foot` and `label_top` of their contents."""
-    for (left, top, right, bottom), _, _ in labels:
-        y = int((top - layout.margin) // CELL)
+    """Yield the cells beside labels, with `label_foot` and `label_top` of their contents.
+
+    What stands in one row of an area is in line.
+    """
+    for label in labels:
+        y = int((label.box.top - layout.margin) // CELL)
         edge = layout.corner(0, y)[1]
-        first, last = (int((place - layout.margin) // CELL) for place in (left, right))
-        for x in range(first, last + 1):
-            yield (x, y), (0.0, top - edge) if at_foot else (bottom - edge, CELL)
+        for x in label.columns:
+            yield (
+                (x, y),
+                (0.0, label.box.top - edge) if at_foot else (label.box.bottom - edge, CELL),
+            )

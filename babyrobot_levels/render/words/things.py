@@ -80,7 +80,7 @@ def _color(level: GridWorld, door: Door) -> str | None:
     """Return the colour of a door in words: its own, or that of the first item that it needs."""
     named = {item.name: item.color for item in level.items}
     color = door.color or next((named[name] for name in door.keys if name in named), None)
-    return None if color is None else phrases.color_name(color)
+    return None if color is None else phrases.color_name(color, level.resolved_theme.colors)
 
 
 def _by_look(items: Iterable[Item]) -> dict[tuple[str, str | None], list[Item]]:
