@@ -85,7 +85,8 @@ def warp_shapes(
 
 def _scale(box: Box) -> float:
     """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
-    return round((box.width / ICON) ** _SHRINK, 3)
+    scale: float = (box.width / ICON) ** _SHRINK
+    return round(scale, 3)
 
 
 def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
@@ -113,6 +114,7 @@ def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
 
 def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[Commands, Commands]:
     """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
+    assert not isinstance(warp.to, str)
     start, target = slots.icon(warp.at).centre, slots.icon(warp.to)
     end = target.centre
     has_ring = any(other.at == warp.to for other in level.warps)
