@@ -59,7 +59,9 @@ class Marks:
         self._scale = scale_of(numbers, level.resolved_theme.colors)
         self._form = number_form(numbers, heats[0].overlay.precision if heats else 0)
         self._covered = busy_cells(level, layout, slots)
-        self.legend = tuple(legend_shapes(level, layout, self._scale, self._form)) if heats else ()
+        self.legend: tuple[Shape, ...] = ()
+        if layout.legend:
+            self.legend = tuple(legend_shapes(level, layout, self._scale, self._form))
         self._numbers: dict[Hashable, int] = {}
         self._by_look: dict[tuple[str, int], int] = {}
         self.packed: list[list[Group]] = []

@@ -338,6 +338,13 @@ def test_values_and_policy_are_in_the_picture(tmp_path: Path) -> None:
         assert sent.count("-5") == "".join(rows).count("-5")
 
 
+def test_values_with_things_are_in_the_picture(tmp_path: Path) -> None:
+    """Not every configuration occurs in every cell: some have no value."""
+    sent, status = in_terminal(tmp_path, "preview", "first-key", "--values", "--held", "key")
+    assert status == 0
+    assert "-3" in plain(sent)
+
+
 @pytest.mark.parametrize(
     ("columns", "is_whole"), [(80, False), (120, False), (129, True), (200, True), (257, True)]
 )

@@ -102,8 +102,9 @@ def coordinate_texts(
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
-        if not blocked[y * layout.columns + x]:
-            box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
+        place = slots.plan((x, y)).coordinates
+        if place is not None and not blocked[y * layout.columns + x]:
+            box = place.moved(*layout.corner(x, y))
             text = f"{x},{y}"
             is_end = slots.is_small((x, y)) and (x, y) in fills
             below = colors_of((x, y)) if colors_of and not is_end else (grounds[x, y],)
