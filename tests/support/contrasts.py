@@ -12,7 +12,7 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scipy import ndimage
+from scipy import ndimage  # type: ignore[import-untyped]
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.gridworld import GridWorld
@@ -70,7 +70,7 @@ def faint_parts(level: Level, overlay: Overlay | None = None) -> list[tuple[str,
     layout = layout_of(level, overlay=overlay)
     scene = build_scene(level, overlay=overlay)
     colors = level.resolved_theme.colors
-    roles = {
+    roles: dict[Shape, str] = {
         shape: role
         for role, shapes in _figures(level, layout, overlay or Overlay())
         for shape in toned(shapes, colors)

@@ -93,7 +93,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             if tile is None:
                 ink, ground = colors.text_fg, colors.text_bg
             else:
-                ink, ground = ink_on(tile), tile if cell in covered else None
+                ink, ground = ink_on(tile), tile if cell in covered or slots.shown.second else None
             yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
     yield from _action_labels(heat, covered)
 

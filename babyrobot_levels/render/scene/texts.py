@@ -118,7 +118,8 @@ def coordinate_texts(
 def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     """Return the cells in which texts may lie on puddles, arrows of warps, things or tracks."""
     cells = crossed_cells(level, layout, slots)
-    cells |= {each.at for each in (*level.puddles, *level.switches)}
+    cells |= {puddle.at for puddle in level.puddles} | {warp.at for warp in level.warps}
+    cells |= {switch.at for switch in level.switches}
     cells |= {cell for item in level.items for cell in item.places}
     cells |= {*(level.exit_one_of or ())}
     for door in level.doors:
