@@ -108,7 +108,7 @@ def test_a_report_in_a_terminal_is_the_plain_one_in_color(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("variable", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
-def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, str]) -> None:
+def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, Any]) -> None:
     for arguments in (("preview", "maze"), ("validate", str(FILES / "bad.yaml")), ("list",)):
         assert "\x1b" not in in_terminal(tmp_path, *arguments, **variable)[0]
 
@@ -119,7 +119,7 @@ def test_no_color_counts_more_than_force_color(tmp_path: Path) -> None:
 
 
 def test_a_terminal_that_knows_no_box_characters(tmp_path: Path) -> None:
-    variables = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    variables: dict[str, Any] = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
     assert in_terminal(tmp_path, "preview", "maze", **variables) == (load("maze").draw(), 0)
 
 
@@ -313,7 +313,7 @@ ALL, PALETTE, SIXTEEN = "\x1b[38;2;", "\x1b[38;5;", None
     ],
 )
 def test_colors_are_those_that_the_terminal_knows(
-    tmp_path: Path, variables: dict[str, str], expected: str | None
+    tmp_path: Path, variables: dict[str, Any], expected: str | None
 ) -> None:
     sent, _ = in_terminal(tmp_path, "preview", "puddles", **variables)
     assert "┌" in sent
@@ -323,7 +323,7 @@ def test_colors_are_those_that_the_terminal_knows(
 
 
 def test_values_and_policy_are_in_the_picture(tmp_path: Path) -> None:
-    truecolor = {"COLORTERM": "truecolor"}
+    truecolor: dict[str, Any] = {"COLORTERM": "truecolor"}
     for arguments in (["preview", "puddles", "--values", "--policy"], ["solve", "puddles"]):
         sent, status = in_terminal(tmp_path, *arguments, **truecolor)
         assert status == 0
