@@ -59,7 +59,7 @@ def wait_until_it_rests(process: subprocess.Popen[bytes]) -> None:
 
 
 def in_terminal(
-    folder: Path, *arguments: str, columns: int = 80, **variables: str
+    folder: Path, *arguments: str, columns: int = 80, **variables: Any
 ) -> tuple[str, int]:
     """Return what a terminal would be sent, and the exit status."""
     outer, inner = pty.openpty()

@@ -83,17 +83,6 @@ def warp_shapes(
             yield Ellipse(*centre, size * radius, size * radius, fill)
 
 
-def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
-    """Return the cells in which texts may lie on puddles, arrows of warps or tracks of movers."""
-    cells = {puddle.at for puddle in level.puddles} | _crossed_cells(level, layout, slots)
-    for mover in level.movers:
-        if mover.within is not None:
-            (left, top), (width, height) = mover.within.at, mover.within.size
-            cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
-        cells.update(mover.path or ())
-    return cells
-
-
 def _scale(box: Box) -> float:
     """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
     return round((box.width / ICON) ** _SHRINK, 3)
@@ -112,7 +101,7 @@ def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
     return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
 
 
-def _crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     """Return the cells that the arrows of warps cross."""
     return {
         layout.cell(point)
