@@ -10,7 +10,6 @@ from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
-from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat, legend_shapes
 from babyrobot_levels.render.scene.layout import Layout
 from babyrobot_levels.render.scene.number_labels import number_shapes
@@ -24,6 +23,7 @@ from babyrobot_levels.render.scene.overlay_shapes import (
 from babyrobot_levels.render.scene.scale import ink_on, scale_of
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Cell, Slots
+from babyrobot_levels.render.scene.texts import busy_cells
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
