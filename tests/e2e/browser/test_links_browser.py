@@ -106,6 +106,9 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     drawn = page.evaluate(
         "() => { const svg = document.querySelector('#stage svg'); svg.removeAttribute('style');"
         " svg.querySelector('#robot').remove();"
+        # What the page's style hides.
+        " for (const part of svg.querySelectorAll('#signs, #beside, .hidden'))"
+        " if (getComputedStyle(part).display === 'none') part.remove();"
         " return svg.outerHTML }"
     )
 
