@@ -170,7 +170,7 @@ def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:
         places = {0: [number for numbers in places.values() for number in numbers]}
     else:
         strengths = ""
-    parts = []
+    parts: list[str] = []
     for strength, numbers in sorted(places.items()):
         cells = strengths or f"{phrases.counted(strength, 'cell')} {side if not parts else ''}"
         which = lines if len(numbers) == 1 else f"{lines}s"
