@@ -22,8 +22,9 @@ def thing_lines(change: Change) -> list[str]:
     if kind == "things":
         orders = [", ".join(names) for names in (change.before, change.after)]
         return [f"they count in another order: {' -> '.join(orders)}"]
-    is_door = kind == "doors"
-    subject = f"the door {_SIDES[name]} of {show_cell(change.cell)}" if is_door else f"the {name}"
+    subject = f"the {name}"
+    if kind == "doors" and change.cell is not None:
+        subject = f"the door {_SIDES[name]} of {show_cell(change.cell)}"
     before, after = (dict(_said(kind, each)) for each in (change.before, change.after))
     if not before or not after:
         state, said = ("removed", before) if before else ("new", after)
