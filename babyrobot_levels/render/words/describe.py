@@ -13,7 +13,7 @@ from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.grounds import grounds_of
-from babyrobot_levels.render.words.things import spoken
+from babyrobot_levels.render.words.things import item_count, spoken
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Item
@@ -144,8 +144,7 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
         yield from (_item(item, cells) for item, cells in lying)
     else:
         for shape, count in Counter(item.picture for item, _ in lying).items():
-            plural = "boxes" if shape == "box" else None
-            yield phrases.counted(count, shape, plural)
+            yield item_count(count, shape)
     closed = sum(_closed(level, now))
     for count, kind in ((closed, "closed door"), (len(level.doors) - closed, "open door")):
         if count:
