@@ -10,7 +10,6 @@ from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
-from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat, legend_shapes
 from babyrobot_levels.render.scene.layout import Layout
 from babyrobot_levels.render.scene.number_labels import number_shapes
@@ -24,6 +23,7 @@ from babyrobot_levels.render.scene.overlay_shapes import (
 from babyrobot_levels.render.scene.scale import ink_on, scale_of
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Cell, Slots
+from babyrobot_levels.render.scene.texts import busy_cells
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -59,7 +59,9 @@ class Marks:
         self._scale = scale_of(numbers, level.resolved_theme.colors)
         self._form = number_form(numbers, heats[0].overlay.precision if heats else 0)
         self._covered = busy_cells(level, layout, slots)
-        self.legend = tuple(legend_shapes(level, layout, self._scale, self._form)) if heats else ()
+        self.legend: tuple[Shape, ...] = ()
+        if layout.legend:
+            self.legend = tuple(legend_shapes(level, layout, self._scale, self._form))
         self._numbers: dict[Hashable, int] = {}
         self._by_look: dict[tuple[str, int], int] = {}
         self.packed: list[list[Group]] = []

@@ -76,8 +76,9 @@ def test_a_solution_and_its_arrays_are_shown_as_the_optimum_is() -> None:
     best = brl.solve(level)
     picture = level.to_svg(values=True, policy="best", action_values=True)
     assert picture == level.to_svg(values=best, policy=best, action_values=best)
-    shown = {"values": best.values, "policy": best.greedy, "action_values": best.action_values}
-    assert picture == level.to_svg(**shown)
+    assert picture == level.to_svg(
+        values=best.values, policy=best.greedy, action_values=best.action_values
+    )
     assert picture != level.to_svg(values=brl.solve(level, 0.9), policy=best, action_values=best)
     assert level.to_svg(values=False, policy=None) == level.to_svg()
 
@@ -156,7 +157,7 @@ def test_a_film_that_is_cut_and_a_page_without_a_solution_warn() -> None:
         film = ENDLESS.to_gif(policy="random", scale=0.1)
     assert [each.filename for each in found] == [__file__]
     with Image.open(io.BytesIO(film)) as image:
-        assert image.n_frames > 400  # type: ignore[attr-defined]
+        assert image.n_frames > 400
     with pytest.warns(UserWarning, match="the page shows no optimal moves: around"):
         CANCELLING.to_html()
     with pytest.raises(brl.UndefinedReturnError):

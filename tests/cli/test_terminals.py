@@ -59,7 +59,7 @@ def wait_until_it_rests(process: subprocess.Popen[bytes]) -> None:
 
 
 def in_terminal(
-    folder: Path, *arguments: str, columns: int = 80, **variables: str
+    folder: Path, *arguments: str, columns: int = 80, **variables: Any
 ) -> tuple[str, int]:
     """Return what a terminal would be sent, and the exit status."""
     outer, inner = pty.openpty()
@@ -336,6 +336,13 @@ def test_values_and_policy_are_in_the_picture(tmp_path: Path) -> None:
         assert re.search(r"[∘◯][↑→↓←] *-\d", "".join(rows))
         # What would be read twice is not there.
         assert sent.count("-5") == "".join(rows).count("-5")
+
+
+def test_values_with_things_are_in_the_picture(tmp_path: Path) -> None:
+    """Not every configuration occurs in every cell: some have no value."""
+    sent, status = in_terminal(tmp_path, "preview", "first-key", "--values", "--held", "key")
+    assert status == 0
+    assert "-3" in plain(sent)
 
 
 @pytest.mark.parametrize(

@@ -56,9 +56,9 @@ def test_glass_says_how_often_it_lets_the_robot_through_once_for_each_stretch() 
     ]
     found = texts(level(walls=walls))
     assert set(found) == {"30%", "80%", "100%"}
-    assert found["30%"] == (1, pytest.approx(1.5, abs=0.1))
-    assert found["80%"] == (1, pytest.approx(3.5, abs=0.1))
-    assert found["100%"] == (3.5, pytest.approx(3, abs=0.1))
+    assert found["30%"] == pytest.approx((1, 1.5), abs=0.1)
+    assert found["80%"] == pytest.approx((1, 3.5), abs=0.1)
+    assert found["100%"] == pytest.approx((3.5, 3), abs=0.1)
 
 
 @pytest.mark.parametrize(("chance", "text"), [(0.004, "<1%"), (0.996, ">99%"), (1 / 3, "33%")])

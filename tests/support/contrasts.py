@@ -55,7 +55,7 @@ _CHARACTER = 0.5
 _REACH = 9
 """The pixels of a figure that count as its outline: rim, outline and casing."""
 
-_FAINT_PIXELS, _FAINT_SHARE = 16, 0.2
+_FAINT_PIXELS, _FAINT_SHARE = 20, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
 
 _FAINT_TEXT = 0.2

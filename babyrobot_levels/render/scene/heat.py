@@ -122,8 +122,9 @@ class Heat:
         return self.tiles.get(cell) or self._grounds[cell]
 
     def colors_of(self, cell: Cell) -> tuple[str, ...]:
-        """Return the colours that a cell shows, from the north clockwise."""
-        return tuple(self.beside(cell, side) for side in _MOVES)
+        """Return the colours that a cell shows: one, or those from the north clockwise."""
+        sides = _MOVES if cell in self.action_values else "N"
+        return tuple(self.beside(cell, side) for side in sides)
 
     @cached_property
     def _grounds(self) -> CellGrounds:

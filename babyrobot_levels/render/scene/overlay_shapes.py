@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
@@ -25,7 +24,7 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
-from babyrobot_levels.render.scene.texts import coordinate_texts, note_shapes
+from babyrobot_levels.render.scene.texts import busy_cells, coordinate_texts, note_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -77,7 +76,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
     colors = level.resolved_theme.colors
-    covered = busy_cells(level, layout, slots)
+    covered = busy_cells(level, layout, slots) | {*level.starts}
     form = number_form(heat.values.values(), overlay.precision)
     if form.is_readable(layout) and slots.shown.number:
         for cell, value in heat.values.items():
@@ -128,7 +127,7 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
             if value is not None:
                 box = box.moved(*layout.corner(*cell))
                 color = heat.scale.color(value)
-                ground = color if cell in covered else None
+                ground = color if cell in covered or slots.shown.arrows else None
                 is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
                 yield from number_shapes(
                     value, form, box, ink_on(color), ground, anchor=anchor, bold=is_best

@@ -39,7 +39,7 @@ ROBOT_CORNER = (33.0, 0.5)
 _TOP, _FOOT, _EDGE, _GAP = 4.0, CELL - 4.0, 3.0, 2.0
 _WORD, _COORDINATES = 10.25, 12.0
 _LONGEST = 15.0
-_SHORTEST = 8.0
+_SHORTEST, _BESIDE_ACTIONS = 5.0, 8.0
 _CORNER, _CORNER_OF_ACTIONS, _TINY = 20.0, 14.0, 9.0
 _LABEL_MARGIN = 16.0
 
@@ -142,7 +142,7 @@ class Plan(NamedTuple):
     arrow: Box
     number: Box
     second: Box
-    coordinates: Box
+    coordinates: Box | None
     word: Box | None
     free: Box
 
@@ -239,8 +239,10 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if is_labelled:
         top = max(top, contents.label_foot + _GAP)
     foot = min(foot, contents.label_top - _GAP)
-    coordinates = Box(6, top, CELL / 2, top + 10)
     answers = contents.acts and shown.fills_cells
+    coordinates: Box | None = None
+    if shown.coordinates and not (is_labelled and answers and shown.is_crowded):
+        coordinates = Box(6, top, CELL / 2, top + 10)
     word: Box | None = None
     if contents.word and not answers:
         word = Box(4, CELL - 5 - _WORD, CELL - 4, CELL - 5)
@@ -257,7 +259,7 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
         upper = top
     if is_labelled and not is_left_taken and not shown.second:
         upper = top
-    reach = _SHORTEST if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
+    reach = _BESIDE_ACTIONS if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
     y = min(max(CELL / 2, upper + reach), foot - reach)
     arrow = Box(CELL / 2 - reach, y - reach, CELL / 2 + reach, y + reach)
     if answers and shown.is_crowded:

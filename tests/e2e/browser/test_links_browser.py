@@ -105,7 +105,8 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     page.wait_for_selector("body.ready")
     drawn = page.evaluate(
         "() => { const svg = document.querySelector('#stage svg'); svg.removeAttribute('style');"
-        " svg.querySelector('#robot').remove();"
+        " for (const part of svg.querySelectorAll('g'))"
+        "   if (part.id === 'robot' || getComputedStyle(part).display === 'none') part.remove();"
         " return svg.outerHTML }"
     )
 
