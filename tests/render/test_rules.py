@@ -325,9 +325,11 @@ def test_a_panel_without_room_for_all_says_that_there_are_more() -> None:
     assert "each step: costs 1 …" in shown(build_scene(low))
 
 
-def test_a_narrow_panel_and_the_column_of_the_compass_show_none() -> None:
-    for display in ({"side_panel": 80}, {"compass": True}):
-        assert "step" not in shown(build_scene(level(display=display)))
+def test_panels_with_hardly_any_room_and_the_column_of_the_compass_show_none() -> None:
+    for display in ({"side_panel": 80}, {"compass": True}, {"bottom_panel": 40}):
+        text = shown(build_scene(level(display=display)))
+        assert "step" not in text
+        assert "…" not in text
 
 
 @pytest.mark.parametrize("name", GALLERY)
