@@ -8,9 +8,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
-
-from babyrobot_levels.mdp.states import configuration_with, initial_configuration
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
@@ -96,6 +95,7 @@ def still(
     coordinates: bool | None = None,
     theme: Any = None,
     held: str | Iterable[str] | None = None,
+    rules: bool = False,
 ) -> Scene:
     """Return a picture of a level.
 
@@ -113,6 +113,7 @@ def still(
         held: the names of the items that are held and the switches that are on, in a list or
             separated by commas; `"nothing"` for none. None shows the level as a whole, and a
             solution where episodes begin.
+        rules: whether the rules of the level are shown: in its panel, or below the picture.
 
     Raises:
         UndefinedReturnError: a solution is asked for, and the level has none.
@@ -128,9 +129,18 @@ def still(
     info = {"values": values, "policy": policy, "action_values": action_values, "visits": visits}
     overlay = overlay_of(level, info)
     if overlay is not None and configuration is None and level.has_things:
+        from babyrobot_levels.mdp.states import initial_configuration
+
         configuration = initial_configuration(level)
     robot = overlay is None and held is None
+    overlay = _with_rules(overlay) if rules else overlay
     return build_scene(level, configuration=configuration, robot=robot, overlay=overlay)
+
+
+def _with_rules(overlay: Overlay | None) -> Overlay:
+    from babyrobot_levels.render.scene.overlay import Overlay
+
+    return replace(overlay or Overlay(), rules=True)
 
 
 def dressed(level: Level, *, theme: Any = None, coordinates: bool | None = None) -> Level:
@@ -158,6 +168,8 @@ def configuration_of(level: Level, held: str | Iterable[str]) -> int:
         LevelError: the maze has no seed yet (`seed: random`).
         ValueError: a name is not that of an item or switch, or no episode comes to this.
     """
+    from babyrobot_levels.mdp.states import configuration_with
+
     names = held.split(",") if isinstance(held, str) else held
     wanted = [name for name in (part.strip() for part in names) if name]
     return configuration_with(level, () if wanted == [NOTHING] else wanted)
@@ -244,6 +256,7 @@ def to_gif(
     values: Any = None,
     coordinates: bool | None = None,
     theme: Any = None,
+    rules: bool = False,
     scale: float | None = None,
     progress: Progress | None = None,
     tell: Callable[[str], None] = _warn,
@@ -258,6 +271,7 @@ def to_gif(
         values: values below the robot, as in `still`.
         coordinates: whether cells show their coordinates; None for what the level says.
         theme: another theme.
+        rules: whether the rules of the level are shown, as in `still`.
         scale: the size, where 1 is 64 pixels per cell; None for the largest up to 1 with which no
             side has more than 800 pixels.
         progress: told of the frames that are done.
@@ -276,6 +290,7 @@ def to_gif(
     if not ends:
         tell(f"the episode does not end within {MAX_STEPS} steps; the GIF shows those")
     overlay = overlay_of(level, {"values": values})
+    overlay = _with_rules(overlay) if rules else overlay
     return paint(level, steps, overlay=overlay, scale=times, progress=progress)
 
 

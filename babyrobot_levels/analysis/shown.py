@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import singledispatch
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -32,7 +33,6 @@ from babyrobot_levels.render.notebook.bundle import HTML, TEXT, Bundle
 from babyrobot_levels.render.notebook.html import (
     Picture,
     beside,
-    escape,
     facts,
     picture_of,
     strip,

@@ -130,8 +130,8 @@ def _placed(picture: Picture, label: str, x: float, y: float, width: float) -> I
 
 def _label(given: Any) -> str:
     match given:
-        case Sweep(run=Run()):
-            return f"{given.run.unit.title()} {given.number:,}"
+        case Sweep(run=Run() as run):
+            return f"{run.unit.title()} {given.number:,}"
         case Level():
             return given.title or given.name or ""
         case _:

@@ -39,6 +39,7 @@ class PictureOptions:
         held: what is held and on in a still picture, as for `--held`; None shows the level as a
             whole, and the solution where episodes begin.
         answers: whether a page knows the solution.
+        rules: whether to show the rules of the level.
     """
 
     values: bool = False
@@ -47,6 +48,7 @@ class PictureOptions:
     scale: float | None = None
     held: str | None = None
     answers: bool = True
+    rules: bool = False
 
 
 def picture(
@@ -69,6 +71,7 @@ def picture(
             values=options.values,
             policy=options.policy,
             held=options.held,
+            rules=options.rules,
             scale=options.scale,
         )
 
@@ -83,6 +86,7 @@ def gif(level: Level, options: PictureOptions, report: Report) -> bytes:
             policy=options.policy,
             seed=options.seed,
             values=options.values,
+            rules=options.rules,
             scale=options.scale,
             progress=report,
             tell=note,

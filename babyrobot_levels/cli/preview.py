@@ -116,6 +116,12 @@ def preview(
             show_default=False,
         ),
     ] = None,
+    rules: Annotated[
+        bool,
+        typer.Option(
+            "--rules", help="Show the rules of the level in words; pages have them in any case."
+        ),
+    ] = False,
     held: Annotated[
         str | None,
         typer.Option(
@@ -185,6 +191,8 @@ def preview(
 
       babyrobot preview frozen-lake --values --policy -o answers.svg
 
+      babyrobot preview treasure-chests --rules -o hand-out.png
+
       babyrobot preview first-key --values --held key -o with-key.svg
 
       babyrobot preview final-maze --policy best --seed 3 -o walk.gif
@@ -205,14 +213,16 @@ def preview(
         fail("--watch needs a file to write to", "add -o FILE")
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
-    options = PictureOptions(values, policy, seed or 0, times, held, not no_answers)
+    options = PictureOptions(
+        values, policy, seed or 0, times, held, answers=not no_answers, rules=rules
+    )
     plain = chosen is PictureFormat.ASCII or output is not None
 
     def made() -> str | bytes:
         with working("drawing") as report:
             shown = _prepared(load_level(level), theme, coordinates, maze_seed)
             if chosen in _TEXTS:
-                return _text(shown, options, plain=plain)
+                return _text(shown, options, plain=plain) + (_rules_text(shown) if rules else "")
             if chosen is PictureFormat.GIF:
                 return gif(shown, options, report)
             if chosen is PictureFormat.HTML:
@@ -249,6 +259,13 @@ def _put(made: str | bytes, chosen: PictureFormat, output: Path | None, *, force
         fail(f"a {chosen.upper()} cannot be shown in a terminal", "save it with -o FILE")
     else:
         sys.stdout.buffer.write(made)
+
+
+def _rules_text(level: Level) -> str:
+    """Return the rules of a level, for below its drawing."""
+    from babyrobot_levels.render.words.rules import rules_of
+
+    return "\n" + "".join(f"{rule.text}\n" for rule in rules_of(level))
 
 
 def _check_no_answers(chosen: PictureFormat, *, asked: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Iterable
@@ -58,7 +59,7 @@ def solution_text(
     number = shown_configuration(level, configuration)
     actions = _actions(solution, number) if policy else None
     if not plain and takes_pictures():
-        shown = _part(solution, solution.values, number).tolist() if values else None
+        shown = _values(solution, number) if values else None
         return _picture(level, Overlay(values=shown, actions=actions), number)
     if policy:
         painter = TextPainter(level, plain=True, overlay=Overlay(actions=actions))
@@ -85,6 +86,12 @@ def _actions(solution: Solution, configuration: int | None) -> Rows[tuple[int, .
     rows = _part(solution, solution.policy, configuration).tolist()
     first = solution.first_action
     return [[(action + first,) if action >= 0 else () for action in row] for row in rows]
+
+
+def _values(solution: Solution, configuration: int | None) -> Rows[float | None]:
+    """Return the value of each cell, None where there is none."""
+    rows = _part(solution, solution.values, configuration).tolist()
+    return [[None if math.isnan(value) else value for value in row] for row in rows]
 
 
 def _part(solution: Solution, table: Any, configuration: int | None) -> Any:

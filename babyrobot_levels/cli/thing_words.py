@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.render.words.phrases import cells
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
@@ -20,8 +22,9 @@ def thing_lines(change: Change) -> list[str]:
     if kind == "things":
         orders = [", ".join(names) for names in (change.before, change.after)]
         return [f"they count in another order: {' -> '.join(orders)}"]
-    is_door = kind == "doors"
-    subject = f"the door {_SIDES[name]} of {_cell(change.cell)}" if is_door else f"the {name}"
+    subject = f"the {name}"
+    if kind == "doors" and change.cell is not None:
+        subject = f"the door {_SIDES[name]} of {show_cell(change.cell)}"
     before, after = (dict(_said(kind, each)) for each in (change.before, change.after))
     if not before or not after:
         state, said = ("removed", before) if before else ("new", after)
@@ -50,11 +53,11 @@ def _said(kind: str, fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]
     if fields is None:
         return
     if kind == "items":
-        yield "lies", f"at {'one of ' if len(fields['in']) > 1 else ''}{_cells(fields['in'])}"
+        yield "lies", f"at {'one of ' if len(fields['in']) > 1 else ''}{cells(fields['in'])}"
         pays = fields["reward"]
         yield "pays", "what the cell pays" if pays is None else f"{pays:g}"
     elif kind == "switches":
-        yield "lies", f"at {_cell(fields['at'])}"
+        yield "lies", f"at {show_cell(fields['at'])}"
         yield "flips", "only the first time" if fields["once"] else "every time"
         yield "begins", "on" if fields["on"] else "off"
     elif kind == "movers":
@@ -66,16 +69,8 @@ def _said(kind: str, fields: dict[str, Any] | None) -> Iterator[tuple[str, str]]
 
 def _way(fields: dict[str, Any]) -> str:
     if "path" in fields:
-        return f"{_cells(fields['path'])} {'and back' if fields['back'] else 'in a loop'}"
+        return f"{cells(fields['path'])} {'and back' if fields['back'] else 'in a loop'}"
     (x, y), (width, height) = fields["within"]["at"], fields["within"]["size"]
-    corners = f"{_cell((x, y))} to {_cell((x + width - 1, y + height - 1))}"
-    start = "a random cell" if fields["start"] is None else _cell(fields["start"])
+    corners = f"{show_cell((x, y))} to {show_cell((x + width - 1, y + height - 1))}"
+    start = "a random cell" if fields["start"] is None else show_cell(fields["start"])
     return f"at random within {corners} from {start}"
-
-
-def _cells(cells: list[list[int]]) -> str:
-    return ", ".join(map(_cell, cells))
-
-
-def _cell(cell: Any) -> str:
-    return f"[{cell[0]}, {cell[1]}]"

@@ -161,10 +161,10 @@ def find(name: str, first: Sequence[Place] = ()) -> Path:
 
 def levels() -> LevelList:
     """Return all valid levels that have names, sorted by name."""
-    return catalogue()[0]
+    return LevelList(catalogue()[0])
 
 
-def catalogue() -> tuple[LevelList, list[Path]]:
+def catalogue() -> tuple[list[LevelInfo], list[Path]]:
     """Return all levels that have names, sorted by name, and the files that are not valid."""
     found: dict[str, LevelInfo] = {}
     others: dict[str, LevelInfo] = {}
@@ -182,8 +182,7 @@ def catalogue() -> tuple[LevelList, list[Path]]:
         )
         # As in `find`: the first place wins, and files called so win over those that say so.
         (found if file.name == name else others).setdefault(name, info)
-    known = {**others, **found}.values()
-    return LevelList(sorted(known, key=lambda info: info.name)), broken
+    return sorted({**others, **found}.values(), key=lambda info: info.name), broken
 
 
 def level_files() -> Iterator[LevelFile]:

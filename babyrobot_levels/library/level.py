@@ -142,6 +142,7 @@ class Level(GridWorld):
         coordinates: bool | None = None,
         theme: Any = None,
         held: str | Iterable[str] | None = None,
+        rules: bool = False,
         scale: float | None = None,
     ) -> str:
         """Return the level's picture as an SVG document, as `babyrobot preview` makes it.
@@ -160,6 +161,7 @@ class Level(GridWorld):
             held: the names of the items that are held and the switches that are on; `"nothing"`
                 or an empty list for none. By default, the level is shown as a whole, with values
                 and actions where episodes begin.
+            rules: whether the rules of the level are shown: in its panel, or below the picture.
             scale: the size; 1, the default, is 64 pixels per cell.
 
         Raises:
@@ -176,6 +178,7 @@ class Level(GridWorld):
             coordinates=coordinates,
             theme=theme,
             held=held,
+            rules=rules,
             scale=scale,
         )
         return _saved(picture, path)
@@ -191,6 +194,7 @@ class Level(GridWorld):
         coordinates: bool | None = None,
         theme: Any = None,
         held: str | Iterable[str] | None = None,
+        rules: bool = False,
         scale: float | None = None,
     ) -> bytes:
         """Return the level's picture as a PNG file, as `babyrobot preview` makes it.
@@ -207,6 +211,7 @@ class Level(GridWorld):
             coordinates=coordinates,
             theme=theme,
             held=held,
+            rules=rules,
             scale=scale,
         )
         return _saved(picture, path)
@@ -220,6 +225,7 @@ class Level(GridWorld):
         values: Any = None,
         coordinates: bool | None = None,
         theme: Any = None,
+        rules: bool = False,
         scale: float | None = None,
     ) -> bytes:
         """Return an episode as an animated GIF, as `babyrobot preview` makes it.
@@ -234,6 +240,7 @@ class Level(GridWorld):
             values: what cells show below the robot; see `to_svg`.
             coordinates: whether cells show their coordinates; by default, what the level says.
             theme: another theme: a name, or a mapping as in a level file.
+            rules: whether the rules of the level are shown below the film.
             scale: the size; 1 is 64 pixels per cell. By default it is the largest up to 1 with
                 which no side has more than 800 pixels.
 
@@ -249,6 +256,7 @@ class Level(GridWorld):
             values=values,
             coordinates=coordinates,
             theme=theme,
+            rules=rules,
             scale=scale,
         )
         return _saved(film, path)

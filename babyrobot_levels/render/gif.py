@@ -107,6 +107,7 @@ def to_gif(
     """
     if not steps:
         raise ValueError("the episode has no steps")
+    overlay = _with_panels(level, overlay)
     layout = layout_of(level, overlay=overlay)
     if scale is None:
         scale = min(1.0, MAX_SIDE / max(layout.width, layout.height))
@@ -126,6 +127,15 @@ def to_gif(
         if progress is not None:
             progress(shot.steps, len(steps))
     return encoded(painter.ground, frames)
+
+
+def _with_panels(level: GridWorld, overlay: Overlay | None) -> Overlay:
+    """Return an overlay that leaves the level's panels to the score: no rules stand there."""
+    overlay = overlay or Overlay()
+    side, bottom = level.display.side_panel, level.display.bottom_panel
+    if panel_width(side):
+        overlay = replace(overlay, side_panel=("",))
+    return replace(overlay, bottom_panel=("",)) if panel_width(bottom) else overlay
 
 
 @dataclass(frozen=True, slots=True)
@@ -280,7 +290,9 @@ class _Painter:
         return self._panels[1]
 
     def _scored(self, steps: int, total: float, configuration: int) -> Iterator[Patch]:
-        layout, score = self._layout, [f"Steps: {steps}", f"Return: {number(total)}"]
+        # A box with the rules is below all of it.
+        layout = replace(self._layout, rules=0.0)
+        score = [f"Steps: {steps}", f"Return: {number(total)}"]
         # A panel is painted alone: beside a grid without columns, or below one without rows.
         if panel_width(self._level.display.side_panel):
             strip, overlay = replace(layout, columns=0), Overlay(side_panel=score)
@@ -292,7 +304,7 @@ class _Painter:
             return
         shapes = (
             *panel_shapes(self._level, overlay, strip),
-            *compass_shapes(self._level, strip),
+            *(compass_shapes(self._level, strip) if top == 0.0 else ()),
             *panel_texts(self._level, overlay, strip),
         )
         held = held_pieces(self._level, strip, situation_of(self._level, configuration))
@@ -305,7 +317,8 @@ class _Painter:
             # The strip is as high as the grid beside it.
             pixels = pixels[: math.floor(self._scale * layout.top_height)]
         height, width = pixels.shape[:2]
-        yield Patch(self._size[0] - width, 0 if top == 0.0 else self._size[1] - height, pixels)
+        right, foot = round(self._scale * layout.width), round(self._scale * layout.height)
+        yield Patch(right - width, 0 if top == 0.0 else foot - height, pixels)
 
 
 def _difference(ground: NDArray[np.uint8], other: NDArray[np.uint8]) -> Iterator[Patch]:

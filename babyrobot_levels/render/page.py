@@ -189,12 +189,6 @@ def _security_policy(style: str, script: str) -> str:
     )
 
 
-def _code(name: str) -> str:
-    """Return a script or style without indentation and comments, which make pages larger."""
-    text = re.sub(r"/\*[\s\S]*?\*/|^\s*//.*", "", _static(name), flags=re.MULTILINE)
-    return re.sub(r"^\s+", "", text, flags=re.MULTILINE)
-
-
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
 

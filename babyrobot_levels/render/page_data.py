@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
-from babyrobot_levels.render.colors import gray
+from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -30,6 +30,7 @@ from babyrobot_levels.render.page_tables import (
 )
 from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
+from babyrobot_levels.render.scene.heat import frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -38,7 +39,6 @@ from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robo
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.tones import is_gray
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
@@ -153,7 +153,7 @@ def page_data(
         "robot": [hexadecimal(color) for color in _robot_colors(colors)],
         **_picture(level, guide, turns=turns),
         "goal": goal_of(level),
-        "alt": describe(level),
+        "alt": describe(level, robot=False),
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
@@ -245,7 +245,9 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
     alone, beside = (Slots(level, layout, shown) for shown in (Overlay(), overlay))
     own = level.display.coordinates
-    bare = build_layers(level, robot=False, layout=layout)
+    # Without the strip for what is held, which the page has outside of the picture.
+    seen = replace(layout, strip=0.0)
+    bare = build_layers(level, robot=False, layout=seen)
     shapes: dict[str, Iterable[Shape]] = {
         "base": bare["base"].shapes,
         "grid": floor_shapes(level, layout),
@@ -253,14 +255,16 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     }
     shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
-        shapes["beside"] = sign_shapes(level, layout, beside, own)
+        signs = sign_shapes(level, layout, beside, own)
+        # Tiles of marks are below the frames of all cells.
+        frames = frame_shapes(level, beside.acting, layout) if has_marks else ()
+        shapes["beside"] = (*frames, *signs)
     if guide is not None and not has_marks:
-        layers = build_layers(level, robot=False, overlay=overlay, layout=layout)
+        layers = build_layers(level, robot=False, overlay=overlay, layout=seen)
         shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
     picture: dict[str, Any] = {
-        "width": round(layout.width),
-        # Without the strip for what is held, which the page has outside of the picture.
-        "height": round(layout.top_height),
+        "width": round(seen.width),
+        "height": round(seen.height),
         "layers": {name: pack(each, palette, layout.margin) for name, each in shapes.items()},
     }
     data: dict[str, Any] = {"picture": picture}
@@ -273,14 +277,14 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     )
     marks = Marks(level, layout, palette, beside, [*moves, *turned])
     if moves:
-        data["marks"] = marks.values(moves) | {"policy": marks.actions(moves)}
+        data["marks"] = {"values": marks.values(moves), "policy": marks.actions(moves)}
         picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
     if may_turn:
         data["turns"] = _turns(level, turning, on=turns)
         if turned:
-            data["turns"]["marks"] = marks.values(turned)
+            data["turns"]["marks"] = {"values": marks.values(turned)}
     if marks.packed:
-        picture["marks"] = marks.packed
+        picture["marks"], picture["tiles"] = marks.packed, marks.tiles
     data["rules"] = [
         [pack(sample_shapes(level, rule.sample), palette), rule.text, _runs(rule.cells)]
         for rule in rules_of(level)

@@ -47,6 +47,9 @@ _SMALLEST_TEXT = 5.0
 _REPORTED = 256
 """The number of shapes from one report of progress to the next."""
 
+_FINEST_DASH = 1.5
+"""The shortest dashes that are painted one by one, in pixels."""
+
 _MAX_PARTS = 64
 """The most lines that a curve becomes."""
 
@@ -200,8 +203,8 @@ class Painter:
         width, opacity = path.width * self._length, path.opacity
         if path.dash is not None:
             dash, gap = (self._length * length for length in path.dash)
-            if dash < self._samples:
-                # Dashes finer than a pixel look like a fainter line.
+            if dash < _FINEST_DASH * self._samples:
+                # Fine dashes look like a fainter line, and a large level has hundreds of thousands.
                 opacity *= dash / (dash + gap)
             else:
                 lines = [part for line in lines for part in dashes(line, dash, gap)]

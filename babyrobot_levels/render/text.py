@@ -281,7 +281,7 @@ class TextPainter:
             for y, row in enumerate(symbols_of(self._level, self._drawing))
         ]
         fills = {cell: rgba(color)[:3] for cell, color in heat.tiles.items()}
-        below = [*_legend(heat.scale, overlay.precision, colors)] if fills else []
+        below = [*_legend(heat.scale, form, colors)] if fills else []
         if overlay.values is not None and overlay.visits is not None:
             below += _table(overlay.visits, 0)
         below += _texts_below(overlay)
@@ -398,9 +398,8 @@ def number_lines(rows: Sequence[Sequence[float | None]], precision: int) -> Iter
         yield "  ".join(text.rjust(width) for text in row).rstrip()
 
 
-def _legend(scale: Scale, precision: int, colors: int) -> Iterator[str]:
+def _legend(scale: Scale, form: Form, colors: int) -> Iterator[str]:
     """Yield the lines of a legend: the lowest number, the colours up to the highest, and that."""
-    form = form_of((scale.low, scale.high), precision)
     ends = [form.text(scale.low), form.text(scale.high)]
     strip = scale.strip(_BAR)
     if scale.low == scale.high:

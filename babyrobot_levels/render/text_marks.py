@@ -117,8 +117,8 @@ def _doors(
                 yield (line, column), Mark(_UPRIGHT[closed][kind], color, closed)
             else:
                 line += 1 if door.side == "S" else -1
-                first, middle, last = _LEVEL[closed][kind]
-                text = first + middle * (cells.width - 2) + last
+                form = _LEVEL[closed][kind]
+                text = form[0] + form[1] * (cells.width - 2) + form[2]
                 for column, character in enumerate(text[: cells.width], left + 1):
                     yield (line, column), Mark(character, color, closed)
 

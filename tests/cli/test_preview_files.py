@@ -23,7 +23,9 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.render.gif import Step, to_gif
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
+from babyrobot_levels.render.words.rules import rules_of
 
+CHESTS = load("treasure-chests")
 HEAD = "version: 1\nsize: [3, 1]\n"
 ENDLESS = HEAD + "exit: none\n"
 WITHOUT_ANSWER = (
@@ -257,15 +259,17 @@ def test_without_answers_nothing_of_them_is_in_the_page(name: str) -> None:
     assert "returns" not in data
     assert "marks" not in data
     assert "marks" not in data["picture"]
-    assert data["picture"]["layers"]["values"] == data["picture"]["layers"]["policy"] == []
+    layers = data["picture"]["layers"]
+    assert not any(layers.get(name) for name in ("heat", "policy", "values", "beside"))
     # Whatever is an answer can be found in the other page, and not in this one.
     answers = [
         json.dumps(each, separators=(",", ":"))
         for each in (
             known["policy"],
             known["returns"],
-            known.get("marks", known["picture"]["layers"]["values"]),
-            known["picture"].get("marks", known["picture"]["layers"]["policy"]),
+            known["picture"].get("marks") or known["picture"]["layers"]["values"],
+            known.get("marks") or known["picture"]["layers"]["policy"],
+            known["picture"]["layers"]["heat"],
         )
     ]
     assert all(answer.encode() in full for answer in answers)
@@ -275,7 +279,8 @@ def test_without_answers_nothing_of_them_is_in_the_page(name: str) -> None:
     assert not re.search(rf"(?<![\w.]){re.escape(best)}(?!\w)", plain.decode())
     turns = data.pop("turns", {"policy": None, "best": ""})
     assert (turns["policy"], turns["best"], "returns" in turns) == (None, "", False)
-    same = set(data) - {"policy", "walker", "best", "picture"}
+    # What shapes need more room beside answers is elsewhere.
+    same = set(data) - {"policy", "walker", "best", "picture", "things"}
     assert {key: known[key] for key in same} == {key: data[key] for key in same}
 
 
@@ -337,3 +342,22 @@ def test_the_mark_of_a_png_names_the_software() -> None:
 )
 def test_a_line_says_what_was_written(name: str, facts: str) -> None:
     assert re.fullmatch(rf"wrote {name} \({facts}\)\n", preview("default", "-o", name).err)
+
+
+def test_rules_stand_below_drawings_and_pictures() -> None:
+    told = preview("treasure-chests", "--rules").out
+    assert told.endswith("\n\n" + "".join(f"{rule.text}\n" for rule in rules_of(CHESTS)))
+    picture = made("treasure-chests", "--rules", "--values", "one.svg").decode()
+    assert all(rule.text in picture for rule in rules_of(CHESTS))
+    assert picture.startswith(CHESTS.to_svg(rules=True, values=True).removesuffix("</svg>\n"))
+
+
+def test_films_with_rules_keep_the_score_in_the_panel() -> None:
+    film, plain = (made("final-maze", *words, "one.gif") for words in (["--rules"], []))
+    with Image.open(io.BytesIO(film)) as one, Image.open(io.BytesIO(plain)) as other:
+        assert one.width == other.width
+        assert one.height > other.height
+        above = one.convert("RGB").crop((0, 0, *other.size))
+        differs = np.array(above, int) - np.array(other.convert("RGB"), int)
+        # The two have palettes of their own.
+        assert (abs(differs).max(axis=2) > 24).mean() < 0.01

@@ -59,7 +59,7 @@ def wait_until_it_rests(process: subprocess.Popen[bytes]) -> None:
 
 
 def in_terminal(
-    folder: Path, *arguments: str, columns: int = 80, **variables: str
+    folder: Path, *arguments: str, columns: int = 80, **variables: Any
 ) -> tuple[str, int]:
     """Return what a terminal would be sent, and the exit status."""
     outer, inner = pty.openpty()
@@ -108,7 +108,7 @@ def test_a_report_in_a_terminal_is_the_plain_one_in_color(tmp_path: Path) -> Non
 
 
 @pytest.mark.parametrize("variable", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
-def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, str]) -> None:
+def test_a_terminal_without_color(tmp_path: Path, variable: dict[str, Any]) -> None:
     for arguments in (("preview", "maze"), ("validate", str(FILES / "bad.yaml")), ("list",)):
         assert "\x1b" not in in_terminal(tmp_path, *arguments, **variable)[0]
 
@@ -119,7 +119,7 @@ def test_no_color_counts_more_than_force_color(tmp_path: Path) -> None:
 
 
 def test_a_terminal_that_knows_no_box_characters(tmp_path: Path) -> None:
-    variables = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    variables: dict[str, Any] = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
     assert in_terminal(tmp_path, "preview", "maze", **variables) == (load("maze").draw(), 0)
 
 
@@ -291,3 +291,123 @@ def test_streams_that_are_closed(tmp_path: Path, descriptor: int, arguments: lis
     _, err = process.communicate(b"version: 1\n", timeout=60)
     assert process.returncode in (0, 1, 2)
     assert b"Traceback" not in err
+
+
+# -- pictures --------------------------------------------------------------------------------
+
+ALL, PALETTE, SIXTEEN = "\x1b[38;2;", "\x1b[38;5;", None
+
+
+@pytest.mark.parametrize(
+    ("variables", "expected"),
+    [
+        ({"TERM": "xterm", "COLORTERM": "truecolor"}, ALL),
+        ({"TERM": "xterm-direct"}, ALL),
+        ({"TERM": "xterm-kitty"}, ALL),
+        ({"TERM": "xterm-256color", "TERM_PROGRAM": "iTerm.app"}, ALL),
+        ({"TERM": "xterm-256color", "WT_SESSION": "1"}, ALL),
+        ({"TERM": "xterm-256color"}, PALETTE),
+        ({"TERM": "screen-256color", "TERM_PROGRAM": "Apple_Terminal"}, PALETTE),
+        ({"TERM": "xterm"}, SIXTEEN),
+        ({"TERM": "linux", "COLORTERM": ""}, SIXTEEN),
+    ],
+)
+def test_colors_are_those_that_the_terminal_knows(
+    tmp_path: Path, variables: dict[str, Any], expected: str | None
+) -> None:
+    sent, _ = in_terminal(tmp_path, "preview", "puddles", **variables)
+    assert "┌" in sent
+    found = {escape for escape in (ALL, PALETTE) if escape in sent}
+    assert found == ({expected} if expected else set())
+    assert re.search(r"\x1b\[(3|9)\d;(4|10)\dm", sent) or expected
+
+
+def test_values_and_policy_are_in_the_picture(tmp_path: Path) -> None:
+    truecolor: dict[str, Any] = {"COLORTERM": "truecolor"}
+    for arguments in (["preview", "puddles", "--values", "--policy"], ["solve", "puddles"]):
+        sent, status = in_terminal(tmp_path, *arguments, **truecolor)
+        assert status == 0
+        rows = [
+            line for line in plain(sent).splitlines() if line.startswith("│") and "·" not in line
+        ]
+        assert rows[0].startswith("│S")
+        assert len(rows) == 3
+        assert rows[2].split()[-2:] == ["E", "│"]
+        assert re.search(r"[∘◯][↑→↓←] *-\d", "".join(rows))
+        # What would be read twice is not there.
+        assert sent.count("-5") == "".join(rows).count("-5")
+
+
+def test_values_with_things_are_in_the_picture(tmp_path: Path) -> None:
+    """Not every configuration occurs in every cell: some have no value."""
+    sent, status = in_terminal(tmp_path, "preview", "first-key", "--values", "--held", "key")
+    assert status == 0
+    assert "-3" in plain(sent)
+
+
+@pytest.mark.parametrize(
+    ("columns", "is_whole"), [(80, False), (120, False), (129, True), (200, True), (257, True)]
+)
+def test_a_large_level_fits(tmp_path: Path, columns: int, is_whole: bool) -> None:
+    text = "version: 1\nsize: [64, 64]\nmaze: {seed: 3}\nstart: [40, 30]\n"
+    (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
+    sent, _ = in_terminal(tmp_path, "preview", "large.yaml", columns=columns)
+    lines = plain(sent).splitlines()
+    assert all(len(line) <= columns for line in lines)
+    if columns == 257:
+        assert len(lines) == 129
+    elif is_whole:
+        assert len(lines) == 65
+        assert {*"".join(lines)} == {"▀"}
+    else:
+        assert len(lines) <= 22
+        assert sum(line.count("S") for line in lines) == 1
+        assert re.fullmatch(r"cells \[\d+, \d+\] to \[\d+, \d+\] of 64 x 64", lines[-1])
+
+
+def test_arrows_of_a_large_level_are_seen_in_a_part_of_it(tmp_path: Path) -> None:
+    text = "version: 1\nsize: [24, 3]\n"
+    (tmp_path / "long.yaml").write_text(text, encoding="utf-8")
+    sent, _ = in_terminal(tmp_path, "preview", "long.yaml", "--policy")
+    assert "▀" not in sent
+    assert plain(sent).splitlines()[-1] == "cells [0, 0] to [18, 2] of 24 x 3"
+    assert "S→" in plain(sent)
+
+
+@pytest.mark.slow
+def test_a_picture_that_takes_long_is_in_color_after_the_bar(tmp_path: Path) -> None:
+    text = "version: 1\nsize: [90, 90]\nmaze: {seed: 1, loops: 0.5}\n"
+    (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
+    sent, _ = in_terminal(tmp_path, "preview", "large.yaml", "--values", columns=200)
+    before, _, after = sent.partition("▀")
+    assert "drawing" in before or not before
+    assert "drawing" not in after
+
+
+@pytest.mark.slow
+def test_an_interrupt_while_a_picture_is_painted_leaves_no_file(tmp_path: Path) -> None:
+    text = "version: 1\nsize: [200, 200]\nmaze: {seed: 1}\n"
+    (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
+    outer, inner = pty.openpty()
+    process = start(tmp_path, "preview", "large.yaml", "-o", "large.png", stdin=inner, stdout=inner,
+                    stderr=inner)  # fmt: skip
+    os.close(inner)
+    sent = b""
+    while b"drawing" not in sent:
+        sent += os.read(outer, 1 << 16)
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    while chunk := _rest(outer):
+        sent += chunk
+    os.close(outer)
+    assert b"Traceback" not in sent
+    # The cursor is shown again.
+    assert sent.rfind(b"\x1b[?25h") > sent.rfind(b"\x1b[?25l")
+    assert [path.name for path in tmp_path.iterdir()] == ["large.yaml"]
+
+
+def _rest(descriptor: int) -> bytes:
+    try:
+        return os.read(descriptor, 1 << 16)
+    except OSError:
+        return b""

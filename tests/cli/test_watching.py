@@ -1,4 +1,4 @@
-"""`babyrobot lint --watch`: a report at once, and another whenever something is saved."""
+"""`--watch`: a report or picture at once, and another whenever something is saved."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from support.sessions import environment
+from support.sessions import environment, run_here
 
 CLEAN = "1 file checked, clean\n"
 
@@ -18,13 +18,13 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Ctrl-C is sent 
 
 
 class Watch:
-    """The command as it watches a folder, and what it has printed into a file."""
+    """The command as it watches, and what it has printed into a file."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *arguments: str) -> None:
         self._path = folder / "printed.txt"
         with self._path.open("w", encoding="utf-8") as out:
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "babyrobot_levels", "lint", "--watch", "levels"],
+                [sys.executable, "-m", "babyrobot_levels", *arguments, "--watch"],
                 cwd=folder,
                 env=environment(folder),
                 stdout=out,
@@ -49,7 +49,7 @@ class Watch:
 def watch(tmp_path: Path) -> Iterator[Watch]:
     (tmp_path / "levels").mkdir()
     (tmp_path / "levels" / "a.yaml").write_text("version: 1\n", encoding="utf-8")
-    watch = Watch(tmp_path)
+    watch = Watch(tmp_path, "lint", "levels")
     yield watch
     watch.process.kill()
     watch.process.wait()
@@ -81,3 +81,27 @@ def test_every_save_is_answered(watch: Watch, tmp_path: Path) -> None:
     watch.process.send_signal(signal.SIGINT)
     assert watch.process.wait(timeout=30) == 130
     assert watch.printed == told
+
+
+def test_a_picture_is_drawn_again_whenever_its_level_is_saved(tmp_path: Path) -> None:
+    (tmp_path / "levels").mkdir()
+    path = tmp_path / "levels" / "a.yaml"
+    save(path, "version: 1\n")
+    watch = Watch(tmp_path, "preview", "levels/a.yaml", "-o", "a.svg")
+    try:
+        told = watch.until("wrote a.svg (198 × 198, ", ")\n")
+        save(path, "version: 1\nsize: [0, 1]\n")
+        told = watch.until(told + "1 error\n\nlevels/a.yaml:2:8: error BR205", "^\n")
+        save(path, "version: 1\nsize: [4, 1]\n")
+        told = watch.until(told + "wrote a.svg (262 × 70, ", ")\n")
+    finally:
+        watch.process.send_signal(signal.SIGINT)
+        assert watch.process.wait(timeout=30) == 130
+    assert "<svg" in (tmp_path / "a.svg").read_text("utf-8")
+
+
+@pytest.mark.parametrize("arguments", [["-"], ["final-maze", "--format", "png"]], ids=str)
+def test_what_cannot_be_watched(arguments: list[str], tmp_path: Path) -> None:
+    result = run_here(["preview", *arguments, "--watch"], environment(tmp_path))
+    assert result.status == 2
+    assert result.err.startswith("error: --watch needs ")

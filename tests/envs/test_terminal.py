@@ -129,10 +129,12 @@ def test_of_a_large_level_the_part_around_the_robot_is_shown(tmp_path: Path) -> 
     level = {"version": 1, "size": [60, 50], "start": [30, 20], "exit": "none"}
     code = WALK.format(level=level, actions=[2] * 5 + [3])
     sent = in_terminal(tmp_path, code, (41, 12))
-    lines = Screen(12).send(sent).text.splitlines()
-    assert len(lines) == 11
+    *lines, part = Screen(12).send(sent).text.splitlines()
+    # Cells are whole, with the walls around them.
     assert {len(line) for line in lines} == {41}
-    assert [line.index("☻") for line in lines if "☻" in line] == [20]
+    assert len(lines) == 9
+    assert [line.index("☻") for line in lines if "☻" in line] == [22]
+    assert part == "cells [30, 19] to [39, 22] of 60 x 50"
 
 
 def test_drawings_stay_for_as_long_as_the_speed_says(tmp_path: Path) -> None:
@@ -167,7 +169,14 @@ def test_infos_are_seen_at_once(tmp_path: Path) -> None:
     info = "env.unwrapped.show_info({'side_panel': ['reward: -1'], 'values': [[1] * 3] * 3})\n"
     shown = walk.replace("env.close()\n", info, 1)
     seen = Screen(24).send(in_terminal(tmp_path, shown)).text
-    assert seen == drawing(1) + "\n" + "1.00  1.00  1.00\n" * 3 + "\nreward: -1\n"
+    assert [line.split() for line in seen.splitlines()[1:7:2]] == [
+        ["│S1", "☻1", "1", "│"],
+        ["│", "1", "1", "1", "│"],
+        ["│", "1", "1", "E1", "│"],
+    ]
+    assert seen.splitlines()[-3:] == ["   1", "", "reward: -1"]
+    table = Screen(24).send(in_terminal(tmp_path, shown, NO_COLOR="1")).text
+    assert table == drawing(1) + "\n" + "1.00  1.00  1.00\n" * 3 + "\nreward: -1\n"
     cleared = walk.replace("env.close()\n", info + "env.unwrapped.clear_info()\n", 1)
     assert Screen(24).send(in_terminal(tmp_path, cleared)).text == drawing(1)
 

@@ -178,12 +178,19 @@ def test_values_and_actions_are_those_of_each_configuration() -> None:
         assert (data["marks"]["values"][state] == -1) == (shown.values[y][x] is None)
         assert (data["marks"]["policy"][state] == -1) == (best.policy[state] < 0)
     start = data["starts"][0]
-    ((_, _, shapes),) = marks[data["marks"]["values"][start]]
-    assert [shape[4] for shape in shapes if shape[0] == 3] == [f"{best.expected_return:.2f}"[:3]]
+    number = data["marks"]["values"][start]
+    ((_, _, shapes),) = marks[number]
+    assert [shape[4] for shape in shapes if shape[0] == 3] == [f"{best.expected_return:.2f}"]
+    # Below it is a tile of its colour.
+    tiles, palette = data["picture"]["tiles"], data["picture"]["palette"]
+    assert len(tiles) == len(marks)
+    assert palette[tiles[number]].startswith("#")
+    assert {tiles[mark] for mark in data["marks"]["policy"] if mark >= 0} == {-1}
 
 
 def test_equal_marks_are_there_once() -> None:
-    marks = page_data(VAULT, guide=guide(VAULT))["picture"]["marks"]
+    picture = page_data(VAULT, guide=guide(VAULT))["picture"]
+    marks = [*zip(picture["marks"], picture["tiles"], strict=True)]
     assert len({json.dumps(mark) for mark in marks}) == len(marks)
 
 

@@ -69,7 +69,7 @@ def test_boxes_of_a_cell_do_not_touch(fields: dict[str, Any], shown: dict[str, A
             taken.append([plan.number._replace(left=12, right=52)])
         if slots.shown.second:
             taken.append([plan.second])
-        if slots.shown.coordinates:
+        if plan.coordinates is not None:
             taken.append([plan.coordinates._replace(right=26)])
         if plan.word is not None:
             taken.append([plan.word])

@@ -46,7 +46,7 @@ def test_it_is_one_svg_element_of_shapes_with_a_title() -> None:
     assert root.tag == f"{SVG}svg"
     assert root.get("viewBox") == f"0 0 {root.get('width')} {root.get('height')}"
     assert root.findtext(f"{SVG}title") == "Home"
-    assert {child.tag.removeprefix(SVG) for child in root} == SHAPES | {"title"}
+    assert {child.tag.removeprefix(SVG) for child in root} == SHAPES | {"title", "desc"}
 
 
 def test_a_picture_needs_nothing_from_elsewhere() -> None:

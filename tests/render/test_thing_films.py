@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from renew.golden import FOLDER
+from support.scenes import without_legend
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -261,7 +262,7 @@ def test_pictures_of_an_overlay_by_configuration_differ() -> None:
     overlay = overlay_from({"values": values}, CORRIDOR)
     painter = FramePainter(CORRIDOR, overlay=overlay)
     for number in (0, 1):
-        scene = build_scene(CORRIDOR, state=number * 5, overlay=overlay)
+        scene = without_legend(CORRIDOR, state=number * 5, overlay=overlay)
         expected = to_rgb(scene).astype(int)
         assert np.abs(painter.frame(number * 5) - expected).mean() < 0.3
     assert "\n".join(TextPainter(CORRIDOR, overlay=overlay).lines(0)).endswith(

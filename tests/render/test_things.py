@@ -15,7 +15,7 @@ from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.states import configuration_with
-from babyrobot_levels.render.colors import contrast, rgba
+from babyrobot_levels.render.colors import contrast, is_gray, rgba
 from babyrobot_levels.render.frames import FramePainter, image_cells
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_layers, build_scene
@@ -26,7 +26,6 @@ from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.shapes import Path, Text
 from babyrobot_levels.render.scene.situation import is_at_open_exit, place_of, situation_of
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
-from babyrobot_levels.render.scene.tones import is_gray
 
 VAULT = load(str(FOLDER / "things.yaml"))
 CELLS = 35

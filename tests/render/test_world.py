@@ -12,10 +12,10 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import contrast
+from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.page_tables import good_ends
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.effects import End, effects_of
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -56,9 +56,9 @@ def test_glass_says_how_often_it_lets_the_robot_through_once_for_each_stretch() 
     ]
     found = texts(level(walls=walls))
     assert set(found) == {"30%", "80%", "100%"}
-    assert found["30%"] == (1, pytest.approx(1.5, abs=0.1))
-    assert found["80%"] == (1, pytest.approx(3.5, abs=0.1))
-    assert found["100%"] == (3.5, pytest.approx(3, abs=0.1))
+    assert found["30%"] == pytest.approx((1, 1.5), abs=0.1)
+    assert found["80%"] == pytest.approx((1, 3.5), abs=0.1)
+    assert found["100%"] == pytest.approx((3.5, 3), abs=0.1)
 
 
 @pytest.mark.parametrize(("chance", "text"), [(0.004, "<1%"), (0.996, ">99%"), (1 / 3, "33%")])
@@ -296,6 +296,25 @@ def test_marks_and_wind_leave_the_middle_of_a_cell_to_answers() -> None:
     ]
     assert points
     assert not [(x, y) for x, y in points if 24 < x < 40 and 24 < y < 40]
+
+
+def test_marks_in_one_row_of_an_area_are_in_line() -> None:
+    fields = {"at": [0, 1], "size": [5, 1], "reward": -5}
+    world = level(areas=[{**fields, "label": "here"}], start=[2, 3])
+    (line,) = [s for s in build_base(world).shapes if isinstance(s, Path) and s.stroke == INK]
+    heights = {y for points, _ in polylines(line.commands) for _, y in points}
+    assert len(heights) == 1
+    assert heights != {MARGIN + 1.5 * CELL}
+
+
+def test_glints_give_way_to_values_of_actions() -> None:
+    def glints(overlay: Overlay | None) -> bool:
+        wet, dry = (level(**fields) for fields in ({"skid": 0.6}, {}))
+        return build_base(wet, overlay=overlay).shapes != build_base(dry, overlay=overlay).shapes
+
+    assert glints(None)
+    assert glints(Overlay(actions=[[(Action.EAST,)] * 5] * 5))
+    assert not glints(Overlay(action_values=[[(None, 1.0, 2.0, 3.0, 4.0)] * 5] * 5))
 
 
 # -- warps ---------------------------------------------------------------------------------

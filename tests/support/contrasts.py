@@ -12,16 +12,16 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from scipy import ndimage
+from scipy import ndimage  # type: ignore[import-untyped]
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, ink_on, rgba
+from babyrobot_levels.render.effects import effects_of
 from babyrobot_levels.render.raster import Painter
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
-from babyrobot_levels.render.scene.effects import effects_of
 from babyrobot_levels.render.scene.ground import flag_shapes, pad_shapes, puddle_shapes
 from babyrobot_levels.render.scene.layout import CELL, COMPASS, Layout, layout_of
 from babyrobot_levels.render.scene.marks import mark_shapes
@@ -55,7 +55,7 @@ _CHARACTER = 0.5
 _REACH = 9
 """The pixels of a figure that count as its outline: rim, outline and casing."""
 
-_FAINT_PIXELS, _FAINT_SHARE = 16, 0.2
+_FAINT_PIXELS, _FAINT_SHARE = 20, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
 
 _FAINT_TEXT = 0.2
@@ -70,7 +70,7 @@ def faint_parts(level: Level, overlay: Overlay | None = None) -> list[tuple[str,
     layout = layout_of(level, overlay=overlay)
     scene = build_scene(level, overlay=overlay)
     colors = level.resolved_theme.colors
-    roles = {
+    roles: dict[Shape, str] = {
         shape: role
         for role, shapes in _figures(level, layout, overlay or Overlay())
         for shape in toned(shapes, colors)

@@ -303,7 +303,8 @@ def low_contrast(context: LintContext) -> Iterator[Finding]:
     ## Why is this bad?
 
     On a projector, in print, or for people with low vision or a colour vision deficiency, the
-    object is invisible.
+    object is hard to see. Pictures outline such walls and puddles in black or white instead; a
+    start, an exit and the robot stay as they are.
 
     ## Example
 

@@ -6,9 +6,8 @@ import math
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.language.moves import Warp
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.effects import Effects
+from babyrobot_levels.render.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
@@ -76,27 +75,16 @@ def warp_shapes(
             yield from _outlined(*_turning_arrow(centre, size), color, rim, dash)
             continue
         if warp.to != warp.at:
-            yield from _outlined(*_arrow(level, layout, slots, warp), color, rim, dash)
+            yield from _outlined(*_arrow(level, layout, slots, warp.at, warp.to), color, rim, dash)
         has_sign = warp.at in effects.pays or warp.at in effects.costs
         for number, radius in enumerate(_SIGN_RING if has_sign else _DOT_RING):
             fill = color if number % 2 else rim
             yield Ellipse(*centre, size * radius, size * radius, fill)
 
 
-def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
-    """Return the cells in which texts may lie on puddles, arrows of warps or tracks of movers."""
-    cells = {puddle.at for puddle in level.puddles} | _crossed_cells(level, layout, slots)
-    for mover in level.movers:
-        if mover.within is not None:
-            (left, top), (width, height) = mover.within.at, mover.within.size
-            cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
-        cells.update(mover.path or ())
-    return cells
-
-
 def _scale(box: Box) -> float:
     """Return the scale of a ring or chevrons: in small boxes they take more of the room."""
-    return (box.width / ICON) ** _SHRINK
+    return round(math.pow(box.width / ICON, _SHRINK), 3)
 
 
 def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
@@ -112,27 +100,29 @@ def _turning_arrow(centre: Point, size: float) -> tuple[Commands, Commands]:
     return shaft, polygon([(x - 1, y - r - h), (x - 1, y - r + h), (x + 1.3 * h, y - r)])
 
 
-def _crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     """Return the cells that the arrows of warps cross."""
     return {
         layout.cell(point)
         for warp in level.warps
         if not isinstance(warp.to, str) and warp.to != warp.at
-        for point in _points(_arrow(level, layout, slots, warp)[0])
+        for point in _points(_arrow(level, layout, slots, warp.at, warp.to)[0])
     }
 
 
-def _arrow(level: GridWorld, layout: Layout, slots: Slots, warp: Warp) -> tuple[Commands, Commands]:
+def _arrow(
+    level: GridWorld, layout: Layout, slots: Slots, at: Cell, to: Cell
+) -> tuple[Commands, Commands]:
     """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
-    start, target = slots.icon(warp.at).centre, slots.icon(warp.to)
+    start, target = slots.icon(at).centre, slots.icon(to)
     end = target.centre
-    has_ring = any(other.at == warp.to for other in level.warps)
+    has_ring = any(warp.at == to for warp in level.warps)
     gap = _RING * _scale(target) + 4 if has_ring else 0.0
     left, right = sorted((start[0], end[0]))
     top, bottom = sorted((start[1], end[1]))
     near = [
         Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
-        for box, _, _ in slots.labels
+        for box, *_ in slots.labels
         if left - _FARTHEST < box.right
         and box.left < right + _FARTHEST
         and top - _FARTHEST < box.bottom

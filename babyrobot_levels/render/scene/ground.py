@@ -18,6 +18,7 @@ from babyrobot_levels.render.scene.shapes import (
     Point,
     Rect,
     Shape,
+    circle,
     curve,
     polygon,
     polyline,
@@ -63,10 +64,10 @@ def _cells(layout: Layout, at: tuple[int, int], size: tuple[int, int], fill: str
 
 
 def pad_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
-    """Yield the pad of a start."""
+    """Yield the pad of a start: a glow with a ring in it, which is unlike a hole."""
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
-    for radius, opacity in ((20, 0.15), (12, 0.9)):
-        yield Ellipse(x, y + 11, radius, 0.3 * radius, color, opacity)
+    yield Ellipse(x, y + 11, 20, 6, color, 0.2)
+    yield Path(circle(x, y + 11, 15, 4.5), stroke=color, width=2)
 
 
 def flag_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[Shape]:
@@ -156,7 +157,7 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
             yield from _drops(x, y, centre_x, centre_y, radius, fill)
         shore, strength = _SHORE, 0.22
         if contrast(fill, ground := grounds[puddle.at]) < GRAPHICS:
-            shore, strength = rim_on([ground]), 1.0
+            shore, strength = rim_on([ground, fill]), 1.0
         for scale, colour, opacity in (
             (1.06, shore, strength),
             (1.0, fill, 1.0),
@@ -193,7 +194,7 @@ def shore_shapes(
             radius = _RADIUS[puddle.size]
             outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
             points = [(x + dx, y + dy) for dx, dy in outline]
-            rim = rim_on(faint)
+            rim = rim_on([*faint, fill])
             yield Path(smooth(points), fill=rim)
             if puddle.size == "small":
                 yield from _drops(*puddle.at, x, y, radius, rim, _SHORE_WIDTH)

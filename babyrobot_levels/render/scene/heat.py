@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import groupby
@@ -11,6 +12,7 @@ from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.colors import plate_for
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.ground import shore_shapes
 from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
@@ -25,6 +27,7 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     polygon,
     polyline,
+    scaled,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
 from babyrobot_levels.render.scene.walls import casing_shapes
@@ -32,7 +35,7 @@ from babyrobot_levels.render.scene.walls import casing_shapes
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-FRAME = 6.5
+_FRAME = 6.5
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
 _MOVES = {action.name[0]: action for action in list(Action)[1:]}
@@ -40,8 +43,8 @@ _MOVES = {action.name[0]: action for action in list(Action)[1:]}
 _OVERLAP = 0.5
 """How far tiles reach under their neighbours: nothing shines through between them."""
 
-_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 32
-_LONGEST_BAR = 260.0
+_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 24
+_LONGEST_BAR, _LEGEND_MARGIN = 260.0, 11.0
 _LEGEND_SIZE = 9.5
 
 
@@ -119,8 +122,9 @@ class Heat:
         return self.tiles.get(cell) or self._grounds[cell]
 
     def colors_of(self, cell: Cell) -> tuple[str, ...]:
-        """Return the colours that a cell shows, from the north clockwise."""
-        return tuple(self.beside(cell, side) for side in _MOVES)
+        """Return the colours that a cell shows: one, or those from the north clockwise."""
+        sides = _MOVES if cell in self.action_values else "N"
+        return tuple(self.beside(cell, side) for side in sides)
 
     @cached_property
     def _grounds(self) -> CellGrounds:
@@ -137,7 +141,7 @@ class Heat:
         yield from casing_shapes(self.level, self.layout, self.beside)
         yield from shore_shapes(self.level, self.layout, self.colors_of)
         if self.tiles or self.action_values:
-            yield from _frames(self.level, {*self.tiles, *self.action_values}, self.layout)
+            yield from frame_shapes(self.level, {*self.tiles, *self.action_values}, self.layout)
         if self.layout.legend:
             numbers = (self.scale.low, self.scale.high)
             form = form_of(numbers, self.overlay.precision)
@@ -169,13 +173,21 @@ class Heat:
 def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> Iterator[Shape]:
     """Yield the legend: a bar with the colours, the lowest and highest number, and zero between."""
     colors = level.resolved_theme.colors
-    top, ink = layout.top_height - LEGEND, colors.text_fg
-    yield Rect(0, top, layout.left_width, LEGEND, colors.text_bg)
-    length = min(layout.grid_width - 16, _LONGEST_BAR)
-    left = (layout.left_width - length) / 2
-    yield from _bar(scale, left, top + _BAR_TOP, length)
+    plate = plate_for(colors.text_fg, colors.text_bg)
+    top, times = layout.top_height - layout.legend, layout.legend / LEGEND
+    yield Rect(0, top, layout.left_width, layout.legend, plate)
     form = replace(form, size=_LEGEND_SIZE)
-    texts = Box(left, top + _BAR_TOP + _BAR, left + length, top + LEGEND)
+    shapes = _legend(layout.left_width / times, top, scale, form, colors.text_fg)
+    yield from scaled(shapes, times, 0, top)
+
+
+def _legend(width: float, top: float, scale: Scale, form: Form, ink: str) -> Iterator[Shape]:
+    length = min(width - 2 * _LEGEND_MARGIN, _LONGEST_BAR)
+    left, bar, foot = (width - length) / 2, top + _BAR_TOP, top + LEGEND
+    for index, color in enumerate(scale.strip(_BAR_STEPS)):
+        x = index * length / _BAR_STEPS
+        yield Rect(left + x, bar, length - x, _BAR, color)
+    texts = Box(left, bar + _BAR, left + length, foot)
     if scale.low == scale.high:
         yield from number_shapes(scale.low, form, texts, ink, bold=False)
         return
@@ -183,17 +195,11 @@ def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) ->
     yield from number_shapes(scale.high, form, texts, ink, anchor="end", bold=False)
     if scale.is_diverging:
         x = left - length * scale.low / (scale.high - scale.low)
-        yield Rect(x - 0.5, top + _BAR_TOP - 1, 1, _BAR + 2, ink)
+        yield Rect(x - 0.5, bar - 1, 1, _BAR + 2, ink)
         low, high = (0.6 * form.size * len(form.text(end)) for end in (scale.low, scale.high))
         if left + low < x - 10 and x + 10 < left + length - high:
             zero = texts._replace(left=x - 10, right=x + 10)
             yield from number_shapes(0.0, Form(0, form.size), zero, ink, bold=False)
-
-
-def _bar(scale: Scale, left: float, top: float, length: float) -> Iterator[Shape]:
-    step = length / _BAR_STEPS
-    for index, color in enumerate(scale.strip(_BAR_STEPS)):
-        yield Rect(left + index * step, top, length - index * step, _BAR, color)
 
 
 def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
@@ -212,8 +218,8 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
     for y in range(layout.rows + 1):
         row = [(tiles.get((x, y)), x) for x in range(layout.columns)]
         found = set()
-        for color, run in groupby(row, itemgetter(0)):
-            cells = [x for _, x in run]
+        for color, equal in groupby(row, itemgetter(0)):
+            cells = [x for _, x in equal]
             if color is not None:
                 found.add((cells[0], len(cells), color))
         for run in [run for run in growing if run not in found]:
@@ -224,7 +230,7 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
         yield Path(tuple(commands), fill=color)
 
 
-def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shape]:
+def frame_shapes(level: GridWorld, cells: AbstractSet[Cell], layout: Layout) -> Iterator[Shape]:
     """Yield frames inside the cells whose ground has a colour of its own."""
     grounds = CellGrounds(level).own
     parts: dict[str, list[Command]] = defaultdict(list)
@@ -232,10 +238,10 @@ def _frames(level: GridWorld, cells: set[Cell], layout: Layout) -> Iterator[Shap
         color, (left, top) = grounds[x, y], layout.corner(x, y)
         right, foot = left + CELL, top + CELL
         for dx, dy, corners in (
-            (0, -1, (left, top, right, top + FRAME)),
-            (1, 0, (right - FRAME, top, right, foot)),
-            (0, 1, (left, foot - FRAME, right, foot)),
-            (-1, 0, (left, top, left + FRAME, foot)),
+            (0, -1, (left, top, right, top + _FRAME)),
+            (1, 0, (right - _FRAME, top, right, foot)),
+            (0, 1, (left, foot - _FRAME, right, foot)),
+            (-1, 0, (left, top, left + _FRAME, foot)),
         ):
             if grounds.get((x + dx, y + dy)) != color:
                 parts[color] += _outline(corners)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.render.colors import gray, mixed
+from babyrobot_levels.render.colors import gray, is_gray, mixed
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
@@ -22,7 +22,6 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     rounded,
 )
-from babyrobot_levels.render.scene.tones import is_gray
 
 INK = "#232c38"
 """The colour of outlines: that of the robot's."""

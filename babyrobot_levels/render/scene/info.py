@@ -66,8 +66,8 @@ def overlay_from(info: Mapping[str, Any], level: GridWorld) -> Overlay:
             - `values`: the value of each cell, `[height, width]`;
             - `policy`: the arrows, `[height, width]`: for each cell an action, its name (`"north"`,
               `"N"`), a list or set of actions, or nothing; negative numbers are nothing. Or
-              `[height, width, actions]`, probabilities or flags of 5 actions or of the 4 moves, of
-              which the largest are shown;
+              `[height, width, actions]`, probabilities or flags of 5 actions or of the 4 moves: the
+              more probable an action, the longer its arrow;
             - `action_values`: the value of each action, `[height, width, actions]`, likewise;
             - `visits`: the number of visits to each cell, `[height, width]`;
             - `coordinates`: whether cells show their coordinates;

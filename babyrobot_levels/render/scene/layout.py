@@ -32,6 +32,9 @@ STRIP = 42.0
 LEGEND = 28.0
 """The height of the legend of a heat map below the grid."""
 
+_LEGEND_CELLS = 16
+"""The columns and rows from which on the legend is larger."""
+
 
 class HeldSlots(NamedTuple):
     """Where what is held is shown: squares in rows.
@@ -201,7 +204,10 @@ def layout_of(
         bottom = height_of(wrapped(overlay.bottom_panel, bottom_room(layout)))
         bottom = max(bottom, layout.bottom) if items and held_in == "bottom" else bottom
     strip = STRIP if items and held_in == "strip" else 0.0
-    legend = LEGEND if overlay is not None and overlay.has_colors else 0.0
+    legend = 0.0
+    if overlay is not None and overlay.has_colors:
+        # Large pictures are made smaller to be looked at.
+        legend = LEGEND * max(1.0, max(columns, rows) / _LEGEND_CELLS)
     layout = Layout(columns, rows, margin, side, bottom, items, held_in, strip, legend)
     return with_rules(level, overlay, layout) if overlay is not None and overlay.rules else layout
 

@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.render.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.icons import INK, RIM, Commands, Spot
 from babyrobot_levels.render.scene.layout import Layout
 from babyrobot_levels.render.scene.shapes import (
@@ -60,7 +60,7 @@ def mark_shapes(level: GridWorld, slots: Slots, effects: Effects) -> Iterator[Sh
     placed: dict[tuple[Figure, float], list[Spot]] = {}
     for cell, figure, wide, strength in _marks(effects):
         box = slots.icon(cell)
-        (x, y), scale = box.centre, _SIZES[strength - 1] * box.width / wide
+        (x, y), scale = box.centre, round(_SIZES[strength - 1] * box.width / wide, 3)
         if cell in rings or cell in beside:
             scale /= 2
         if cell in beside:
@@ -151,11 +151,15 @@ _GLINT_SHADE = "#2b5d8c"
 def sheen_shapes(skids: Mapping[Cell, int], layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield the glints of slippery cells; the shade below them is seen on light grounds.
 
+    They give way to values of actions, which fill the cells.
+
     Args:
         skids: the slippery cells, with a strength from 1 to 3.
         layout: where the cells are.
         slots: what else stands there.
     """
+    if slots.shown.actions:
+        return
     scale, right, down = _SMALL_GLINTS if slots.is_crowded else (1.0, 0.0, 0.0)
     for color, opacity, width, away in ((_GLINT_SHADE, 0.5, 2.0, 1.0), (RIM, 0.75, 2.4, 0.0)):
         commands: list[Command] = []

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
-from babyrobot_levels.render.scene.arrows import busy_cells
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
 from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
@@ -25,7 +24,7 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
-from babyrobot_levels.render.scene.texts import coordinate_texts, note_shapes
+from babyrobot_levels.render.scene.texts import busy_cells, coordinate_texts, note_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -77,7 +76,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
     colors = level.resolved_theme.colors
-    covered = busy_cells(level, layout, slots)
+    covered = busy_cells(level, layout, slots) | {*level.starts}
     form = number_form(heat.values.values(), overlay.precision)
     if form.is_readable(layout) and slots.shown.number:
         for cell, value in heat.values.items():
@@ -94,7 +93,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             if tile is None:
                 ink, ground = colors.text_fg, colors.text_bg
             else:
-                ink, ground = ink_on(tile), tile if cell in covered else None
+                ink, ground = ink_on(tile), tile if cell in covered or slots.shown.second else None
             yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
     yield from _action_labels(heat, covered)
 
@@ -128,7 +127,7 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
             if value is not None:
                 box = box.moved(*layout.corner(*cell))
                 color = heat.scale.color(value)
-                ground = color if cell in covered else None
+                ground = color if cell in covered or slots.shown.arrows else None
                 is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
                 yield from number_shapes(
                     value, form, box, ink_on(color), ground, anchor=anchor, bold=is_best
@@ -152,6 +151,8 @@ _LEAST = 0.005
 """The probability below which an action has no arrow."""
 _RIM = 2.0
 """The width of the rim that makes an arrow visible on every background."""
+_MOST_RIMMED = 100
+"""The most columns and rows with rims: in larger pictures they would be finer than a pixel."""
 
 Lengths = Mapping[int, float]
 """The length of the arrow of each action, as a share of the longest."""
@@ -200,11 +201,12 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
-    rim = rim_on([color])
-    if lines:
-        yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
-    if tips:
-        yield Path(tips, stroke=rim, width=2 * _RIM)
+    if max(layout.columns, layout.rows) <= _MOST_RIMMED:
+        rim = rim_on([color])
+        if lines:
+            yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
+        if tips:
+            yield Path(tips, stroke=rim, width=2 * _RIM)
     if lines:
         yield Path(lines, stroke=color, width=_WIDTH, cap="round")
     if tips:

@@ -31,6 +31,8 @@ _CHARACTER_WIDTH = 0.54
 """The average width of a character, as a share of the font size."""
 
 _MORE = "…"
+_FEWEST = 3
+"""The fewest rows of a box that has no room for all."""
 
 
 class Row(NamedTuple):
@@ -59,7 +61,10 @@ def height_for(texts: Sequence[str], width: float) -> float:
 
 
 def rows_in(texts: Sequence[str], width: float, height: float) -> list[Row]:
-    """Return the rows in a box; if there are too many, the last one says that there are more."""
+    """Return the rows in a box; if there are too many, the last one says that there are more.
+
+    There are none where hardly any would fit.
+    """
     rows: list[Row] = []
     column, down = 0, 0.0
     room, columns = height - 2 * _EDGE + _BETWEEN, _columns(width)
@@ -68,7 +73,9 @@ def rows_in(texts: Sequence[str], width: float, height: float) -> list[Row]:
         if down + tall > room and rows:
             column, down = column + 1, 0.0
         if column == columns or tall > room:
-            return [*rows[:-1], rows[-1]._replace(rule=None, lines=[_MORE])] if rows else []
+            if len(rows) < _FEWEST:
+                return []
+            return [*rows[:-1], rows[-1]._replace(rule=None, lines=[_MORE])]
         rows.append(Row(number, _EDGE + column * width / columns, _EDGE + down, lines))
         down += tall
     return rows

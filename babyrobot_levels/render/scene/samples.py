@@ -10,7 +10,7 @@ from babyrobot_levels.language.looks import Display
 from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.walls import Wall
 from babyrobot_levels.mdp.gridworld import GridWorld
-from babyrobot_levels.render.scene.effects import Effects, effects_of
+from babyrobot_levels.render.effects import Effects, effects_of
 from babyrobot_levels.render.scene.ground import ground_shapes, puddle_shapes
 from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes
 from babyrobot_levels.render.scene.layout import CELL, Layout

@@ -14,8 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.render.colors import contrast, rgba
-from babyrobot_levels.render.scene.tones import is_gray
+from babyrobot_levels.render.colors import contrast, is_gray, rgba
 
 STEPS = 64
 """The number of steps of a scale: equal neighbours are painted as one."""

@@ -39,7 +39,7 @@ ROBOT_CORNER = (33.0, 0.5)
 _TOP, _FOOT, _EDGE, _GAP = 4.0, CELL - 4.0, 3.0, 2.0
 _WORD, _COORDINATES = 10.25, 12.0
 _LONGEST = 15.0
-_SHORTEST = 8.0
+_SHORTEST, _BESIDE_ACTIONS = 5.0, 8.0
 _CORNER, _CORNER_OF_ACTIONS, _TINY = 20.0, 14.0, 9.0
 _LABEL_MARGIN = 16.0
 
@@ -73,11 +73,19 @@ class Box(NamedTuple):
 
 
 class Label(NamedTuple):
-    """The label of an area: its box in the picture, the font size, and as much text as fits."""
+    """The label of an area.
+
+    Attributes:
+        box: its box in the picture.
+        size: its font size.
+        text: as much of it as fits.
+        columns: the columns of the area.
+    """
 
     box: Box
     size: float
     text: str
+    columns: range
 
 
 class Shown(NamedTuple):
@@ -134,7 +142,7 @@ class Plan(NamedTuple):
     arrow: Box
     number: Box
     second: Box
-    coordinates: Box
+    coordinates: Box | None
     word: Box | None
     free: Box
 
@@ -217,7 +225,7 @@ def standing_cells(level: GridWorld) -> tuple[frozenset[Cell], frozenset[Cell]]:
     stands[mdp.next_state[enters]] = True
 
     def cells(flags: NDArray[np.bool_]) -> frozenset[Cell]:
-        found = flags.reshape(-1, mdp.cells).any(axis=0).nonzero()[0]
+        (found,) = np.nonzero(flags.reshape(-1, mdp.cells).any(axis=0))
         return frozenset((cell % mdp.width, cell // mdp.width) for cell in found.tolist())
 
     acting = cells(stands & going_on)
@@ -231,8 +239,10 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if is_labelled:
         top = max(top, contents.label_foot + _GAP)
     foot = min(foot, contents.label_top - _GAP)
-    coordinates = Box(6, top, CELL / 2, top + 10)
     answers = contents.acts and shown.fills_cells
+    coordinates: Box | None = None
+    if shown.coordinates and not (is_labelled and answers and shown.is_crowded):
+        coordinates = Box(6, top, CELL / 2, top + 10)
     word: Box | None = None
     if contents.word and not answers:
         word = Box(4, CELL - 5 - _WORD, CELL - 4, CELL - 5)
@@ -249,7 +259,7 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
         upper = top
     if is_labelled and not is_left_taken and not shown.second:
         upper = top
-    reach = _SHORTEST if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
+    reach = _BESIDE_ACTIONS if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
     y = min(max(CELL / 2, upper + reach), foot - reach)
     arrow = Box(CELL / 2 - reach, y - reach, CELL / 2 + reach, y + reach)
     if answers and shown.is_crowded:
@@ -289,16 +299,22 @@ def _labels(level: GridWorld, layout: Layout, *, at_foot: bool) -> Iterator[Labe
         width, height = len(text) * size * CHARACTER_WIDTH + size, 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
         top += area.size[1] * CELL - height - _TOP if at_foot else _TOP
-        yield Label(Box(x - width / 2, top, x + width / 2, top + height), size, text)
+        box = Box(x - width / 2, top, x + width / 2, top + height)
+        yield Label(box, size, text, range(area.at[0], area.at[0] + area.size[0]))
 
 
 def _covered(
     labels: tuple[Label, ...], layout: Layout, *, at_foot: bool
 ) -> Iterator[tuple[Cell, tuple[float, float]]]:
-    """Yield the cells that labels cover, with `label_foot` and `label_top` of their contents."""
-    for (left, top, right, bottom), _, _ in labels:
-        y = int((top - layout.margin) // CELL)
+    """Yield the cells beside labels, with `label_foot` and `label_top` of their contents.
+
+    What stands in one row of an area is in line.
+    """
+    for label in labels:
+        y = int((label.box.top - layout.margin) // CELL)
         edge = layout.corner(0, y)[1]
-        first, last = (int((place - layout.margin) // CELL) for place in (left, right))
-        for x in range(first, last + 1):
-            yield (x, y), (0.0, top - edge) if at_foot else (bottom - edge, CELL)
+        for x in label.columns:
+            yield (
+                (x, y),
+                (0.0, label.box.top - edge) if at_foot else (label.box.bottom - edge, CELL),
+            )

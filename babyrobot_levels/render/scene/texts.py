@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.render.colors import ink_on, plate_for
-from babyrobot_levels.render.scene.arrows import busy_cells
+from babyrobot_levels.render.scene.arrows import crossed_cells
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
@@ -55,7 +57,7 @@ def label_shapes(level: GridWorld, slots: Slots) -> Iterator[Shape]:
     """Yield the labels of areas, on a background that keeps them readable."""
     colors = level.resolved_theme.colors
     plate = plate_for(colors.text_fg, colors.text_bg)
-    for box, size, text in slots.labels:
+    for box, size, text, _ in slots.labels:
         yield Rect(*box[:2], box.width, box.height, plate, radius=box.height / 2)
         yield Text(box.centre[0], box.top + 1.02 * size, text, size, colors.text_fg)
 
@@ -91,8 +93,8 @@ def coordinate_texts(
         level: the level.
         layout: where its cells are.
         slots: what stands where in them.
-        colors_of: returns the colours of a cell, from the north clockwise; by default, that of
-            its ground.
+        colors_of: returns the colours of a cell: one, or those from the north clockwise; by
+            default, that of its ground.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
@@ -100,16 +102,32 @@ def coordinate_texts(
     if level.exit_one_of is None:
         fills |= dict.fromkeys(level.exits, colors.exit_text)
     for x, y in layout.cells():
-        if not blocked[y * layout.columns + x]:
-            box = slots.plan((x, y)).coordinates.moved(*layout.corner(x, y))
+        place = slots.plan((x, y)).coordinates
+        if place is not None and not blocked[y * layout.columns + x]:
+            box = place.moved(*layout.corner(x, y))
             text = f"{x},{y}"
-            # They lie on the northern and the western part of a cell with values of actions.
-            below = colors_of((x, y))[::3] if colors_of else [grounds[x, y]]
             is_end = slots.is_small((x, y)) and (x, y) in fills
-            if is_end:
-                below = [grounds[x, y]]
-            fill = ink_on(below, fills.get((x, y), colors.arrows))
-            if is_end or (x, y) in busy:
+            below = colors_of((x, y)) if colors_of and not is_end else (grounds[x, y],)
+            if is_end or (x, y) in busy or len(below) > 1:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
                 yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
+            fill = ink_on(below[:1], fills.get((x, y), colors.arrows))
             yield Text(box.left, box.bottom, text, _COORDINATE_SIZE, fill, "start")
+
+
+def busy_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
+    """Return the cells in which texts may lie on puddles, arrows of warps, things or tracks."""
+    cells = crossed_cells(level, layout, slots)
+    cells |= {puddle.at for puddle in level.puddles} | {warp.at for warp in level.warps}
+    cells |= {switch.at for switch in level.switches}
+    cells |= {cell for item in level.items for cell in item.places}
+    cells |= {*(level.exit_one_of or ())}
+    for door in level.doors:
+        dx, dy = DELTAS[next(action for action in DELTAS if action.name[0] == door.side)]
+        cells |= {cell for x, y in sides_of(door) for cell in ((x, y), (x + dx, y + dy))}
+    for mover in level.movers:
+        cells.update(mover.path or ())
+        if mover.within is not None:
+            (left, top), (width, height) = mover.within.at, mover.within.size
+            cells |= {(left + x, top + y) for x in range(width) for y in range(height)}
+    return cells

@@ -6,13 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from babyrobot_levels.language.looks import Colors
-from babyrobot_levels.render.colors import gray, rgba
+from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.scene.shapes import Path, Shape
-
-
-def is_gray(colors: Colors) -> bool:
-    """Return whether all colours of a theme are greys."""
-    return all(len({*rgba(color)[:3]}) == 1 for color in colors.model_dump().values())
 
 
 def toned(shapes: Iterable[Shape], colors: Colors) -> tuple[Shape, ...]:

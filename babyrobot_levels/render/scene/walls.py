@@ -102,7 +102,8 @@ def casing_shapes(level: GridWorld, layout: Layout, beside: Beside) -> Iterator[
                 if contrast(style.outline, ground := beside((column, row), name)) < GRAPHICS
             }
             if faint and style.width > 0:
-                drawn.setdefault((rim_on(faint.values()), style, sum(faint)), []).append(edge)
+                rim = rim_on([*faint.values(), style.outline])
+                drawn.setdefault((rim, style, sum(faint)), []).append(edge)
     for (rim, style, side), edges in drawn.items():
         # On one side, a line beside the wall; on both, a wider one below it.
         away = side * (style.width + _CASING) / 2

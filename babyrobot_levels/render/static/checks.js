@@ -162,16 +162,14 @@ function checkAdvice({ policy, walker, marks, returns, turns, picture }, states)
   checkNumbers(policy, states, 4);
   checkReturns(returns);
   const last = list(picture?.marks ?? []).length - 1;
-  for (const name of ["heat", "values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
+  for (const name of ["values", "policy"]) checkNumbers(marks?.[name] ?? null, states, last);
   if (turns === undefined) return;
   need(turns !== null && typeof turns === "object" && typeof turns.on === "boolean");
   whole(turns.heading, 0, 3);
   text(turns.best);
   checkReturns(turns.returns);
   checkNumbers(turns.policy, 4 * states, 2);
-  for (const name of ["heat", "values"]) {
-    checkNumbers(turns.marks?.[name] ?? null, 4 * states, last);
-  }
+  checkNumbers(turns.marks?.values ?? null, 4 * states, last);
 }
 
 /** The returns of the optimal policy, ascending, with their average, and that of random actions. */

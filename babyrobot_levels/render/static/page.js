@@ -131,6 +131,8 @@ function lookAround() {
 function showResult() {
   find("result").hidden = game.end === null;
   if (game.end === null) return;
+  // The card does not cover the robot.
+  find("result").classList.toggle("high", 2 * game.place(game.state)[1] >= game.data.height);
   const stars = starsOf(game);
   find("result-title").textContent = titleOf(game);
   find("stars").hidden = find("result-help").parentElement.hidden = stars === null;

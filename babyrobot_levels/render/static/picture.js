@@ -21,6 +21,7 @@ function levelPicture(data) {
     width,
     height,
     role: "img",
+    "aria-describedby": "alt",
     "font-family": FONT,
     "stroke-linejoin": "round",
   },

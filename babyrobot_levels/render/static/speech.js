@@ -31,10 +31,11 @@ function surroundings(game) {
   ].join(" ");
 }
 
-/** Return a distance in cells, in words. */
+/** Return a distance in words. */
 function direction(dx, dy) {
-  const parts = [[Math.abs(dx), dx > 0 ? "east" : "west"], [Math.abs(dy), dy > 0 ? "south" : "north"]]
-    .filter(([cells]) => cells > 0)
-    .map(([cells, side]) => `${cells} ${side}`);
+  const parts = [[Math.abs(dx), "column", dx > 0 ? "east" : "west"],
+    [Math.abs(dy), "row", dy > 0 ? "south" : "north"]]
+    .filter(([count]) => count > 0)
+    .map(([count, line, side]) => `${count} ${line}${count > 1 ? "s" : ""} ${side}`);
   return parts.length === 0 ? "here" : listed(parts);
 }

@@ -139,11 +139,20 @@ function thingElements({ things = [], picture }, painter) {
   const looks = list(picture.looks ?? []).map((look, index) =>
     element("g", { id: `look-${index}` }, ...painter.layer(look)));
   const marks = list(picture.marks ?? []).map((mark) => element("g", {}, ...painter.layer(mark)));
+  const side = COMMON.cell;
+  // The lines between the cells are seen beside their tiles.
+  const tiles = list(picture.tiles ?? []).map((tile) => element("rect", {
+    x: 0.5, y: 0.5, width: side - 1, height: side - 1, fill: painter.color(tile),
+  }));
   const still = things.filter(({ kind }) => kind !== "mover").map(() => element("g", {}));
   const moving = things.filter(({ kind }) => kind === "mover").map(({ label }) =>
     element("g", {}, element("use", {}), ...(label < 0 ? [] : [lookElement(label)])));
   return {
-    definitions: [...looks, element("g", { id: "marks" }, ...marks)],
+    definitions: [
+      ...looks,
+      element("g", { id: "marks" }, ...marks),
+      element("g", { id: "tiles" }, ...tiles),
+    ],
     still: element("g", { id: "things" }, ...still),
     moving: element("g", { id: "movers" }, ...moving),
   };
@@ -154,6 +163,7 @@ class MarksLayer {
   constructor(game, svg) {
     this.game = game;
     this.shapes = [...svg.querySelector("#marks").children];
+    this.tiles = [...svg.querySelector("#tiles").children];
     this.layers = ["heat", "values", "policy"].map((name) => svg.querySelector(`#${name}`));
     this.shown = this.layers.map(() => []);
   }
@@ -166,7 +176,8 @@ class MarksLayer {
     const first = number - (number % cells);
     this.layers.forEach((layer, index) => {
       if (layer.classList.contains("hidden")) return;
-      const numbers = (marks[layer.id] ?? []).slice(first, first + cells);
+      const name = layer.id === "heat" ? "values" : layer.id;
+      const numbers = (marks[name] ?? []).slice(first, first + cells);
       for (let cell = 0; cell < cells; cell++) this.put(layer, index, cell, numbers[cell] ?? -1);
     });
   }
@@ -177,7 +188,8 @@ class MarksLayer {
     shown[cell]?.group.remove();
     const [left, top] = this.game.corner(...this.game.place(cell));
     const group = element("g", { transform: `translate(${left} ${top})` });
-    if (mark >= 0) group.append(this.shapes[mark].cloneNode(true));
+    const shape = (layer.id === "heat" ? this.tiles : this.shapes)[mark];
+    if (shape !== undefined) group.append(shape.cloneNode(true));
     layer.append(group);
     shown[cell] = { mark, group };
   }

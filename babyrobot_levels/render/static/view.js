@@ -20,6 +20,7 @@ class View {
       const scale = this.svg.getBoundingClientRect().width / width;
       stage.scrollTo(scale * (clientX - left) - stage.clientWidth / 2,
         scale * (clientY - top) - stage.clientHeight / 2);
+      this.drawMap();
     };
     map.addEventListener("pointerdown", seek);
     map.addEventListener("pointermove", seek);

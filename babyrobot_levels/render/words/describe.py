@@ -13,7 +13,7 @@ from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.grounds import grounds_of
-from babyrobot_levels.render.words.things import spoken
+from babyrobot_levels.render.words.things import item_count, spoken
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Item
@@ -66,7 +66,7 @@ def _sentences(level: GridWorld, cell: Cell, now: Configuration | None) -> Itera
         yield f"It holds the {spoken(now.held)}."
     yield _exits(level, cell, now)
     if ends := _ends(level):
-        yield f"The episode {'also ' if level.exits else ''}ends at {ends}."
+        yield f"The episode {'also ' if level.exits else ''}ends in {ends}."
     if found := [*_things(level, now), *_features(level)]:
         yield f"On the grid: {listed(found)}."
 
@@ -126,12 +126,12 @@ def _exits(level: GridWorld, cell: Cell, now: Configuration | None) -> str:
 
 def _ends(level: GridWorld) -> str:
     """Return the cells other than exits that end the episode."""
-    grounds = [ground for ground in grounds_of(level) if ground.ends]
-    ends = [(ground.label, cell) for ground in grounds for cell in ground.cells]
-    if len(ends) > _MOST_PLACES:
-        return f"{len(ends):,} cells"
-    places = [(label, divmod(cell, level.size[0])) for label, cell in ends]
-    return listed([f"{label} {show_cell((x, y))}".strip() for label, (y, x) in places])
+    grounds = [ground for ground in grounds_of(level) if ground.end is not None]
+    ends = [(ground.name, cell) for ground in grounds for cell in ground.places(level)]
+    if len(ends) <= _MOST_PLACES:
+        return listed([f"the {name} at {show_cell(cell)}" for name, cell in ends])
+    names = {name for name, _ in ends}
+    return phrases.counted(len(ends), names.pop() if len(names) == 1 else "cell")
 
 
 def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
@@ -144,8 +144,7 @@ def _things(level: GridWorld, now: Configuration | None) -> Iterator[str]:
         yield from (_item(item, cells) for item, cells in lying)
     else:
         for shape, count in Counter(item.picture for item, _ in lying).items():
-            plural = "boxes" if shape == "box" else None
-            yield phrases.counted(count, shape, plural)
+            yield item_count(count, shape)
     closed = sum(_closed(level, now))
     for count, kind in ((closed, "closed door"), (len(level.doors) - closed, "open door")):
         if count:
@@ -183,7 +182,7 @@ def _features(level: GridWorld) -> Iterator[str]:
         yield "wind"
     if blocked := sum(level.grid().blocked_cells):
         yield phrases.counted(blocked, "blocked cell")
-    ends = {ground.label for ground in grounds_of(level) if ground.ends}
+    ends = {ground.name for ground in grounds_of(level) if ground.end is not None}
     labels = dict.fromkeys(phrases.worded(phrases.name_of(area.label)) for area in level.areas)
     if shown := [label for label in labels if label and label not in ends]:
         yield f"the area{'s' if len(shown) > 1 else ''} {listed(shown)}"

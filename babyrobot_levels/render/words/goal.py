@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.words import phrases
-from babyrobot_levels.render.words.grounds import Ground, grounds_of
+from babyrobot_levels.render.words.grounds import grounds_of
 from babyrobot_levels.render.words.things import spoken
 
 if TYPE_CHECKING:
@@ -19,15 +19,15 @@ def goal_of(level: GridWorld) -> str:
     """Return what there is to do as one sentence, such as "Fetch the key, then go to the exit.".
 
     What has to be fetched or switched on is what is held or on in every episode that ends at an
-    exit. An end that pays more than the exit, or than all others, is the one to reach.
+    exit. Of other good ends, the one that pays most is named if it pays more than the exit.
 
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
     """
-    ends = [ground for ground in grounds_of(level) if ground.ends]
-    best = max(ends, key=lambda ground: ground.reward, default=None)
-    if best is not None and best.reward > _exit_reward(level):
-        return _reach(best, [end for end in ends if end.reward == best.reward])
+    good = [ground for ground in grounds_of(level) if ground.end is not None and ground.end.is_good]
+    best = max((ground.reward for ground in good), default=level.rewards.exit)
+    if good and (best > level.rewards.exit or not level.exits):
+        return _reach({ground.name for ground in good if ground.reward == best}, best)
     if not level.exits:
         limit = level.max_steps
         within = "" if limit is None else f" in {phrases.counted(limit, 'step')}"
@@ -38,19 +38,11 @@ def goal_of(level: GridWorld) -> str:
     return f"{errands}, then go to {exit_}." if errands else f"Move the robot to {exit_}."
 
 
-def _exit_reward(level: GridWorld) -> float:
-    """Return what an end must pay more than to be the one to reach."""
-    if level.exits:
-        return level.rewards.exit
-    # Where each step costs, an end is good that costs less than another step.
-    return min(0.0, level.rewards.step)
-
-
-def _reach(best: Ground, equal: list[Ground]) -> str:
+def _reach(names: set[str], reward: float) -> str:
     """Return the sentence for the ends that pay most."""
-    if len({end.label for end in equal}) == 1 and best.label:
-        return f"Reach the {best.label}."
-    return f"Reach an end of the episode that {phrases.reward(best.reward)}."
+    if len(names) == 1:
+        return f"Reach the {names.pop()}."
+    return f"Reach a cell that ends the episode and {phrases.reward(reward)}."
 
 
 def _errands(level: GridWorld) -> str:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.cells import Skid, as_skid
 from babyrobot_levels.language.moves import Warp
+from babyrobot_levels.render.effects import End, effects_of
 from babyrobot_levels.render.words import phrases
 
 if TYPE_CHECKING:
@@ -23,21 +24,24 @@ class Ground:
 
     Attributes:
         cells: the numbers of its cells, row by row.
-        color: its colour; None for that of all other cells.
-        label: the label of its area; empty without one, or if it has no letters.
+        name: what it is called: by its label, by its mark in pictures, or by its colour.
         reward: the reward for entering it.
         skid: its own skid; None for that of the level.
-        ends: whether it ends the episode.
+        end: how it ends the episode; None if it does not.
         warp: the warp in it.
     """
 
     cells: tuple[int, ...]
-    color: str | None
-    label: str
+    name: str
     reward: float
     skid: Skid | None
-    ends: bool
+    end: End | None
     warp: Warp | None
+
+    def places(self, level: GridWorld) -> list[tuple[int, int]]:
+        """Return its cells as `(x, y)`."""
+        width = level.size[0]
+        return [(cell % width, cell // width) for cell in self.cells]
 
 
 def grounds_of(level: GridWorld) -> Iterator[Ground]:
@@ -66,26 +70,43 @@ def grounds_of(level: GridWorld) -> Iterator[Ground]:
     by_kind = np.argsort(kind.ravel(), kind="stable")
     ends = np.cumsum(np.bincount(kind.ravel()))[:-1]
     cells = [tuple(places[part].tolist()) for part in np.split(by_kind, ends)]
+    told = effects_of(level).ends
     wet = {y * width + x for x, y in (puddle.at for puddle in level.puddles)}
     for index in sorted(range(kinds.shape[1]), key=lambda index: cells[index][0]):
         *areas, warp = kinds[:, index].tolist()
-        ground = _ground(level, cells[index], areas, warp)
-        if ground.ends or ground.cells[0] not in wet:
+        ground = _ground(level, cells[index], areas, warp, told)
+        if ground.end or ground.cells[0] not in wet:
             yield ground
 
 
-def _ground(level: GridWorld, cells: tuple[int, ...], areas: list[int], warp: int) -> Ground:
+def _ground(
+    level: GridWorld,
+    cells: tuple[int, ...],
+    areas: list[int],
+    warp: int,
+    told: Mapping[tuple[int, int], End],
+) -> Ground:
     def given(name: str) -> Area | None:
         number = areas[_PROPERTIES.index(name)]
         return level.areas[number] if number >= 0 else None
 
     color, label, reward, skid, ends = (given(name) for name in _PROPERTIES)
+    y, x = divmod(cells[0], level.size[0])
+    end = told.get((x, y)) if ends and ends.ends else None
+    name = phrases.worded(phrases.name_of(label.label)) if label else ""
+    if not name and end is not None:
+        name = "chest" if end.is_good else "trap" if end.costs else "hole"
+    elif not name and warp >= 0:
+        name = "warp"
+    elif not name:
+        shown = color.color if color else None
+        theme = level.resolved_theme.colors
+        name = "some cells" if shown is None else f"{phrases.color_name(shown, theme)} cell"
     return Ground(
         cells=cells,
-        color=color.color if color else None,
-        label=phrases.worded(phrases.name_of(label.label)) if label else "",
+        name=name,
         reward=reward.reward if reward and reward.reward is not None else level.rewards.step,
         skid=as_skid(skid.skid) if skid and skid.skid is not None else None,
-        ends=bool(ends and ends.ends),
+        end=end,
         warp=level.warps[warp] if warp >= 0 else None,
     )

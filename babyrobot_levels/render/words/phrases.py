@@ -7,8 +7,10 @@ from collections.abc import Iterable, Sequence
 
 from babyrobot_levels.language.cells import Skid
 from babyrobot_levels.language.geometry import show_cell
+from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.runs import consecutive
-from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.render.colors import gray, is_gray, rgba
 from babyrobot_levels.text.diagnostics import one_line
 
 LONGEST_NAME = 28
@@ -87,13 +89,11 @@ def counted(count: int, singular: str, plural: str | None = None) -> str:
 
 
 def ranges(numbers: Iterable[int]) -> str:
-    """Return whole numbers in ascending order, neighbours as a range: `0, 3 to 5 and 8`."""
-    parts = []
+    """Return whole numbers in ascending order, three neighbours as a range: `0, 3 to 5 and 8`."""
+    parts: list[str] = []
     for run in consecutive(sorted(numbers), lambda number: (None, number)):
-        first, last = run[0], run[-1]
-        between = " to " if last - first > 1 else " and "
-        parts.append(f"{first}" if first == last else f"{first}{between}{last}")
-    return " and ".join([", ".join(parts[:-1]), parts[-1]] if len(parts) > 1 else parts)
+        parts += [f"{run[0]} to {run[-1]}"] if len(run) > 2 else map(str, run)
+    return listed(parts)
 
 
 def cells(places: Iterable[Sequence[int]]) -> str:
@@ -101,8 +101,15 @@ def cells(places: Iterable[Sequence[int]]) -> str:
     return ", ".join(show_cell((x, y)) for x, y in places)
 
 
-def color_name(color: str) -> str:
-    """Return a CSS colour as one of a few words: `dark blue`, `grey`."""
+def color_name(color: str, colors: Colors) -> str:
+    """Return a CSS colour as a theme shows it, in one of a few words: `dark blue`, `grey`.
+
+    Args:
+        color: the colour.
+        colors: those of the theme.
+    """
+    if is_gray(colors):
+        color = gray(color)
     red, green, blue, _ = rgba(color)
     hue, light, saturation = colorsys.rgb_to_hls(red / 255, green / 255, blue / 255)
     if light < 0.08 or light > 0.95:

@@ -55,15 +55,21 @@ def rules_of(level: GridWorld) -> tuple[Rule, ...]:
 
 
 def _told(level: GridWorld) -> Told:
-    grounds = sorted(grounds_of(level), key=lambda ground: -abs(ground.reward))
+    grounds = [*grounds_of(level)]
+    ends = sorted(
+        (ground for ground in grounds if ground.end is not None), key=lambda ground: -ground.reward
+    )
+    others = sorted(
+        (ground for ground in grounds if ground.end is None), key=lambda ground: -abs(ground.reward)
+    )
     yield from _exits(level)
-    yield from _grounds(level, [ground for ground in grounds if ground.ends])
+    yield from _grounds(level, ends)
     yield Rule("ground", f"each step: {phrases.reward(level.rewards.step)}")
     yield from (Rule(sample, text) for sample, text in thing_rules(level))
     if level.skid is not None:
         yield Rule("ground", f"each move: {phrases.skidding(as_skid(level.skid))}")
     yield from _puddles(level)
-    yield from _grounds(level, [ground for ground in grounds if not ground.ends])
+    yield from _grounds(level, others)
     yield from _wind(level)
     yield from _glass(level)
     yield from _step_rewards(level)
@@ -106,23 +112,15 @@ def _puddles(level: GridWorld) -> Told:
 
 def _grounds(level: GridWorld, grounds: list[Ground]) -> Told:
     """Yield what kinds of ground do; those of the same name that do the same once."""
-    arrows = sum(_name(ground) == "warp" for ground in grounds) > 1
+    arrows = sum(ground.name == "warp" for ground in grounds) > 1
     told: dict[str, list[int]] = defaultdict(list)
     for ground in grounds:
         effects = list(_effects(level, ground, arrows=arrows))
         if effects:
-            told[f"{_name(ground)}: {', '.join(effects)}"] += ground.cells
+            told[f"{ground.name}: {', '.join(effects)}"] += ground.cells
     for text, cells in islice(told.items(), _MOST_GROUNDS):
         y, x = divmod(cells[0], level.size[0])
         yield Rule(f"cell:{x},{y}", text, tuple(sorted(cells)))
-
-
-def _name(ground: Ground) -> str:
-    if ground.label:
-        return ground.label
-    if ground.warp is not None:
-        return "warp"
-    return "some cells" if ground.color is None else f"{phrases.color_name(ground.color)} cell"
 
 
 def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]:
@@ -130,19 +128,19 @@ def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]
     warp, reward = ground.warp, ground.reward
     if warp is not None and warp.reward is not None:
         reward = warp.reward
-    if ground.ends:
+    if ground.end is not None:
         yield "ends the episode"
-    if ground.ends or reward != level.rewards.step:
+    if ground.end is not None or reward != level.rewards.step:
         yield phrases.reward(reward)
     if warp is not None:
         moves = "every move " if warp.when == "leave" else ""
         if warp.to == "start":
             yield f"{moves}leads back to the start"
-        elif arrows and _name(ground) == "warp":
+        elif arrows and ground.name == "warp":
             yield f"{moves}leads along its arrow"
         else:
             yield f"{moves}leads to {phrases.cells([warp.to])}"
-    elif ground.skid is not None and not ground.ends and ground.skid != _usual(level):
+    elif ground.skid is not None and ground.end is None and ground.skid != _usual(level):
         yield phrases.skidding(ground.skid)
 
 
@@ -172,7 +170,7 @@ def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:
         places = {0: [number for numbers in places.values() for number in numbers]}
     else:
         strengths = ""
-    parts = []
+    parts: list[str] = []
     for strength, numbers in sorted(places.items()):
         cells = strengths or f"{phrases.counted(strength, 'cell')} {side if not parts else ''}"
         which = lines if len(numbers) == 1 else f"{lines}s"

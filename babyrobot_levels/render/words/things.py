@@ -11,7 +11,7 @@ from babyrobot_levels.mdp.doors import door_name
 from babyrobot_levels.render.words import phrases
 
 if TYPE_CHECKING:
-    from babyrobot_levels.language.things import Door, Item, Mover
+    from babyrobot_levels.language.things import Door, Item, Mover, Switch
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 Names = tuple[str, ...]
@@ -22,30 +22,38 @@ def spoken(names: Sequence[str]) -> str:
     return listed([phrases.name_of(name.replace("-", " ")) for name in names])
 
 
+def item_count(count: int, shape: str) -> str:
+    """Return a number of items of a shape: `6 coins`."""
+    return phrases.counted(count, shape, "boxes" if shape == "box" else None)
+
+
 def thing_rules(level: GridWorld) -> Iterator[tuple[str, str]]:
     """Yield what items and switches do, then movers: each as a sample's name and a text."""
     acts = _acts(level)
-    switches = {switch.name: switch for switch in level.switches}
-    told = {(item.name,) for item in level.items if item.reward is not None} | {*acts}
+    pays = {item.name: item.reward for item in level.items if item.reward is not None}
+    told = {(name,) for name in pays} | {*acts}
     for (shape, _), items in _by_look(level.items).items():
-        lone = [item for item in items if (item.name,) not in acts and item.reward is not None]
+        lone = [item.name for item in items if item.name in pays and (item.name,) not in acts]
         if len(lone) > 1:
-            pays = phrases.rewards(item.reward for item in lone if item.reward is not None)
-            yield f"item:{lone[0].name}", f"{len(lone)} {shape}s: each {pays}"
-            told -= {(item.name,) for item in lone}
-    order = [item.name for item in level.items] + [switch.name for switch in level.switches]
-    pays = {item.name: item.reward for item in level.items}
+            each = phrases.rewards(pays[name] for name in lone)
+            yield f"item:{lone[0]}", f"{item_count(len(lone), shape)}: each {each}"
+            told -= {(name,) for name in lone}
+    switches = {switch.name: switch for switch in level.switches}
+    order = [item.name for item in level.items] + [*switches]
     for names in sorted(told, key=lambda names: [order.index(name) for name in names]):
-        kind = "switch" if names[0] in switches else "item"
+        switch = switches.get(names[0])
         parts = [f"{verb if len(names) == 1 else verb[:-1]} {what}" for verb, what in acts[names]]
-        value = pays.get(names[0]) if len(names) == 1 else None
-        parts += [] if value is None else [phrases.reward(value)]
-        when = ""
-        if kind == "switch" and len(names) == 1:
-            switch = switches[names[0]]
-            when = f"{'flips once, ' * switch.once}{'on at first, ' * switch.on}while on: "
+        if len(names) == 1 and names[0] in pays:
+            parts.append(phrases.reward(pays[names[0]]))
+        when = _when(switch) if switch is not None and len(names) == 1 else ""
+        kind = "item" if switch is None else "switch"
         yield f"{kind}:{names[0]}", f"{spoken(names)}: {when}{', '.join(parts)}"
     yield from _movers(level)
+
+
+def _when(switch: Switch) -> str:
+    """Return when a switch does what it does."""
+    return f"{'flips once, ' * switch.once}{'on at first, ' * switch.on}while on: "
 
 
 def _acts(level: GridWorld) -> dict[Names, list[tuple[str, str]]]:
@@ -80,7 +88,7 @@ def _color(level: GridWorld, door: Door) -> str | None:
     """Return the colour of a door in words: its own, or that of the first item that it needs."""
     named = {item.name: item.color for item in level.items}
     color = door.color or next((named[name] for name in door.keys if name in named), None)
-    return None if color is None else phrases.color_name(color)
+    return None if color is None else phrases.color_name(color, level.resolved_theme.colors)
 
 
 def _by_look(items: Iterable[Item]) -> dict[tuple[str, str | None], list[Item]]:

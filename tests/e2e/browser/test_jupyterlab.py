@@ -45,6 +45,17 @@ import babyrobot_levels as brl
 brl.load("final-maze")"""
 
 
+WIDE = [
+    "import babyrobot_levels as brl",
+    'brl.Level(version=1, size=(40, 20), maze={"seed": 1})',
+    'brl.strip([*brl.value_iteration("final-maze")][1:9:2])',
+    'brl.diff("maze", "walls")',
+    '[*brl.sarsa("cliff-walking", 50)][-1]',
+    "brl.levels()[:3]",
+]
+"""Cells whose pictures would be wider than the cell, or as wide."""
+
+
 # -- what should be seen ---------------------------------------------------------------------
 
 
@@ -172,3 +183,27 @@ def test_the_pictures_of_a_saved_notebook_are_still_there(served: Served, page: 
         assert wrong(picture, landmarks(LEVEL)) == []
         assert "Error" not in notebook.output(0).inner_text()
         at_rest_in(start, still(notebook, 2))
+
+
+@pytest.mark.parametrize("width", [700, 1300])
+def test_pictures_fit_the_width_of_their_cell(served: Served, page: Page, width: int) -> None:
+    page.set_viewport_size({"width": width, "height": 900})
+    served.write("wide.ipynb", *WIDE)
+    notebook = served.open(page, "wide.ipynb")
+    notebook.run(*range(len(WIDE)))
+    notebook.save()
+    text = (served.root / "wide.ipynb").read_text("utf-8")
+    (served.root / "passed-on.ipynb").write_text(text.replace("import ", "import  "), "utf-8")
+    for name in ("wide.ipynb", "passed-on.ipynb"):
+        # What was passed on by others JupyterLab does not trust.
+        notebook = served.open(page, name)
+        for number in range(1, len(WIDE)):
+            images = notebook.output(number).locator("img")
+            images.first.wait_for()
+            area = notebook.output(number).bounding_box()
+            assert area
+            for image in images.all():
+                box = image.bounding_box()
+                assert box
+                assert box["width"] > 20
+                assert box["x"] + box["width"] <= area["x"] + area["width"] + 1, (name, number)

@@ -105,7 +105,8 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     page.wait_for_selector("body.ready")
     drawn = page.evaluate(
         "() => { const svg = document.querySelector('#stage svg'); svg.removeAttribute('style');"
-        " svg.querySelector('#robot').remove();"
+        " for (const part of svg.querySelectorAll('g'))"
+        "   if (part.id === 'robot' || getComputedStyle(part).display === 'none') part.remove();"
         " return svg.outerHTML }"
     )
 
@@ -380,7 +381,7 @@ def test_hostile_texts_are_texts(ground: Playground) -> None:
         "best": EVIL,
         "facts": [[EVIL, EVIL]],
     }
-    data["picture"]["layers"]["grid"] = [[0, 0, [[3, 0, 9, 9, EVIL, 90]]]]
+    data["picture"]["layers"]["base"] = [[0, 0, [[3, 0, 9, 9, EVIL, 90]]]]
     ground.follow(played(data))
     expect(ground.page.locator("#notice")).to_be_hidden()
     assert ground.page.title() == EVIL
@@ -528,6 +529,15 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
         walker=None,
     ),
     "nothing that can be done": field(0, "possible", 0),
+    "a discount that grows": field(1.1, "discount"),
+    "no discount": field(None, "discount"),
+    "ends that are good without a number": field([0, None], "good"),
+    "ends of three kinds": field([0, 1, 2], "good"),
+    "a goal that is none": field(["x"], "goal"),
+    "returns that are none": field(None, "returns"),
+    "averages that are texts": field("<b>", "returns", "best"),
+    "more quantiles than there is room for": field([0] * 102, "returns", "quantiles"),
+    "quantiles that go down": field([1, 0], "returns", "quantiles"),
     "a policy too short": field([1], "policy"),
     "a policy of others": field("2222", "policy"),
     "a policy of a sixth action": field(5, "policy", 0),

@@ -44,7 +44,10 @@ def test_what_is_on_the_page_has_roles_and_names(ground: Playground) -> None:
     page = ground.page
     stage = page.get_by_role("application", name="The final maze")
     expect(stage).to_have_attribute("aria-roledescription", "grid world")
-    expect(stage.get_by_role("img", name="The final maze")).to_have_count(1)
+    picture = stage.get_by_role("img", name="The final maze")
+    expect(picture).to_have_count(1)
+    for place in (stage, picture):
+        expect(place).to_have_accessible_description(re.compile("8 columns and 5 rows.*exit"))
     expect(page.get_by_role("group", name="Actions")).to_have_count(1)
     expect(page.get_by_role("group", name="Zoom").get_by_role("button")).to_have_count(3)
     for name in ("East", "Stay", "Undo", "Hint", "Retry", "New luck", "Look around"):
@@ -101,20 +104,20 @@ def test_what_is_around_the_robot_is_told_on_demand(ground: Playground) -> None:
     ground.open(WORLD)
     ground.press("d", "l")
     around = (
-        "The robot is at [1, 0]. Closed: north and east. The exit is 2 east and 2 south. "
-        "The level has 4 columns and 3 rows."
+        "The robot is at [1, 0]. Closed: north and east. "
+        "The exit is 2 columns east and 2 rows south. The level has 4 columns and 3 rows."
     )
     assert spoken(ground) == ground.message == around
     ground.press("s")
     ground.page.get_by_role("button", name="Look around").click()
-    assert "No side is closed. The exit is 2 east and 1 south." in spoken(ground)
+    assert "No side is closed. The exit is 2 columns east and 1 row south." in spoken(ground)
 
 
 def test_a_robot_that_turns_is_told_where_it_looks(ground: Playground) -> None:
     ground.open(level(size=[4, 3], heading="E", exit=[0, 0], start=[3, 2]), turns=True)
     ground.press("l")
     assert "The robot is at [3, 2] and faces east." in spoken(ground)
-    assert "The exit is 3 west and 2 north." in spoken(ground)
+    assert "The exit is 3 columns west and 2 rows north." in spoken(ground)
 
 
 def test_a_locked_exit_is_not_told_as_one(ground: Playground) -> None:
@@ -128,7 +131,7 @@ def test_a_locked_exit_is_not_told_as_one(ground: Playground) -> None:
     ground.press("l")
     assert "exit" not in spoken(ground)
     ground.press("d", "l")
-    assert "The exit is 1 east." in spoken(ground)
+    assert "The exit is 1 column east." in spoken(ground)
 
 
 # -- closed sides ------------------------------------------------------------------------------

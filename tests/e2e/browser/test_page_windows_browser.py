@@ -246,6 +246,27 @@ def test_the_map_of_a_large_level_shows_the_window(ground: Playground) -> None:
     assert x + width == pytest.approx(1, abs=0.03)
 
 
+def test_the_map_shows_no_answers(ground: Playground) -> None:
+    world = level(size=[4, 3])
+    ground.open(world, guide=guide(world), values=True)
+    ground.press("+")
+    image = ground.page.locator("#map image").get_attribute("href") or ""
+    assert "ground" in image
+    assert "heat" not in image
+
+
+def test_the_result_does_not_cover_the_robot(ground: Playground) -> None:
+    ground.open(level(size=[4, 3], exit=[[3, 2], [2, 0]]))
+    for keys in ("dd", "ssddd"):
+        ground.press(*keys)
+        ground.wait_until_still()
+        card, robot = (box(ground.page.locator(place)) for place in ("#result", "#robot"))
+        assert card[1] > robot[3] or card[3] < robot[1]
+        ground.page.get_by_role("button", name="Close").click()
+        expect(ground.page.locator("#result")).to_be_hidden()
+        ground.press("r")
+
+
 def test_a_mouse_drags_a_picture_that_is_zoomed(ground: Playground) -> None:
     ground.open(WORLD)
     ground.press("+", "+", "+")

@@ -40,7 +40,7 @@ def held(ground: Playground) -> list[str]:
 
 
 def corners(ground: Playground, place: str) -> list[list[int]]:
-    """Return the columns and rows of the cells in which elements are."""
+    """Return the columns and rows of the cells in which elements are: of doors the left one."""
     found: list[list[int]] = ground.page.evaluate(
         """(place) => {
           const svg = document.querySelector("#stage svg").getBoundingClientRect();
@@ -48,7 +48,7 @@ def corners(ground: Playground, place: str) -> list[list[int]]:
           return [...document.querySelectorAll(place)].map((element) => {
             const box = element.getBoundingClientRect();
             return [(box.left + box.right) / 2 - svg.left, (box.top + box.bottom) / 2 - svg.top]
-              .map((middle) => Math.floor((middle / size - 3) / 64));
+              .map((middle) => Math.floor((middle / size - 4) / 64));
           });
         }""",
         place,

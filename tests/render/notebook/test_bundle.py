@@ -39,10 +39,26 @@ def test_a_level_whose_maze_is_random_shows_one_of_its_mazes() -> None:
     assert shown(level) == shown(level.with_maze_seed(0))
 
 
+def test_a_picture_that_is_wider_than_cells_is_as_wide_as_its_cell() -> None:
+    # Without a size of its own. A narrow one would be enlarged.
+    sizes = {}
+    for columns in (3, 12, 13, 60):
+        svg = ET.fromstring(shown(brl.Level(version=1, size=(columns, 3)))["image/svg+xml"])
+        assert svg.get("viewBox")
+        sizes[columns] = [svg.get("width"), svg.get("height")]
+    assert sizes == {
+        3: ["198", "198"],
+        12: ["774", "198"],
+        13: [None, None],
+        60: [None, None],
+    }
+
+
 def test_the_picture_of_a_large_level_fits_on_a_screen() -> None:
-    bundle = shown(brl.Level(version=1, size=(60, 100)))
+    bundle = shown(brl.Level(version=1, size=(10, 100)))
     svg = ET.fromstring(bundle["image/svg+xml"])
     assert max(float(svg.get(side) or 0) for side in ("width", "height")) == pytest.approx(2048)
+    bundle = shown(brl.Level(version=1, size=(60, 100)))
     picture = Image.open(io.BytesIO(base64.b64decode(bundle["image/png"])))
     assert 900_000 < picture.width * picture.height <= 1_000_000
     assert picture.width / picture.height == pytest.approx(0.6, rel=0.01)

@@ -82,7 +82,8 @@ def test_a_person_sees_a_widget_and_the_notebook_keeps_a_picture_beside_it(tmp_p
     assert f"canvas.{name}" in style["text/html"]
     assert is_picture(picture, 0)
     assert set(widget) == {WIDGET, "text/plain"}
-    assert "ipycanvas" in widget["text/plain"]
+    # Where it is not shown, nothing stands for it below the picture.
+    assert widget["text/plain"] == ""
     assert name.endswith(widget[WIDGET]["model_id"])
     opened = [told for kind, told in show if kind == "comm_open"]
     layers = {"_dom_classes": [name]}

@@ -1,0 +1,147 @@
+"""Descriptions of pictures, and where they stand in files."""
+
+from __future__ import annotations
+
+import io
+import xml.etree.ElementTree as ElementTree
+from typing import Any
+
+import pytest
+from PIL import Image
+
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.raster import to_png
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.svg import to_svg
+from babyrobot_levels.render.words.describe import MOST_CHARACTERS, describe
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def level(**fields: Any) -> Level:
+    return Level.from_fields({"version": 1, **fields})
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        (
+            "final-maze",
+            "A grid of 8 columns and 5 rows. The robot is at [0, 0], with walls to the north, "
+            "south and west. The exit is 5 columns east and 4 rows south. "
+            "On the grid: 3 small puddles and 2 large puddles.",
+        ),
+        (
+            "frozen-lake",
+            "A grid of 4 columns and 4 rows. The robot is at [0, 0], with walls to the north and "
+            "west. The exit is 3 columns east and 3 rows south. The episode also ends in 4 holes.",
+        ),
+        (
+            "treasure-chests",
+            "A grid of 7 columns and 5 rows. The robot is at [0, 4], with walls to the south and "
+            "west. There is no exit. The episode ends in the gold at [6, 0], the silver at [2, 2] "
+            "and the pit at [5, 2].",
+        ),
+        (
+            "first-key",
+            "A grid of 5 columns and 3 rows. The robot is at [2, 1], with a closed door to the "
+            "east and a wall to the west. The exit is 2 columns east. "
+            "On the grid: the key at [0, 0] and 1 closed door.",
+        ),
+        (
+            "gridworld-4-1",
+            "A grid of 4 columns and 4 rows. The robot is at [1, 0], with a wall to the north. "
+            "The nearest of 2 exits is 1 column west.",
+        ),
+        (
+            "three-gems",
+            "A grid of 7 columns and 7 rows. The robot is at [3, 3], with no wall around it. "
+            "The locked exit is 3 rows south. On the grid: 3 gems and 1 coin.",
+        ),
+        (
+            "shell-game",
+            "A grid of 7 columns and 4 rows. The robot is at [3, 3], with a wall to the south. "
+            "The exit is in one of 3 cells, the nearest 3 rows north. "
+            "On the grid: 2 closed doors and 1 switch.",
+        ),
+        (
+            "gridworld-3-5",
+            "A grid of 5 columns and 5 rows. The robot is at [2, 2], with no wall around it. "
+            "There is no exit. On the grid: 2 warps and the areas A, A', B and B'.",
+        ),
+    ],
+)
+def test_levels_of_the_gallery(name: str, expected: str) -> None:
+    assert describe(load(name)) == expected
+
+
+def test_a_state_tells_what_is_held_open_and_where_the_robot_is() -> None:
+    world = load("first-key")
+    width, height = world.size
+    held = next(
+        number
+        for number in range(world.compile().num_configurations)
+        if world.configuration(number).held
+    )
+    # Beside the door, which the key has opened.
+    assert describe(world, held * width * height + width + 2) == (
+        "A grid of 5 columns and 3 rows. The robot is at [2, 1], with a wall to the west. "
+        "It holds the key. The exit is 2 columns east. On the grid: 1 open door."
+    )
+    assert "That is the exit." in describe(world, held * width * height + width + 4)
+
+
+def test_glass_and_blocked_cells_close_sides() -> None:
+    walls = [{"at": [1, 1], "side": "E", "pass": 0.5}, {"at": [1, 1], "side": "N"}]
+    world = level(start=[1, 1], walls=walls, blocked=[{"at": [1, 2]}])
+    text = "with walls to the north and south and a glass wall to the east"
+    assert text in describe(world)
+
+
+def test_without_the_robot_the_start_is_told() -> None:
+    assert "The start is at [0, 0]" in describe(level(), robot=False)
+    assert "A start is at [0, 0]" in describe(level(start=[[0, 0], [1, 0]]), robot=False)
+    scene = build_scene(level(display={"robot": {"show": False}}))
+    assert "robot" not in scene.description
+
+
+def test_descriptions_are_short_and_printable_whatever_the_level_says() -> None:
+    areas = [{"at": [x, 0], "label": f"\x1b[31m{x}" + "x" * 5000} for x in range(1, 30)]
+    text = describe(level(size=[31, 1], areas=areas))
+    assert len(text) <= MOST_CHARACTERS
+    assert text.isprintable()
+
+
+def test_svg_documents_are_labelled_by_title_and_description() -> None:
+    world = load("final-maze")
+    root = ElementTree.fromstring(to_svg(build_scene(world)))
+    title, description = root.find(f"{SVG}title"), root.find(f"{SVG}desc")
+    assert title is not None
+    assert description is not None
+    assert (title.text, description.text) == (world.title, describe(world))
+    assert root.get("aria-labelledby") == f"{title.get('id')} {description.get('id')}"
+
+
+def test_pictures_in_one_document_do_not_share_ids() -> None:
+    ids = {
+        ElementTree.fromstring(to_svg(build_scene(load(name)))).get("aria-labelledby")
+        for name in ("final-maze", "frozen-lake")
+    }
+    assert len(ids) == 2
+
+
+def test_png_files_have_title_and_description() -> None:
+    world = level(title="Глава\x1b 1")
+    with Image.open(io.BytesIO(to_png(build_scene(world)))) as image:
+        assert isinstance(image.info, dict)
+        assert image.info["Title"] == "Глава\\x1b 1"
+        assert image.info["Description"] == describe(world)
+    assert to_png(build_scene(world)) == to_png(build_scene(world))
+
+
+def test_pages_have_the_description() -> None:
+    world = load("final-maze")
+    # The script of the page adds the robot.
+    assert page_data(world)["alt"] == describe(world, robot=False)

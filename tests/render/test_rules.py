@@ -1,0 +1,369 @@
+"""The rules and the goal of a level in words, and the box in which pictures show them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.render.page_data import page_data
+from babyrobot_levels.render.scene.build import build_scene
+from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Text
+from babyrobot_levels.render.words.goal import goal_of
+from babyrobot_levels.render.words.phrases import chance, color_name, ranges
+from babyrobot_levels.render.words.rules import MOST, rules_of
+
+GALLERY = [
+    "frozen-lake",
+    "treasure-chests",
+    "first-key",
+    "river-crossing",
+    "cliff-walking",
+    "four-rooms",
+    "puddle-test",
+    "drawbridge",
+    "large-corridor",
+]
+
+
+def level(**fields: Any) -> Level:
+    return Level.from_fields({"version": 1, **fields})
+
+
+def told(world: Level) -> list[str]:
+    return [rule.text for rule in rules_of(world)]
+
+
+def words(scene: Scene) -> list[str]:
+    return [shape.text for shape in scene.shapes if isinstance(shape, Text)]
+
+
+def shown(scene: Scene) -> str:
+    return " ".join(words(scene))
+
+
+WITH_RULES = Overlay(rules=True)
+
+
+# -- texts ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        (
+            "final-maze",
+            [
+                "exit: ends the episode, pays 0",
+                "each step: costs 1",
+                "small puddle: costs 2, skids 4 times in 10",
+                "large puddle: costs 4, skids 6 times in 10",
+                "the episode ends after 500 steps",
+                "start: episodes begin here",
+            ],
+        ),
+        (
+            "frozen-lake",
+            [
+                "exit: ends the episode, pays 1",
+                "hole: ends the episode, pays 0",
+                "each step: pays 0",
+                "each move: skids sideways 2 times in 3",
+                "the episode ends after 100 steps",
+                "start: episodes begin here",
+            ],
+        ),
+        (
+            "treasure-chests",
+            [
+                "gold: ends the episode, pays 20",
+                "silver: ends the episode, pays 3",
+                "pit: ends the episode, costs 10",
+                "each step: costs 1",
+                "each move: skids 1 time in 10",
+                "the episode ends after 200 steps",
+                "start: episodes begin here",
+            ],
+        ),
+        (
+            "cliff-walking",
+            [
+                "exit: ends the episode, costs 1",
+                "each step: costs 1",
+                "The Cliff: costs 100, leads back to the start",
+                "the episode ends after 1,000 steps",
+                "start: episodes begin here",
+            ],
+        ),
+        (
+            "gridworld-3-5",
+            [
+                "each step: pays 0",
+                "A: pays 10, every move leads to [1, 4]",
+                "B: pays 5, every move leads to [3, 2]",
+                "bumping into a wall: costs 1",
+                "the episode ends after 1,000 steps",
+                "discount 0.9",
+                "start: episodes begin here",
+            ],
+        ),
+        (
+            "drawbridge",
+            [
+                "exit: ends the episode, pays 0",
+                "each step: costs 1",
+                "lever: while on: opens the brown door",
+                "lock: on at first, while on: closes the red door",
+                "boatman: walks its path, meeting it costs 20",
+                "blue cell: costs 3",
+                "the episode ends after 200 steps",
+                "blocked: cannot be entered",
+                "start: episodes begin here",
+            ],
+        ),
+        (
+            "glass-wall",
+            [
+                "exit: ends the episode, pays 0",
+                "each step: costs 1",
+                "large puddle: costs 4, skids 6 times in 10",
+                "glass wall: lets through 1 time in 10, a bounce costs 1 more",
+                "the episode ends after 200 steps",
+                "blocked: cannot be entered",
+                "start: episodes begin here",
+            ],
+        ),
+    ],
+)
+def test_rules_of_the_gallery(name: str, expected: list[str]) -> None:
+    assert told(load(name)) == expected
+
+
+def test_things_that_open_a_lock_together_are_told_together() -> None:
+    rules = told(load("three-gems"))
+    assert "emerald, ruby and sapphire: open the exit" in rules
+    assert "coin: pays 2" in rules
+    assert "red letter and blue letter: open the green door" in told(load("postman"))
+
+
+def test_items_that_look_alike_are_one_rule() -> None:
+    rules = told(load("coin-run"))
+    assert "6 coins: each pays 2 to 6" in rules
+    assert sum("coin" in rule for rule in rules) == 1
+
+
+def test_movers_that_end_the_episode_say_so() -> None:
+    watchman = "watchman: walks its path, meeting it costs 50, ends the episode"
+    assert watchman in told(load("night-watch"))
+    assert "bat: wanders at random, meeting it costs 12" in told(load("bat-cave"))
+
+
+def test_wind_is_told_by_direction_and_strength() -> None:
+    assert [rule for rule in told(load("river-crossing")) if "wind" in rule] == [
+        "wind: pushes 2 cells south in column 7",
+        "wind: pushes 1 cell east in rows 1 and 4, 2 cells in row 2",
+        "wind: pushes 1 cell west in row 3",
+    ]
+
+
+def test_an_area_that_is_covered_by_others_is_not_told() -> None:
+    areas = [
+        {"at": [0, 0], "size": [2, 1], "reward": -7, "label": "mud"},
+        {"at": [0, 0], "size": [3, 1], "reward": -2, "label": "sand"},
+    ]
+    rules = told(level(size=[4, 1], start=[3, 0], exit="none", areas=areas))
+    assert [rule for rule in rules if rule.startswith(("mud", "sand"))] == ["sand: costs 2"]
+
+
+def test_warps_without_names_are_told_once() -> None:
+    warps = [{"at": [1, 0], "to": [3, 0]}, {"at": [2, 0], "to": [0, 1]}]
+    assert "warp: leads along its arrow" in told(level(size=[4, 2], warps=warps))
+    assert "warp: leads to [3, 0]" in told(level(size=[4, 2], warps=warps[:1]))
+
+
+def test_texts_of_strangers_are_short_and_printable() -> None:
+    label = "\x1b[31m" + "x" * 10_000
+    areas = [{"at": [x, 0], "reward": -2 - x, "label": f"{x}{label}"} for x in range(1, 40)]
+    rules = told(level(size=[41, 1], areas=areas))
+    assert len(rules) <= MOST
+    assert all(rule.isprintable() and len(rule) < 80 for rule in rules)
+
+
+def test_doors_that_cannot_be_told_apart_by_colour_are_told_by_place() -> None:
+    doors = [
+        {"at": [0, 0], "side": "E", "needs": "a", "color": "crimson"},
+        {"at": [1, 0], "side": "E", "needs": "b", "color": "firebrick"},
+    ]
+    items = [{"name": "a", "at": [0, 1]}, {"name": "b", "at": [1, 1]}]
+    rules = told(level(size=[3, 2], doors=doors, items=items))
+    assert "a: opens the door east of [0, 0]" in rules
+
+
+@pytest.mark.parametrize(
+    ("probability", "text"),
+    [
+        (0.6, "6 times in 10"),
+        (0.1, "1 time in 10"),
+        (1 / 3, "1 time in 3"),
+        (0.75, "3 times in 4"),
+        (0.27, "27 %"),
+        (0.004, "0.4 %"),
+        (1.0, "always"),
+    ],
+)
+def test_chances_are_told_in_tens_thirds_and_quarters_else_in_percent(
+    probability: float, text: str
+) -> None:
+    assert chance(probability) == text
+
+
+def test_ranges_of_columns() -> None:
+    assert ranges([8, 3, 5, 4]) == "3 to 5 and 8"
+    assert ranges([0, 1, 4]) == "0, 1 and 4"
+    assert ranges([2]) == "2"
+
+
+def test_colours_are_named_as_they_are_shown() -> None:
+    default, paper = (BUILTIN_THEMES[name].colors for name in ("default", "print"))
+    names = {color: color_name(color, default) for color in ("crimson", "#1b3a5c", "sienna", "tan")}
+    assert names == {"crimson": "red", "#1b3a5c": "dark blue", "sienna": "brown", "tan": "beige"}
+    assert color_name("crimson", paper) == "grey"
+
+
+# -- the goal ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("name", "goal"),
+    [
+        ("final-maze", "Move the robot to the exit."),
+        ("two-doors", "Move the robot to an exit."),
+        ("large-corridor", "Move the robot to the exit."),
+        ("frozen-lake", "Move the robot to the exit."),
+        ("treasure-chests", "Reach the gold."),
+        ("gridworld-3-5", "Collect as much reward as you can in 1,000 steps."),
+        ("first-key", "Fetch the key, then go to the exit."),
+        ("coin-run", "Move the robot to the exit."),
+        ("shell-game", "Switch on the lever, then go to the exit."),
+        ("three-gems", "Fetch the emerald, ruby and sapphire, then go to the exit."),
+    ],
+)
+def test_goals_of_the_gallery(name: str, goal: str) -> None:
+    assert goal_of(load(name)) == goal
+
+
+@pytest.mark.parametrize(
+    ("areas", "goal"),
+    [
+        ([], "Collect as much reward as you can."),
+        ([{"at": [2, 0], "reward": -9, "ends": True}], "Reach the chest."),
+        (
+            [{"at": [2, 0], "reward": 5, "ends": True, "label": name} for name in ("left",)]
+            + [{"at": [2, 2], "reward": 5, "ends": True, "label": "right"}],
+            "Reach a cell that ends the episode and pays 5.",
+        ),
+    ],
+)
+def test_goals_without_exits(areas: list[dict[str, Any]], goal: str) -> None:
+    assert goal_of(level(exit="none", areas=areas)) == goal
+
+
+def test_an_end_that_pays_more_than_the_exit_is_the_goal() -> None:
+    end = {"at": [2, 0], "ends": True, "label": "treasure"}
+    assert goal_of(level(areas=[{**end, "reward": 5}])) == "Reach the treasure."
+    pays_more = level(areas=[{**end, "reward": 5}], rewards={"exit": 10})
+    assert goal_of(pays_more) == "Move the robot to the exit."
+
+
+# -- samples -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("theme", BUILTIN_THEMES)
+def test_samples_are_pictures_of_the_size_asked_for(theme: str) -> None:
+    for name in ("final-maze", "drawbridge", "glass-wall", "river-crossing", "teleport-pads"):
+        world = load(name).replace(theme=theme)
+        for sample, _, _ in rules_of(world):
+            shapes = sample_shapes(world, sample, 18)
+            assert bool(shapes) == bool(sample)
+            for shape in shapes:
+                match shape:
+                    case Rect():
+                        assert 0 <= shape.x <= shape.x + shape.width <= 18.01
+                    case Ellipse():
+                        assert 0 <= shape.x - shape.rx <= shape.x + shape.rx <= 18.01
+                    case Path():
+                        points = [n for _, numbers in shape.commands for n in numbers]
+                        assert -2 <= min(points) <= max(points) <= 20
+
+
+def test_samples_differ() -> None:
+    world = load("final-maze")
+    samples = [sample_shapes(world, rule.sample) for rule in rules_of(world) if rule.sample]
+    assert len({*samples}) == len(samples) == 5
+
+
+# -- the box -------------------------------------------------------------------------------------
+
+
+def test_a_panel_that_shows_nothing_else_shows_the_rules() -> None:
+    world = load("final-maze")
+    assert "large puddle: costs 4, skids 6 times in 10" in shown(build_scene(world))
+    lines = build_scene(world, overlay=Overlay(side_panel=["Episode 1"]))
+    assert "puddle" not in shown(lines)
+    assert "puddle" not in shown(build_scene(world, cells_only=True))
+
+
+def test_a_panel_without_room_for_all_says_that_there_are_more() -> None:
+    world = level(size=[3, 3], max_steps=100, display={"side_panel": 200})
+    assert "…" not in shown(build_scene(world))
+    low = level(size=[3, 2], max_steps=100, display={"side_panel": 140})
+    assert "each step: costs 1 …" in shown(build_scene(low))
+
+
+def test_panels_with_hardly_any_room_and_the_column_of_the_compass_show_none() -> None:
+    for display in ({"side_panel": 80}, {"compass": True}, {"bottom_panel": 40}):
+        text = shown(build_scene(level(display=display)))
+        assert "step" not in text
+        assert "…" not in text
+
+
+@pytest.mark.parametrize("name", GALLERY)
+def test_rules_that_are_asked_for_stand_below_the_picture_in_full(name: str) -> None:
+    world = load(name)
+    plain, scene = build_scene(world), build_scene(world, overlay=WITH_RULES)
+    assert scene.width == plain.width
+    box = [shape for shape in scene.shapes if isinstance(shape, Text) and shape.y > plain.height]
+    assert " ".join(shape.text for shape in box) == " ".join(told(world))
+    assert max(shape.y for shape in box) < scene.height - 4
+
+
+def test_a_panel_with_room_for_all_rules_needs_no_box() -> None:
+    world = load("final-maze")
+    plain, asked = build_scene(world), build_scene(world, overlay=WITH_RULES)
+    assert (asked.width, asked.height) == (plain.width, plain.height)
+    lines = Overlay(rules=True, side_panel=["Episode 1"])
+    assert build_scene(world, overlay=lines).height > plain.height
+
+
+def test_a_level_of_one_column_is_widened_for_its_rules() -> None:
+    world = level(size=[1, 4], exit=[0, 3])
+    scene = build_scene(world, overlay=WITH_RULES)
+    assert scene.width > build_scene(world).width
+    assert all(rule in shown(scene) for rule in told(world))
+
+
+# -- pages and the command line ------------------------------------------------------------------
+
+
+def test_pages_have_the_rules_with_samples_and_cells() -> None:
+    data = page_data(load("final-maze"))
+    assert [text for _, text, _ in data["rules"]] == told(load("final-maze"))
+    assert all(
+        bool(sample) == ("episode ends after" not in text) for sample, text, _ in data["rules"]
+    )
+    assert data["goal"] == "Move the robot to the exit."
