@@ -250,7 +250,7 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     bare = build_layers(level, robot=False, layout=seen)
     shapes: dict[str, Iterable[Shape]] = {
         "base": bare["base"].shapes,
-        "grid": floor_shapes(level, layout),
+        "grid": floor_shapes(level, layout, beside),
         "signs": sign_shapes(level, layout, alone, own),
     }
     shapes |= dict.fromkeys(("beside", *LAYERS), ())

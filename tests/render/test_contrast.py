@@ -55,7 +55,17 @@ EACH = (
 """Levels that have everything there is to see: the others are slow."""
 
 OVERLAID = ("bat-cave", "final-maze", "frozen-lake", "teleport-pads")
-MORE_OVERLAID = ("areas", "cliff-walking", "drawbridge", "gridworld-3-5", "river-crossing")
+MORE_OVERLAID = (
+    "areas",
+    "blocked-shapes",
+    "cliff-walking",
+    "drawbridge",
+    "glass-wall",
+    "gridworld-3-5",
+    "river-crossing",
+    "shell-game",
+    "treasure-chests",
+)
 
 
 def level(**fields: Any) -> Level:

@@ -26,7 +26,7 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
-from babyrobot_levels.render.scene.walls import wall_shapes
+from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
@@ -115,7 +115,10 @@ def build_layers(
     coordinates = level.display.coordinates and not overlay.has_colors
     layers: dict[str, tuple[Shape, ...]] = {
         "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
-        "grid": (*floor_shapes(level, layout), *sign_shapes(level, layout, slots, coordinates)),
+        "grid": (
+            *floor_shapes(level, layout, slots),
+            *sign_shapes(level, layout, slots, coordinates),
+        ),
         "robot": (),
     }
     pose = pose.turned(heading)
@@ -155,6 +158,7 @@ def _base_shapes(
     level: GridWorld, overlay: Overlay, layout: Layout, *, cells_only: bool
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
+    yield from casing_shapes(level, layout)
     yield from strip_shapes(level, layout)
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
@@ -162,10 +166,10 @@ def _base_shapes(
         yield from rules_shapes(level, overlay, layout)
 
 
-def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+def floor_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield lines, puddles and walls, which a heat map does not cover."""
     yield from line_shapes(level, layout)
-    yield from puddle_shapes(level, layout)
+    yield from puddle_shapes(level, layout, slots)
     yield from wall_shapes(level, layout)
 
 

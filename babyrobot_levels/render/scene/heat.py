@@ -11,7 +11,7 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import plate_for
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.ground import shore_shapes
@@ -126,6 +126,13 @@ class Heat:
         sides = _MOVES if cell in self.action_values else "N"
         return tuple(self.beside(cell, side) for side in sides)
 
+    def _at_edge(self, cell: Cell, side: str) -> str:
+        """Return the colour at an edge of a cell: that of its frame, if there is one."""
+        own, (dx, dy) = self._grounds.own, DELTAS[_MOVES[side]]
+        color = own.get(cell)
+        is_framed = color != own.get((cell[0] + dx, cell[1] + dy))
+        return color if color is not None and is_framed else self.beside(cell, side)
+
     @cached_property
     def _grounds(self) -> CellGrounds:
         return CellGrounds(self.level)
@@ -137,11 +144,11 @@ class Heat:
             return
         yield from _tiles(self.tiles, self.layout)
         yield from self._triangles()
-        # Below the walls and puddles of the level.
-        yield from casing_shapes(self.level, self.layout, self.beside)
-        yield from shore_shapes(self.level, self.layout, self.colors_of)
         if self.tiles or self.action_values:
             yield from frame_shapes(self.level, {*self.tiles, *self.action_values}, self.layout)
+        # Below the walls and puddles of the level.
+        yield from casing_shapes(self.level, self.layout, self._at_edge)
+        yield from shore_shapes(self.level, self.layout, self.slots, self.colors_of)
         if self.layout.legend:
             numbers = (self.scale.low, self.scale.high)
             form = form_of(numbers, self.overlay.precision)

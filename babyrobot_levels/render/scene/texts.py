@@ -107,8 +107,9 @@ def coordinate_texts(
             box = place.moved(*layout.corner(x, y))
             text = f"{x},{y}"
             is_end = slots.is_small((x, y)) and (x, y) in fills
+            on_flag = (x, y) in level.exits and len(text) > 3
             below = colors_of((x, y)) if colors_of and not is_end else (grounds[x, y],)
-            if is_end or (x, y) in busy or len(below) > 1:
+            if is_end or on_flag or (x, y) in busy or len(below) > 1:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
                 yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
             fill = ink_on(below[:1], fills.get((x, y), colors.arrows))
