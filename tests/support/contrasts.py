@@ -46,7 +46,7 @@ _WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 _NOWHERE = "#010203"
 """A colour that no shape has."""
 
-_ROUNDING = 0.05
+_ROUNDING = 0.03
 """How much a contrast may miss its bound, for colours are whole numbers."""
 
 _CHARACTER = 0.5
@@ -55,10 +55,10 @@ _CHARACTER = 0.5
 _REACH = 9
 """The pixels of a figure that count as its outline: rim, outline and casing."""
 
-_FAINT_PIXELS, _FAINT_SHARE = 20, 0.2
+_FAINT_PIXELS, _FAINT_SHARE = 16, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
 
-_FAINT_TEXT = 0.2
+_FAINT_TEXT = 0.1
 """The share of what is below a text that may be too much like it: lines that cross it."""
 
 
@@ -92,7 +92,7 @@ def _figures(
     yield "wind", wind_shapes(effects.winds, slots, colors.arrows)
     yield "warp", warp_shapes(level, layout, slots, effects)
     yield "mark", mark_shapes(level, slots, effects)
-    yield "wall", wall_shapes(level, layout)
+    yield "wall", wall_shapes(level, layout, slots)
     yield "compass", [*compass_shapes(level, layout)][1:]
     for cell in level.starts:
         # Around the pad itself is only a glow.

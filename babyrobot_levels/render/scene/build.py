@@ -170,7 +170,7 @@ def floor_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Sha
     """Yield lines, puddles and walls, which a heat map does not cover."""
     yield from line_shapes(level, layout)
     yield from puddle_shapes(level, layout, slots)
-    yield from wall_shapes(level, layout)
+    yield from wall_shapes(level, layout, slots)
 
 
 def sign_shapes(

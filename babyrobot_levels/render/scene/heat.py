@@ -35,7 +35,7 @@ from babyrobot_levels.render.scene.walls import casing_shapes
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_FRAME = 6.5
+_FRAME = 5.5
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
 _MOVES = {action.name[0]: action for action in list(Action)[1:]}

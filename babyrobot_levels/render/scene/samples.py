@@ -142,5 +142,5 @@ def _wall(level: GridWorld, *, is_glass: bool) -> Iterator[Shape]:
     share = next(iter(level.grid().glass.values())) if is_glass else 0.0
     wall = Wall.model_validate({"at": _HERE, "side": "E", "pass": share})
     small, layout = _small(level, size=(2, 1), walls=(wall,)), _layout(2)
-    shapes = (*casing_shapes(small, layout), *wall_shapes(small, layout))
+    shapes = (*casing_shapes(small, layout), *wall_shapes(small, layout, _slots(small, 2)))
     yield from shifted(shapes, -CELL / 2, 0)

@@ -39,7 +39,7 @@ ROBOT_CORNER = (33.0, 0.5)
 _TOP, _FOOT, _EDGE, _GAP = 4.0, CELL - 4.0, 3.0, 2.0
 _WORD, _COORDINATES = 10.25, 12.0
 _LONGEST = 15.0
-_SHORTEST, _BESIDE_ACTIONS = 5.0, 8.0
+_SHORTEST, _BESIDE_ACTIONS = 5.0, 7.5
 _CORNER, _CORNER_OF_ACTIONS, _TINY = 20.0, 14.0, 9.0
 _LABEL_MARGIN = 16.0
 
@@ -251,7 +251,7 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
         word = Box(_EDGE, _EDGE, _EDGE + 33, _EDGE + _WORD)
     is_left_taken = shown.coordinates or (word is not None and answers)
     number = Box(2, foot - NUMBER, CELL - 2, foot)
-    second = Box(CELL / 2, top, CELL - 4, top + _COORDINATES)
+    second = Box(CELL / 2, top, CELL - 7, top + _COORDINATES)
     if shown.number and answers:
         foot = number.top - _GAP
     upper = top + (_COORDINATES if is_left_taken or shown.second or shown.arrows else 0)
@@ -260,7 +260,8 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if is_labelled and not is_left_taken and not shown.second:
         upper = top
     reach = _BESIDE_ACTIONS if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
-    y = min(max(CELL / 2, upper + reach), foot - reach)
+    middle = (upper + foot) / 2 if shown.actions else CELL / 2
+    y = min(max(middle, upper + reach), foot - reach)
     arrow = Box(CELL / 2 - reach, y - reach, CELL / 2 + reach, y + reach)
     if answers and shown.is_crowded:
         icon = _corner(top, is_left_taken, is_labelled, shown)

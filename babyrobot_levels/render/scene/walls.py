@@ -14,6 +14,7 @@ from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline
+from babyrobot_levels.render.scene.slots import Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -62,11 +63,17 @@ Beside = Callable[[tuple[int, int], str], str]
 """Returns the colour of the ground in a cell, at one of its sides `N`, `E`, `S` and `W`."""
 
 
-def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+def wall_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
     Walls with a colour or width of their own are painted on top of the others. Glass has the more
-    gaps, the more often it lets the robot through, and says how often.
+    gaps, the more often it lets the robot through, and says how often; the number gives way to
+    values of actions.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: what stands in them.
     """
     inner, outer = _styles(level, layout)
     for styles, lowest in zip((inner, outer), _lowest(level), strict=True):
@@ -76,9 +83,10 @@ def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         for style, edges in drawn.items():
             if style.width > 0:
                 yield from _strokes(layout, style, edges)
-    shown = {edge for edge, style in inner.items() if style.width > 0}
-    chances = _inner_edges(level.grid())
-    yield from _numbers(layout, {edge: chance for edge, chance in chances if edge in shown})
+    if not slots.shown.actions:
+        shown = {edge for edge, style in inner.items() if style.width > 0}
+        chances = _inner_edges(level.grid())
+        yield from _numbers(layout, {edge: chance for edge, chance in chances if edge in shown})
 
 
 def casing_shapes(
