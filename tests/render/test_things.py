@@ -134,6 +134,17 @@ def test_paths_and_regions_are_shown_of_the_level_as_a_whole_only() -> None:
     assert ("tracks",) not in names(VAULT, 0)
 
 
+def test_labels_lie_on_paths() -> None:
+    river = {"at": [1, 0], "size": [1, 3], "label": "river"}
+    world = level(areas=[river], movers=[{"name": "boat", "path": [[1, 0], [1, 1]], "back": True}])
+    shapes = build_scene(world).shapes
+    label = max(
+        place for place, shape in enumerate(shapes) if getattr(shape, "text", "") == "river"
+    )
+    track = max(place for place, shape in enumerate(shapes) if getattr(shape, "dash", 0) == (2, 7))
+    assert track < label
+
+
 def test_doors_open_and_switches_flip() -> None:
     nothing, lever = (configuration_with(VAULT, on) for on in (["plate"], ["plate", "lever"]))
     assert {

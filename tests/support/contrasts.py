@@ -33,7 +33,7 @@ from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
-from babyrobot_levels.render.scene.walls import wall_shapes
+from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -55,7 +55,7 @@ _CHARACTER = 0.5
 _REACH = 9
 """The pixels of a figure that count as its outline: rim, outline and casing."""
 
-_FAINT_PIXELS, _FAINT_SHARE = 16, 0.2
+_FAINT_PIXELS, _FAINT_SHARE = 20, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
 
 _FAINT_TEXT = 0.1
@@ -92,6 +92,8 @@ def _figures(
     yield "wind", wind_shapes(effects.winds, slots, colors.arrows)
     yield "warp", warp_shapes(level, layout, slots, effects)
     yield "mark", mark_shapes(level, slots, effects)
+    if not overlay.has_colors:
+        yield "casing", casing_shapes(level, layout)
     yield "wall", wall_shapes(level, layout, slots)
     yield "compass", [*compass_shapes(level, layout)][1:]
     for cell in level.starts:
@@ -125,15 +127,20 @@ def _counted(level: GridWorld, layout: Layout) -> Bools:
 def _faint(scene: Scene, roles: Mapping[Shape, str], counted: Bools) -> Iterator[tuple[str, float]]:
     """Yield what does not stand out; consecutive shapes of one role are one figure."""
     image = _sheet(scene, "#ffffff")
-    painter = Painter(image, scene, 1)
+    painter, casings = Painter(image, scene, 1), np.zeros_like(counted)
     for role, shapes in groupby(scene.shapes, lambda shape: roles.get(shape, "")):
         figure, before = tuple(shapes), image.copy() if role else None
         for shape in figure:
             if isinstance(shape, Text):
                 yield from _faint_text(image, shape)
             painter.paint(shape)
-        if before is not None:
-            yield from _faint_outline(role, _outline(scene, figure), before, image, counted)
+        if role == "casing":
+            # They lie on the ground, but are seen as parts of the walls.
+            casings |= _outline(scene, figure)
+        elif before is not None:
+            inside = _outline(scene, figure)
+            inside |= casings & (role == "wall")
+            yield from _faint_outline(role, inside, before, image, counted)
 
 
 def _sheet(scene: Scene, color: str) -> Image.Image:

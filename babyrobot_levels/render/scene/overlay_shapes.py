@@ -116,7 +116,7 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
         best = max(value for value in values if value is not None)
         plan = slots.plan(cell)
         top, foot, y = plan.free.top, plan.free.bottom, plan.arrow.centre[1]
-        height = 1.1 * form.size
+        height = 1.2 * form.size
         boxes: dict[Action, tuple[Box, Anchor]] = {
             Action.NORTH: (Box(0, top, CELL, top + height), "middle"),
             Action.EAST: (Box(0, y, CELL - _SIDE, y), "end"),
@@ -149,8 +149,6 @@ _WIDTH, _RIM = 3.2, 2.0
 """The width of arrows, and of the rim that makes them visible on every background."""
 _THIN = 2.0, 1.5
 """The same of the short arrows beside values of actions."""
-_HEAD = 4.0
-"""The length of the smallest head of an arrow."""
 _RING = 0.25
 """The radius of the ring that means `stay`, as a share of the arrows' length."""
 _SHORTEST = 0.4
@@ -224,7 +222,7 @@ def _arrow(
     start: Point, towards: tuple[int, int], gap: float, reach: float
 ) -> tuple[tuple[Command, ...], tuple[Command, ...]]:
     """Return shaft and head of an arrow that begins and ends `gap` and `reach` from `start`."""
-    length = max(0.5 * reach, min(reach, _HEAD))
+    length = 0.5 * reach
 
     def at(along: float, across: float) -> Point:
         return (

@@ -249,7 +249,7 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
         foot = min(foot, word.top - _GAP)
     elif contents.word and not (shown.coordinates or shown.second or shown.actions or is_labelled):
         word = Box(_EDGE, _EDGE, _EDGE + 33, _EDGE + _WORD)
-    is_left_taken = shown.coordinates or (word is not None and answers)
+    is_left_taken = coordinates is not None or (word is not None and answers)
     number = Box(2, foot - NUMBER, CELL - 2, foot)
     second = Box(CELL / 2, top, CELL - 7, top + _COORDINATES)
     if shown.number and answers:
