@@ -116,7 +116,7 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
         best = max(value for value in values if value is not None)
         plan = slots.plan(cell)
         top, foot, y = plan.free.top, plan.free.bottom, plan.arrow.centre[1]
-        height = 1.2 * form.size
+        height = 1.4 * form.size
         boxes: dict[Action, tuple[Box, Anchor]] = {
             Action.NORTH: (Box(0, top, CELL, top + height), "middle"),
             Action.EAST: (Box(0, y, CELL - _SIDE, y), "end"),
