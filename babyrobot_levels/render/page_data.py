@@ -39,6 +39,7 @@ from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robo
 from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
@@ -236,7 +237,8 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
 
     Values and optimal actions are layers of the picture if they are the same in all states of a
     cell; otherwise they are marks. What the level tells of its cells is there twice: as it is seen
-    alone, and beside answers.
+    alone, and beside answers. There, its coordinates are in the inks of the values' colours, and
+    those beside actions alone have a layer of their own; above marks, they are on plates.
     """
     may_turn = turns or "heading" in level.model_fields_set
     has_marks = level.has_things or may_turn
@@ -255,13 +257,18 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     }
     shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
-        signs = sign_shapes(level, layout, beside, own)
+        shapes["beside"] = sign_shapes(level, layout, beside, False)
+    if guide is not None and has_marks:
         # Tiles of marks are below the frames of all cells.
-        frames = frame_shapes(level, beside.acting, layout) if has_marks else ()
-        shapes["beside"] = (*frames, *signs)
-    if guide is not None and not has_marks:
+        frames = frame_shapes(level, beside.acting, layout)
+        plates = coordinate_texts(level, layout, beside, on_plates=True) if own else ()
+        shapes["beside"] = (*frames, *shapes["beside"], *plates)
+    elif guide is not None:
         layers = build_layers(level, robot=False, overlay=overlay, layout=seen)
         shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
+        if own:
+            shapes["places"] = coordinate_texts(level, layout, beside)
+            shapes["values"] = (*shapes["values"], *layers["text"].shapes)
     picture: dict[str, Any] = {
         "width": round(seen.width),
         "height": round(seen.height),

@@ -157,7 +157,7 @@ def test_a_resolved_level_finds_its_theme_or_takes_it_along(folder: Path) -> Non
         assert babyrobot(*call, path).out == ""
     here, there = folder / "levels" / "walls.yaml", folder / "elsewhere" / "walls.yaml"
     assert here.read_text("utf-8") == walls + "theme: mine  # see themes/\n"
-    assert there.read_text("utf-8") == walls + "theme:\n  colors: {base: navy}\n"
+    assert there.read_text("utf-8") == walls + "# see themes/\ntheme:\n  colors: {base: navy}\n"
     picture = load_file(folder / "levels" / "ours.yaml").to_svg()
     assert load_file(here).to_svg() == load_file(there).to_svg()
     assert re.sub("<title>.*</title>", "", load_file(here).to_svg()) == re.sub(

@@ -36,6 +36,7 @@ function levelPicture(data) {
     ...layer("grid"),
     element("g", { id: "signs" }, ...layer("signs")),
     element("g", { id: "beside" }, ...layer("beside")),
+    element("g", { id: "places" }, ...layer("places")),
   ),
   things.still,
   answer("policy"),

@@ -135,7 +135,7 @@ class View {
     const copy = this.svg.cloneNode(false);
     copy.removeAttribute("style");
     copy.append(this.svg.querySelector("#ground").cloneNode(true));
-    for (const answer of copy.querySelectorAll("#heat, #beside")) answer.remove();
+    for (const answer of copy.querySelectorAll("#heat, #beside, #places")) answer.remove();
     return `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   }
 }

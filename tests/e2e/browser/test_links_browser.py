@@ -117,8 +117,9 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     first, second = picture(plain), picture(drawn)
     assert first.size == second.size
     difference = np.asarray(ImageChops.difference(first, second))
+    # Data has lengths in tenths of a pixel: edges between them differ a little.
     assert np.mean(difference) < 0.25
-    assert np.mean(difference.max(axis=2) > 48) < 0.0005
+    assert np.mean(difference.max(axis=2) > 64) < 0.0003
 
 
 @pytest.mark.parametrize("name", SOME)
