@@ -394,7 +394,7 @@ def test_hostile_texts_are_texts(ground: Playground) -> None:
         "#best",
         "#facts dt",
         "#facts dd",
-        "#stage text >> nth=0",
+        "#ground text >> nth=0",
     ):
         assert ground.page.locator(place).text_content() == EVIL
     ground.press("d", "v", "b", "p")
@@ -460,7 +460,7 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "colours of no palette": shape(0, 99, 0, 0, 9, 9),
     "colours of no scale": shape(0, -67, 0, 0, 9, 9),
     "scales of no colours": field(["red", "blue"], "picture", "scale"),
-    "bars of no scale": shape(5, -1, 0, 0, 9, 9, 0, 65),
+    "bars of no scale": shape(5, -1, 0, 0, 9, 9, 0, 80),
     "bars without an end": shape(5, -1, 0, 0, 9, 9, 0),
     "legends higher than the picture": field(10_000, "picture", "legend"),
     "texts that are none": shape(3, 0, 0, 0, {"a": 1}, 9),
