@@ -14,6 +14,7 @@ from PIL import Image, ImageSequence
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
@@ -69,8 +70,9 @@ def test_it_is_as_large_as_the_picture_and_what_it_shows_is_the_picture() -> Non
 
 def test_large_even_grounds_keep_their_exact_colours() -> None:
     frames, _ = shown(to_gif(ROW, WALK))
-    for color in ((255, 165, 0), (237, 24, 24), (0, 128, 0)):
-        assert (frames[0] == color).all(axis=2).sum() > 500
+    colors = ROW.resolved_theme.colors
+    for color in (colors.base, colors.start, colors.exit):
+        assert (frames[0] == rgba(color)[:3]).all(axis=2).sum() > 500
 
 
 def test_the_robot_glides() -> None:

@@ -157,7 +157,7 @@ def test_he_stands_out_from_every_ground_even_when_small(name: str, facing: Acti
         scene = build_scene(world, state=state, pose=Pose(facing), cells_only=True)
         cell = (slice(0, 16), slice(16 * state, 16 * state + 16))
         change = np.abs(to_rgb(scene, (48, 16)) - without)[cell].max(axis=2)
-        assert (change > 40).sum() >= 45, "of 256 pixels"
+        assert (change > 40).sum() >= 40, "of 256 pixels"
 
 
 def test_a_pose_is_a_plain_value() -> None:
