@@ -186,13 +186,12 @@ class MarksLayer {
   put(layer, index, cell, mark) {
     const shown = this.shown[index];
     if ((shown[cell]?.mark ?? -1) === mark) return;
-    shown[cell]?.group.remove();
+    shown[cell]?.shape.remove();
     const [left, top] = this.game.corner(...this.game.place(cell));
-    const group = element("g", { transform: `translate(${left} ${top})` });
     const isHeat = layer.id === "heat";
-    const shape = (isHeat ? this.tiles : this.shapes)[mark];
-    if (shape !== undefined) group.append(shape.cloneNode(true));
-    (isHeat ? this.cells : layer).append(group);
-    shown[cell] = { mark, group };
+    const shape = (isHeat ? this.tiles : this.shapes)[mark]?.cloneNode(true) ?? element("g", {});
+    shape.setAttribute("transform", `translate(${left} ${top})`);
+    (isHeat ? this.cells : layer).append(shape);
+    shown[cell] = { mark, shape };
   }
 }
