@@ -167,16 +167,16 @@ def _base_shapes(
 
 
 def floor_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
-    """Yield lines, puddles and walls, which a heat map does not cover."""
+    """Yield lines and walls, which a heat map does not cover."""
     yield from line_shapes(level, layout)
-    yield from puddle_shapes(level, layout, slots)
     yield from wall_shapes(level, layout, slots)
 
 
 def sign_shapes(
     level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what the level tells of its cells: what they do, and texts."""
+    """Yield what the level tells of its cells: puddles, what they do, and texts."""
+    yield from puddle_shapes(level, layout, slots)
     yield from effect_shapes(level, layout, slots, effects_of(level))
     yield from end_texts(level, layout, slots)
     yield from label_shapes(level, slots)
