@@ -74,7 +74,7 @@ def test_the_finding_of_the_readme_is_what_is_reported(
 
 
 def test_the_picture_of_the_readme_is_painted_by_this_version() -> None:
-    """Renew it with `babyrobot preview final-maze -o docs/images/final-maze.svg --force`."""
+    """Renew it with `brl.load("final-maze").to_svg("docs/images/final-maze.svg")`."""
     picture = (DOCS / "images" / "final-maze.svg").read_text(encoding="utf-8")
     assert picture == to_svg(build_scene(brl.load("final-maze")))
 

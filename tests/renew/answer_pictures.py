@@ -1,0 +1,51 @@
+"""Draw the pictures with answers in `docs/pictures.md` anew; those of before stay as they were.
+
+From the top of the repository: `PYTHONPATH=tests python -m renew.answer_pictures`
+"""
+
+from __future__ import annotations
+
+import io
+
+from PIL import Image
+from support.places import DOCS
+
+import babyrobot_levels as brl
+
+FOLDER = DOCS / "images" / "answers"
+
+GALLERY = (
+    "final-maze",
+    "river-crossing",
+    "teleport-pads",
+    "cliff-walking",
+    "gridworld-3-5",
+    "frozen-lake",
+    "frozen-lake-dry",
+    "treasure-chests",
+)
+MAZES = {64: 10, 200: 4}
+"""The sides of large mazes, and the pixels of a cell."""
+
+COLORS = 96
+"""Few colours make small files."""
+
+
+def small(picture: bytes) -> bytes:
+    """Return a PNG file with few colours."""
+    buffer = io.BytesIO()
+    Image.open(io.BytesIO(picture)).convert("RGB").quantize(COLORS).save(
+        buffer, "PNG", optimize=True
+    )
+    return buffer.getvalue()
+
+
+if __name__ == "__main__":
+    for name in GALLERY:
+        picture = brl.load(name).to_png(values=True, policy=True, scale=40 / 64)
+        (FOLDER / f"{name}.png").write_bytes(small(picture))
+    for side, cell in MAZES.items():
+        maze = brl.Level(version=1, size=(side, side), maze={"seed": 1})
+        picture = maze.to_png(values=True, scale=cell / 64)
+        (FOLDER / f"maze-{side}.png").write_bytes(small(picture))
+    print(f"{len(GALLERY) + len(MAZES)} pictures")
