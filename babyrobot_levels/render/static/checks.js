@@ -109,7 +109,8 @@ function checkTexts(data) {
     list(runs).forEach((number) => whole(number, 0, COMMON.max_cells));
   }
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
-  list(robot, COMMON.robot.length, 2).forEach(color);
+  list(robot).forEach(color);
+  need([2, COMMON.robot.length].includes(robot.length)); // All of them in themes of greys.
 }
 
 /** Rows: outcome distributions, whose probabilities add up to 1. */
