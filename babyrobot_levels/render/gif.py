@@ -23,7 +23,7 @@ from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, p
 from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape
-from babyrobot_levels.render.scene.situation import Cell, is_at_open_exit, place_of, situation_of
+from babyrobot_levels.render.scene.situation import Cell, GoodEnds, place_of, situation_of
 from babyrobot_levels.render.scene.things import held_pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.svg import number
@@ -157,7 +157,7 @@ class _Shot:
 
 def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_Shot]:
     columns, cells = level.size[0], level.size[0] * level.size[1]
-    speed = level.display.robot.speed
+    speed, good_ends = level.display.robot.speed, GoodEnds(level)
     frame, arrival = (max(_SHORTEST, round(time / speed)) for time in (_FRAME, _ARRIVAL))
     now, x, y = place_of(level, steps[0].state)
     yield _Shot((float(x), float(y)), STANDING, 0, 0.0, _START, now, now)
@@ -173,8 +173,8 @@ def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_S
             place = _between(step, (start[0], start[1]), (end[0], end[1]), phase)
             yield _Shot(place, moving, count - 1, total, frame, now, then, phase)
         total += step.reward
-        is_at_exit = is_at_open_exit(level, step.next_state)
-        pose = pose_of(*moved, skidded=step.skidded, at_exit=is_at_exit)
+        ends_well = good_ends.are_reached(step.state, step.next_state)
+        pose = pose_of(*moved, skidded=step.skidded, ends_well=ends_well)
         time = _END if count == len(steps) else arrival
         yield _Shot((float(end[0]), float(end[1])), pose, count, total, time, then, then)
 

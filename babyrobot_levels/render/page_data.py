@@ -18,6 +18,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.render.colors import gray, is_gray
+from babyrobot_levels.render.effects import effects_of
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -25,7 +26,6 @@ from babyrobot_levels.render.page_tables import (
     EVENTS,
     HEADING_POSES,
     POSES,
-    good_ends,
     rows_of,
 )
 from babyrobot_levels.render.page_things import things_data
@@ -385,7 +385,7 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
         "discount": _short(level.discount),
-        "good": good_ends(level),
+        "good_ends": sorted(y * mdp.width + x for x, y in effects_of(level).good_ends),
         "rows": rows,
         "table": table,
         "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),

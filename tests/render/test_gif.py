@@ -60,7 +60,7 @@ def test_it_is_as_large_as_the_picture_and_what_it_shows_is_the_picture() -> Non
     scene = build_scene(ROW, state=0)
     assert frames[0].shape == (round(scene.height), round(scene.width), 3)
     poses = [STANDING, *(pose_of(s.state, s.next_state, s.action, 4) for s in WALK[:2])]
-    poses.append(pose_of(2, 3, Action.EAST, 4, at_exit=True))
+    poses.append(pose_of(2, 3, Action.EAST, 4, ends_well=True))
     for number, (state, pose) in enumerate(zip(range(4), poses, strict=True)):
         expected = to_rgb(build_scene(ROW, state=state, pose=pose)).astype(int)
         difference = np.abs(frames[PER_STEP * number] - expected)
@@ -134,6 +134,16 @@ def test_a_film_of_the_final_maze_is_small() -> None:
     moves = {1: Action.EAST, -1: Action.WEST, 8: Action.SOUTH, -8: Action.NORTH}
     steps = [Step(a, moves[b - a], b, -1.0) for a, b in pairwise(path)]
     assert len(to_gif(world, steps)) < 300_000
+
+
+@pytest.mark.parametrize("reward", [5, -5])
+def test_he_cheers_at_the_end_of_a_film_if_it_pays(reward: float) -> None:
+    area = {"at": [1, 0], "ends": True, "reward": reward}
+    world = level(size=[3, 1], areas=[area])
+    frames, _ = shown(to_gif(world, [Step(0, Action.EAST, 1, reward)]))
+    pose = pose_of(0, 1, Action.EAST, 3, ends_well=reward > 0)
+    expected = to_rgb(build_scene(world, state=1, pose=pose)).astype(int)
+    assert np.abs(frames[-1] - expected).mean() < 0.3
 
 
 @pytest.mark.parametrize("scale", [0.25, 0.5, 1.5])

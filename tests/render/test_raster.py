@@ -245,3 +245,20 @@ def test_a_large_maze_is_painted_soon() -> None:
 def test_names_are_colours_also_when_pillow_used_them_before() -> None:
     Image.new("RGB", (1, 1), "rebeccapurple")
     assert rgba("rebeccapurple") == (102, 51, 153, 1.0)
+
+
+@pytest.mark.parametrize("width", [0.0, 3.0])
+def test_translucent_lines_that_are_apart_are_painted_as_if_they_were_together(
+    width: float,
+) -> None:
+    """A line across the whole picture keeps its pieces together in one mask."""
+    lines = [polyline([(x, y), (x + 5, y + 5)]) for x in (8, 40, 72) for y in (8, 40, 72)]
+    commands = tuple(command for line in lines for command in line)
+    far = (*polyline([(-9, -9), (-9, 200)]), *polyline([(-9, -9), (200, -9)]))
+    look = {"stroke": "#fff", "width": width, "opacity": 0.5}
+    apart, together = (
+        to_rgb(Scene(100, 100, (Path(each, **look),)), (400, 400), "black")  # type: ignore[arg-type]
+        for each in (commands, (*commands, *far))
+    )
+    assert (apart == together).all()
+    assert apart.any() == (width > 0)

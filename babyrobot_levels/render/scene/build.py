@@ -27,7 +27,6 @@ from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, lab
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
-from babyrobot_levels.render.words.describe import describe
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -66,6 +65,9 @@ def build_scene(
         LevelError: the maze has no seed yet (`seed: random`).
         ValueError: the level has no such state, or the overlay has another size than the level.
     """
+    # Layers, and frames, have no description.
+    from babyrobot_levels.render.words.describe import describe
+
     layers = build_layers(
         level,
         state=state,

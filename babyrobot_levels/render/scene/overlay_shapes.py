@@ -75,6 +75,8 @@ def overlay_shapes(
 def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
+    if not overlay.has_colors:
+        return
     colors = level.resolved_theme.colors
     covered = busy_cells(level, layout, slots) | {*level.starts}
     form = number_form(heat.values.values(), overlay.precision)
