@@ -6,7 +6,7 @@ import io
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import pairwise
 from operator import itemgetter
 from typing import TYPE_CHECKING
@@ -262,7 +262,11 @@ class Painter:
         """Draw lines in a colour; translucent ones that are far apart in several masks."""
         is_opaque = rgba(color)[3] * opacity >= 1
         for group in [lines] if is_opaque else _apart(lines, reach):
-            self._ink(color, opacity, _bounds(group, reach), partial(draw, lines=group))
+
+            def draw_group(pen: Pen, group: list[Polyline] = group) -> None:
+                draw(pen, group)
+
+            self._ink(color, opacity, _bounds(group, reach), draw_group)
 
     def _ink(self, color: str, opacity: float, box: Box, draw: Callable[[Pen], None]) -> None:
         """Draw in a colour inside `box`."""

@@ -85,7 +85,7 @@ def test_he_cheers_at_an_end_that_pays_but_not_at_one_that_costs(action: int, ch
     env = make("rgb_array", {"version": 1, "size": [3, 1], "start": [1, 0], "areas": areas})
     _, _, terminated, *_ = env.step(action)
     assert terminated
-    pose = Pose(mood=Mood.CHEER) if cheers else Pose(action)
+    pose = Pose(mood=Mood.CHEER) if cheers else Pose(brl.Action(action))
     frames = FramePainter(env.get_wrapper_attr("level"))
     assert (env.render() == frames.frame(env.get_wrapper_attr("_state"), pose)).all()
 

@@ -181,3 +181,14 @@ def test_what_would_be_too_much_is_refused() -> None:
         to_gif(ROW, [])
     with pytest.raises(ValueError, match="too large"):
         to_gif(level(size=[100, 100]), [Step(0, 2, 1, -1.0)] * 10, scale=1.0)
+
+
+def test_the_robot_is_seen_in_a_large_level() -> None:
+    maze = Level.from_fields({"version": 1, "size": [64, 64]})
+    walk = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.EAST, 2, -1.0)]
+    frames, _ = shown(to_gif(maze, walk))
+    ground = to_rgb(build_base(maze), frames[0].shape[1::-1]).astype(int)
+    for frame in (frames[0], frames[-1]):
+        changed = np.abs(frame.astype(int) - ground).max(axis=2) > 40
+        assert changed[:40, :60].sum() > 150
+        assert not changed[50:].any()
