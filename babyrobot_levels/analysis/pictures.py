@@ -412,9 +412,7 @@ def guide_of(level: Level, *, turns: bool = False) -> Guide:
     overlay = overlay_of(level, {"values": solution, "policy": solution})
     assert overlay is not None
     turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
-    return Guide(
-        policy_of(solution), overlay, solution.expected_return, turning, **_returns(level, solution)
-    )
+    return Guide(policy_of(solution), overlay, turning=turning, **_returns(level, solution))
 
 
 def _turning_guide(level: Level) -> Guide | None:
@@ -430,11 +428,15 @@ def _turning_guide(level: Level) -> Guide | None:
     overlay = overlay_of(level, {"values": solution})
     assert overlay is not None
     policy: list[int] = solution.policy.ravel().tolist()
-    return Guide(policy, overlay, solution.expected_return, **_returns(level, solution))
+    return Guide(policy, overlay, **_returns(level, solution))
 
 
 def _returns(level: Level, solution: Solution) -> dict[str, Any]:
-    """Return what a page compares a return with: quantiles of the best one, and the random one."""
+    """Return what a page compares a return with, within the level's time limit.
+
+    These are the expected return of the optimal policy, quantiles of its return, and the expected
+    return of random actions.
+    """
     import numpy as np
 
     from babyrobot_levels.analysis.solver.distribution import return_distribution
@@ -442,10 +444,13 @@ def _returns(level: Level, solution: Solution) -> dict[str, Any]:
     from babyrobot_levels.analysis.solver.horizon import expected_return_within
 
     actions, discount = solution.actions, solution.discount
-    random = None
+    best, random = solution.expected_return, None
     if level.max_steps is not None:
-        random = expected_return_within(
-            level, RANDOM, level.max_steps, actions=actions, discount=discount
+        best, random = (
+            expected_return_within(
+                level, policy, level.max_steps, actions=actions, discount=discount
+            )
+            for policy in (solution, RANDOM)
         )
     else:
         with suppress(ArithmeticError):
@@ -455,4 +460,8 @@ def _returns(level: Level, solution: Solution) -> dict[str, Any]:
         (np.arange(100) + 0.5) / 100
     )
     alike = np.unique(quantiles).size == 1
-    return {"random_return": random, "quantiles": quantiles[: 1 if alike else None].tolist()}
+    return {
+        "expected_return": best,
+        "random_return": random,
+        "quantiles": quantiles[: 1 if alike else None].tolist(),
+    }

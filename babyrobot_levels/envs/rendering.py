@@ -14,6 +14,7 @@ from gymnasium import logger
 
 from babyrobot_levels.mdp.actions import Action, Turn
 from babyrobot_levels.render.scene.pose import STANDING, pose_of
+from babyrobot_levels.render.scene.situation import GoodEnds
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
@@ -73,6 +74,7 @@ class Pictures:
         """Switch to a level."""
         self._level = level
         self._num_cells = level.size[0] * level.size[1]
+        self._good_ends = GoodEnds(level)
         self._forget_painters()
 
     def _forget_painters(self) -> None:
@@ -110,16 +112,11 @@ class Pictures:
             skidded: whether chance took it somewhere else.
         """
         before, cell = self._state % self._num_cells, state % self._num_cells
-        width, at_exit = self._level.size[0], self._is_at_exit(state)
-        pose = pose_of(before, cell, action, width, skidded=skidded, at_exit=at_exit)
+        ends_well = self._good_ends.are_reached(self._state, state)
+        width = self._level.size[0]
+        pose = pose_of(before, cell, action, width, skidded=skidded, ends_well=ends_well)
         self._state, self._pose = state, pose.turned(heading)
         self._follow()
-
-    def _is_at_exit(self, state: int) -> bool:
-        """Tell whether the robot stands on an exit that ends the episode."""
-        number, cell = divmod(state, self._num_cells)
-        now, width = self._level.configuration(number), self._level.size[0]
-        return now.exit_is_open and (cell % width, cell // width) in now.exits
 
     def show_info(self, info: Mapping[str, Any] | None) -> None:
         """Replace the overlay; None removes it.

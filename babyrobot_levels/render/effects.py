@@ -53,6 +53,11 @@ class Effects:
     skids: dict[Cell, int] = field(default_factory=dict)
     winds: dict[Cell, tuple[int, int]] = field(default_factory=dict)
 
+    @property
+    def good_ends(self) -> frozenset[Cell]:
+        """The cells other than exits in which episodes end well."""
+        return frozenset(cell for cell, end in self.ends.items() if end.is_good)
+
     def at(self, cell: Cell) -> Effects:
         """Return what one of the cells does, as if it were the cell (0, 0)."""
         parts = {

@@ -22,8 +22,8 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.pose import STANDING, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene, Shape
-from babyrobot_levels.render.scene.situation import Cell, is_at_open_exit, place_of, situation_of
+from babyrobot_levels.render.scene.shapes import Scene, Shape, scaled
+from babyrobot_levels.render.scene.situation import Cell, GoodEnds, place_of, situation_of
 from babyrobot_levels.render.scene.things import held_pieces
 from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.svg import number
@@ -42,6 +42,9 @@ MAX_PIXELS = 400_000_000
 
 _SMOOTH_PIXELS = 120_000_000
 """Animations with more pixels have no frames between cells."""
+
+_LEAST_ROBOT = 32.0
+"""The least width and height of the robot in a film, in pixels."""
 
 _FRAMES_BETWEEN = 4
 """The number of frames between two cells."""
@@ -157,7 +160,7 @@ class _Shot:
 
 def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_Shot]:
     columns, cells = level.size[0], level.size[0] * level.size[1]
-    speed = level.display.robot.speed
+    speed, good_ends = level.display.robot.speed, GoodEnds(level)
     frame, arrival = (max(_SHORTEST, round(time / speed)) for time in (_FRAME, _ARRIVAL))
     now, x, y = place_of(level, steps[0].state)
     yield _Shot((float(x), float(y)), STANDING, 0, 0.0, _START, now, now)
@@ -173,8 +176,8 @@ def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_S
             place = _between(step, (start[0], start[1]), (end[0], end[1]), phase)
             yield _Shot(place, moving, count - 1, total, frame, now, then, phase)
         total += step.reward
-        is_at_exit = is_at_open_exit(level, step.next_state)
-        pose = pose_of(*moved, skidded=step.skidded, at_exit=is_at_exit)
+        ends_well = good_ends.are_reached(step.state, step.next_state)
+        pose = pose_of(*moved, skidded=step.skidded, ends_well=ends_well)
         time = _END if count == len(steps) else arrival
         yield _Shot((float(end[0]), float(end[1])), pose, count, total, time, then, then)
 
@@ -265,22 +268,29 @@ class _Painter:
     def _robot(self, pose: Pose) -> Translucent:
         if pose not in self._robots:
             theme = self._level.resolved_theme
-            shapes = robot_shapes(theme, 0.0, 0.0, pose, small=self._small)
-            self._robots[pose] = self._picture(shapes)
+            # In the film of a large level, a robot as small as its cell could not be found.
+            size = max(1.0, _LEAST_ROBOT / (self._scale * CELL))
+            shapes = robot_shapes(theme, 0.0, 0.0, pose, small=self._small and size == 1)
+            self._robots[pose] = self._picture(tuple(scaled(shapes, size)), size)
         return self._robots[pose]
 
-    def _picture(self, shapes: tuple[Shape, ...]) -> Translucent:
-        """Return shapes of a cell as a picture."""
-        side = max(1, round(self._scale * CELL))
-        scene = Scene(CELL, CELL, toned(shapes, self._level.resolved_theme.colors))
+    def _picture(self, shapes: tuple[Shape, ...], cells: float = 1.0) -> Translucent:
+        """Return shapes as a picture that is so many cells wide and high."""
+        side = max(1, round(cells * self._scale * CELL))
+        scene = Scene(cells * CELL, cells * CELL, toned(shapes, self._level.resolved_theme.colors))
         return translucent(lambda ground: to_rgb(scene, (side, side), ground))
 
     def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Place) -> Patch:
-        """Return the part of a picture around a place, with a figure in it."""
-        left, top = (max(0, round(self._scale * at)) for at in self._layout.corner(*place))
-        height, width = image[0].shape[:2]
-        below = ground[top : top + height, left : left + width]
-        return Patch(left, top, composite(image, below))
+        """Return the part of a picture around a place, with a figure in its middle."""
+        ink, through = image
+        beyond = (ink.shape[0] - max(1, round(self._scale * CELL))) // 2
+        left, top = (round(self._scale * at) - beyond for at in self._layout.corner(*place))
+        rows, columns = slice(max(0, -top), None), slice(max(0, -left), None)
+        left, top = max(0, left), max(0, top)
+        ink, through = ink[rows, columns], through[rows, columns]
+        below = ground[top : top + ink.shape[0], left : left + ink.shape[1]]
+        ink, through = (each[: below.shape[0], : below.shape[1]] for each in (ink, through))
+        return Patch(left, top, composite((ink, through), below))
 
     def panels(self, steps: int, total: float, configuration: int) -> tuple[Patch, ...]:
         """Return the level's panel with the score in it, if it has one."""

@@ -166,7 +166,7 @@ def _picture(level: GridWorld, guide: Guide | None, shown: list[str]) -> str:
         f'width="{number(scene.width)}" height="{number(scene.height)}" {labelled(scene)} '
         f'font-family="{FONT}" stroke-linejoin="round">',
         label_elements(scene),
-        *(elements(layers[name].shapes) for name in layers if name != "text"),
+        *(elements(layer.shapes) for layer in layers.values()),
         "</svg>",
     ]
     return "\n".join(part for part in parts if part)

@@ -18,6 +18,7 @@ from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.render.colors import gray, is_gray
+from babyrobot_levels.render.effects import effects_of
 from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import (
@@ -25,20 +26,21 @@ from babyrobot_levels.render.page_tables import (
     EVENTS,
     HEADING_POSES,
     POSES,
-    good_ends,
     rows_of,
 )
 from babyrobot_levels.render.page_things import things_data
 from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
-from babyrobot_levels.render.scene.heat import frame_shapes
+from babyrobot_levels.render.scene.heat import BAR_STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
 from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.scale import STEPS
 from babyrobot_levels.render.scene.shapes import Shape
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
@@ -57,9 +59,6 @@ MAX_STATES = 200_000
 
 MAX_NUMBERS = 2_000_000
 """The most numbers of the distinct rows of a page's tables."""
-
-LAYERS = {"heat": "heat", "policy": "underlay", "values": "overlay"}
-"""The layers of a page's picture that show answers, and their names in a scene."""
 
 WatchedPolicy = Literal["best", "random"]
 
@@ -87,9 +86,10 @@ class Guide:
     Attributes:
         policy: the optimal action of each state, as `Action`s, `[states]`; -1 where there is none.
         overlay: the values and optimal actions of the cells, which the page can show.
-        expected_return: the policy's expected return from the starts; it may be infinite.
+        expected_return: the policy's expected return from the starts, within the level's time
+            limit; without one, it may be infinite.
         turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
-        random_return: the expected return of random actions, if it is known.
+        random_return: that of random actions, if it is known.
         quantiles: quantiles of the policy's return at evenly spaced probabilities, ascending, at
             most `MAX_QUANTILES`; empty if they are unknown.
     """
@@ -192,6 +192,8 @@ def common_data() -> dict[str, Any]:
         "phases": PHASES,
         "max_cells": MAX_CELLS,
         "max_states": MAX_STATES,
+        "steps": STEPS,
+        "bar": BAR_STEPS,
         "headings": HEADING_POSES,
         "spots": [[1, 0, 0], *([SMALL, CELL * dx, CELL * dy] for dx, dy in CORNERS)],
         "robot": names,
@@ -234,12 +236,13 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     A rule is its sample, shapes of a cell in the picture's palette, its text, and the runs of cells
     that it is about, each as its first cell and its length.
 
-    Values and optimal actions are layers of the picture if they are the same in all states of a
-    cell; otherwise they are marks. What the level tells of its cells is there twice: as it is seen
-    alone, and beside answers.
+    Values and optimal actions are marks. What the level tells of its cells is there twice: as it is
+    seen alone, and beside answers. If a cell shows the same in all states, there is also what sets
+    the level off from the colours of the values, and its coordinates are in inks for these; those
+    beside actions alone have a layer of their own.
     """
     may_turn = turns or "heading" in level.model_fields_set
-    has_marks = level.has_things or may_turn
+    is_still = not (level.has_things or may_turn)
     overlay = guide.overlay.at() if guide is not None else Overlay()
     layout = layout_of(level, overlay=overlay)
     palette = Palette(is_gray=is_gray(level.resolved_theme.colors))
@@ -250,18 +253,11 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     bare = build_layers(level, robot=False, layout=seen)
     shapes: dict[str, Iterable[Shape]] = {
         "base": bare["base"].shapes,
-        "grid": floor_shapes(level, layout),
+        "grid": floor_shapes(level, layout, beside),
         "signs": sign_shapes(level, layout, alone, own),
     }
-    shapes |= dict.fromkeys(("beside", *LAYERS), ())
     if guide is not None:
-        signs = sign_shapes(level, layout, beside, own)
-        # Tiles of marks are below the frames of all cells.
-        frames = frame_shapes(level, beside.acting, layout) if has_marks else ()
-        shapes["beside"] = (*frames, *signs)
-    if guide is not None and not has_marks:
-        layers = build_layers(level, robot=False, overlay=overlay, layout=seen)
-        shapes |= {name: layers[layer].shapes for name, layer in LAYERS.items()}
+        shapes["beside"] = sign_shapes(level, layout, beside, False)
     picture: dict[str, Any] = {
         "width": round(seen.width),
         "height": round(seen.height),
@@ -272,13 +268,25 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
         data["things"], picture["looks"] = things_data(level, layout, palette)
     turning = guide.turning if guide is not None and may_turn else None
     moves, turned = (
-        [*_overlays(level, guide)] if guide is not None and has_marks else [],
+        [*_overlays(level, guide)] if guide is not None else [],
         [*_overlays(level, turning, turns=True)] if turning is not None else [],
     )
     marks = Marks(level, layout, palette, beside, [*moves, *turned])
     if moves:
+        picture["legend"], picture["scale"] = round(layout.legend), marks.scale.stops
+        palette.use(marks.scale.colors)
         data["marks"] = {"values": marks.values(moves), "policy": marks.actions(moves)}
-        picture["layers"]["heat"] = pack(marks.legend, palette, layout.margin)
+        heat = Heat(level, layout, overlay, beside)
+        edges = heat.edges if is_still else frame_shapes(level, beside.acting, layout)
+        over = {"heat": tuple(edges)}
+        if own and is_still and overlay.has_colors:
+            over["values"] = (*coordinate_texts(level, layout, beside, heat.colors_of),)
+            over["places"] = (*coordinate_texts(level, layout, beside),)
+        elif own:
+            over["beside"] = (*coordinate_texts(level, layout, beside, on_plates=True),)
+        for name, each in over.items():
+            picture["layers"].setdefault(name, []).extend(pack(each, palette, layout.margin))
+        picture["layers"]["heat"] += marks.legend
     if may_turn:
         data["turns"] = _turns(level, turning, on=turns)
         if turned:
@@ -377,7 +385,7 @@ def playable(level: GridWorld) -> dict[str, Any]:
         "exits": [y * mdp.width + x for x, y in level.exits],
         "max_steps": level.max_steps,
         "discount": _short(level.discount),
-        "good": good_ends(level),
+        "good_ends": sorted(y * mdp.width + x for x, y in effects_of(level).good_ends),
         "rows": rows,
         "table": table,
         "possible": (mdp.action_mask @ (1 << np.arange(mdp.num_actions))).tolist(),

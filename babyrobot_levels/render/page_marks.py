@@ -1,4 +1,4 @@
-"""Values and optimal actions on a page where they differ between configurations or headings.
+"""Values and optimal actions on a page.
 
 What a cell shows is a *mark*: shapes relative to the cell, packed once for all cells and states
 that show the same.
@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
-from babyrobot_levels.render.scene.heat import Heat, legend_shapes
+from babyrobot_levels.render.page_shapes import BAR, Group, Palette, length, pack
+from babyrobot_levels.render.scene.heat import Heat, legend_bar, legend_plate, legend_texts
 from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.number_labels import number_shapes
+from babyrobot_levels.render.scene.number_labels import form_of, number_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import (
     Lengths,
@@ -41,8 +41,8 @@ class Marks:
 
     Attributes:
         packed: the shapes of each mark.
-        tiles: the colour of the cell below each mark, by its place in the palette; -1 for none.
-        legend: the shapes of the legend.
+        tiles: the colour of the cell below each mark, as the palette counts them; -1 for none.
+        scale: the scale of the tiles.
     """
 
     def __init__(
@@ -56,16 +56,31 @@ class Marks:
         self._level, self._layout, self._palette, self._slots = level, layout, palette, slots
         heats = [Heat(level, layout, overlay, slots) for overlay in overlays]
         numbers = [value for heat in heats for value in heat.values.values()]
-        self._scale = scale_of(numbers, level.resolved_theme.colors)
-        self._form = number_form(numbers, heats[0].overlay.precision if heats else 0)
-        self._covered = busy_cells(level, layout, slots)
-        self.legend: tuple[Shape, ...] = ()
-        if layout.legend:
-            self.legend = tuple(legend_shapes(level, layout, self._scale, self._form))
+        self.scale = scale_of(numbers, level.resolved_theme.colors)
+        self._precision = heats[0].overlay.precision if heats else 0
+        self._form = number_form(numbers, self._precision)
+        self._covered = busy_cells(level, layout, slots) | {*level.starts}
         self._numbers: dict[Hashable, int] = {}
         self._by_look: dict[tuple[str, int], int] = {}
         self.packed: list[list[Group]] = []
         self.tiles: list[int] = []
+
+    @property
+    def legend(self) -> list[Group]:
+        """The legend of the tiles; no groups where the picture has none."""
+        if not self._layout.legend:
+            return []
+        bar, ends = legend_bar(self._layout), (self.scale.low, self.scale.high)
+        box = map(length, (bar.left, bar.top, bar.width, bar.height))
+        plate, texts = (
+            pack(shapes, self._palette, self._layout.margin)
+            for shapes in (
+                [legend_plate(self._level, self._layout)],
+                legend_texts(self._level, self._layout, self.scale, form_of(ends, self._precision)),
+            )
+        )
+        colors = [BAR, -1, *box, *map(self.scale.step, ends)]
+        return [*plate, [0, 0, [colors]], *texts]
 
     def values(self, overlays: Iterable[Overlay]) -> list[int]:
         """Return the mark of each cell's value in each overlay in turn; -1 for none."""
@@ -87,7 +102,7 @@ class Marks:
         return marks
 
     def _value(self, cell: Cell, value: float) -> int:
-        box, color = self._slots.plan(cell).number, self._scale.color(value)
+        box, color = self._slots.plan(cell).number, self.scale.color(value)
         key = "value", box, value, cell in self._covered
         if key not in self._numbers:
             ground = color if cell in self._covered else None

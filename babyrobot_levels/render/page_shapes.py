@@ -2,14 +2,17 @@
 
 A layer is a list of groups `[x, y, shapes]`, whose shapes are relative to the point (x, y), so
 that equal cells give equal text. Lengths are tenths of a pixel, opacities are percentages, and a
-colour is its index in the palette. A shape is a list that begins with its kind:
+colour is its index in the palette, or -2 and less for the colours of the heat map's scale from the
+lowest on. A shape is a list that begins with its kind:
 
 - 0, a rectangle: fill, x, y, width, height, opacity, radius;
 - 1, an ellipse: fill, x, y, rx, ry, opacity;
 - 2, a path: fill (-1 for none), commands, opacity, stroke, width, cap (1 for round), dash, gap;
 - 3, a text: fill, x, y, text, size, anchor, bold, opacity;
 - 4, the outline of the last path again: fill, scale in thousandths, x, y, opacity; (x, y) is the
-  fixed point.
+  fixed point;
+- 5, a bar with colours of the scale from left to right: -1, x, y, width, height, and the indices of
+  the first and the last of them.
 
 Default values at the end are left out. Commands are one text: `m`, `l`, `c` and `z` as in SVG,
 each number relative to the previous point, and `s`, the points of a closed smooth curve (a
@@ -35,7 +38,7 @@ from babyrobot_levels.render.scene.shapes import (
     smooth,
 )
 
-RECT, ELLIPSE, PATH, TEXT, AGAIN = range(5)
+RECT, ELLIPSE, PATH, TEXT, AGAIN, BAR = range(6)
 """The kinds of shapes."""
 
 ANCHORS = ("start", "middle", "end")
@@ -58,6 +61,7 @@ class Palette:
 
     def __init__(self, names: Iterable[str] = (), *, is_gray: bool = False) -> None:
         self._names, self._is_gray = frozenset(names), is_gray
+        self._scale: dict[str, int] = {}
         self._places: dict[str, int] = {}
 
     @property
@@ -65,10 +69,16 @@ class Palette:
         """The colours, each `#rrggbb`, or `#rrggbbaa`, or one of the names."""
         return list(self._places)
 
+    def use(self, scale: Sequence[str]) -> None:
+        """From now on, refer to the colours of a scale by their numbers there."""
+        self._scale = {color: -2 - step for step, color in enumerate(scale)}
+
     def place(self, color: str | None) -> int:
-        """Return the index of a colour; -1 for none."""
+        """Return the number of a colour; -1 for none."""
         if color is None:
             return -1
+        if color in self._scale:
+            return self._scale[color]
         key = color
         if color not in self._names:
             key = hexadecimal(gray(color) if self._is_gray else color)

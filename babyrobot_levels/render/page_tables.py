@@ -9,7 +9,6 @@ import numpy as np
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.mdp.events import Event, events_of, hits_by_mover
-from babyrobot_levels.mdp.reachability import exit_states
 from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 
 if TYPE_CHECKING:
@@ -28,7 +27,7 @@ that hits the robot, counted from 1.
 """
 
 CHEER = 1
-"""The index of the pose at an exit."""
+"""The index of the pose at a good end."""
 
 POSES = (
     STANDING,
@@ -81,29 +80,6 @@ def rows_of(level: GridWorld) -> tuple[list[list[float | int]], list[int]]:
         [value for number in row[row >= 0].tolist() for value in outcomes[number]]
         for row in distinct_rows
     ], table.ravel().tolist()
-
-
-def good_ends(level: GridWorld) -> list[float | int]:
-    """Return the least reward with which an end is good: at an exit, and elsewhere.
-
-    Ends that pay are good. If no exit pays, all of them are good; in a level without exits in which
-    no end pays, those that cost the least are good.
-    """
-    mdp = level.compile()
-    ends = (mdp.probability > 0) & mdp.terminal & ~mdp.is_terminal[:, None, None]
-    is_exit = exit_states(level, mdp)
-    at_exit = is_exit[mdp.next_state[ends]]
-    exits, others = mdp.reward[ends][at_exit], mdp.reward[ends][~at_exit]
-    decides = others.size and not is_exit.any()
-    return [
-        _least_paying(exits, exits.min(initial=0)),
-        _least_paying(others, others.max() if decides else 1),
-    ]
-
-
-def _least_paying(rewards: NDArray[np.float64], otherwise: float) -> float | int:
-    paying = rewards[rewards > 0]
-    return _short(paying.min() if paying.size else otherwise)
 
 
 def _columns(level: GridWorld, mdp: Mdp, state: _Ints) -> Iterator[NDArray[Any]]:

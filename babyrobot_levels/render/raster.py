@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
-from PIL.PngImagePlugin import PngInfo
 
-from babyrobot_levels.render.colors import rgba
+from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Ellipse,
@@ -29,6 +29,7 @@ from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from PIL.PngImagePlugin import PngInfo
 
     Translucent = tuple[NDArray[np.uint8], NDArray[np.uint8]]
     """The ink, and the visible share of the ground of 255; each `[height, width, channels]`."""
@@ -49,6 +50,9 @@ _REPORTED = 256
 
 _FINEST_DASH = 1.5
 """The shortest dashes that are painted one by one, in pixels."""
+
+_MASK_COST, _MASK_MARGIN = 4000, 4
+"""What a mask costs besides its pixels, in pixels, and how far apart two of them must be."""
 
 _MAX_PARTS = 64
 """The most lines that a curve becomes."""
@@ -112,6 +116,9 @@ def pixels_to_png(pixels: NDArray[np.uint8]) -> bytes:
 
 def _texts(scene: Scene) -> PngInfo:
     """Return the scene's title and description as texts of a PNG file."""
+    # Arrays of pixels do without the plugin.
+    from PIL.PngImagePlugin import PngInfo
+
     texts = PngInfo()
     for key, text in (("Title", scene.title), ("Description", scene.description)):
         if text:
@@ -174,7 +181,20 @@ class Painter:
         left, top = rect.x * self._x, rect.y * self._y
         box = (left, top, left + rect.width * self._x, top + rect.height * self._y)
         radius = rect.radius * self._length
+        red, green, blue, alpha = rgba(rect.fill)
+        if radius < 1 and 0 < (alpha := alpha * rect.opacity) < 1:
+            self._tint((red, green, blue), round(255 * alpha), box)
+            return
         self._ink(rect.fill, rect.opacity, box, lambda pen: pen.box(*box, radius))
+
+    def _tint(self, color: Rgb, strength: int, box: Box) -> None:
+        """Lay a translucent colour on a rectangle, faster than through a mask."""
+        left, top, right, bottom = _pixels(*box)
+        left, top = max(0, left), max(0, top)
+        right, bottom = min(self._image.width, right + 1), min(self._image.height, bottom + 1)
+        if left < right and top < bottom:
+            part = self._image.crop((left, top, right, bottom))
+            self._image.paste(part.point(_mixing(color, strength)), (left, top))
 
     def _ellipse(self, ellipse: Ellipse) -> None:
         x, y = ellipse.x * self._x, ellipse.y * self._y
@@ -191,11 +211,11 @@ class Painter:
             return
         if path.fill is not None:
 
-            def fill(pen: Pen) -> None:
+            def fill(pen: Pen, lines: list[Polyline]) -> None:
                 for points, _ in lines:
                     pen.polygon(points)
 
-            self._ink(path.fill, path.opacity, _bounds(lines, 1), fill)
+            self._ink_lines(path.fill, path.opacity, lines, 1, fill)
         if path.stroke is not None:
             self._stroke(path, path.stroke, lines)
 
@@ -211,11 +231,11 @@ class Painter:
         # A line thinner than a pixel is a fainter line of one pixel.
         opacity, width = opacity * min(width, 1.0), max(width, 1.0)
 
-        def stroke(pen: Pen) -> None:
+        def stroke(pen: Pen, lines: list[Polyline]) -> None:
             for line in lines:
                 pen.stroke(line, width, round_caps=path.cap == "round")
 
-        self._ink(color, opacity, _bounds(lines, width), stroke)
+        self._ink_lines(color, opacity, lines, width, stroke)
 
     def _text(self, text: Text) -> None:
         size = text.size * min(self._x, self._y)
@@ -230,6 +250,23 @@ class Painter:
             (x - reach, y - 2 * size, x + reach, y + 2 * size),
             lambda pen: pen.text(x, y, text.text, size, anchor, bold=text.bold),
         )
+
+    def _ink_lines(
+        self,
+        color: str,
+        opacity: float,
+        lines: list[Polyline],
+        reach: float,
+        draw: Callable[[Pen, list[Polyline]], None],
+    ) -> None:
+        """Draw lines in a colour; translucent ones that are far apart in several masks."""
+        is_opaque = rgba(color)[3] * opacity >= 1
+        for group in [lines] if is_opaque else _apart(lines, reach):
+
+            def draw_group(pen: Pen, group: list[Polyline] = group) -> None:
+                draw(pen, group)
+
+            self._ink(color, opacity, _bounds(group, reach), draw_group)
 
     def _ink(self, color: str, opacity: float, box: Box, draw: Callable[[Pen], None]) -> None:
         """Draw in a colour inside `box`."""
@@ -254,6 +291,34 @@ def _bounds(lines: list[Polyline], reach: float) -> Box:
     return min(xs) - reach, min(ys) - reach, max(xs) + reach, max(ys) + reach
 
 
+def _apart(lines: list[Polyline], reach: float) -> list[list[Polyline]]:
+    """Return lines in the groups whose boxes are painted fastest; no two groups overlap."""
+    rows = _split(lines, 1, reach)
+    cells = [group for row in rows for group in _split(row, 0, reach)]
+    return min(([lines], rows, cells), key=lambda groups: _cost(groups, reach))
+
+
+def _split(lines: list[Polyline], axis: int, reach: float) -> list[list[Polyline]]:
+    """Return lines in groups that are apart on an axis."""
+    places = sorted(
+        ((min(ends), max(ends), line) for line in lines if (ends := [p[axis] for p in line[0]])),
+        key=itemgetter(0),
+    )
+    groups: list[list[Polyline]] = []
+    end = -math.inf
+    for first, last, line in places:
+        if first - reach > end + reach + _MASK_MARGIN:
+            groups.append([])
+        groups[-1].append(line)
+        end = max(end, last)
+    return groups
+
+
+def _cost(groups: list[list[Polyline]], reach: float) -> float:
+    boxes = (_bounds(group, reach) for group in groups)
+    return sum(_MASK_COST + (right - left) * (bottom - top) for left, top, right, bottom in boxes)
+
+
 # -- pixels of one colour ---------------------------------------------------------------------
 
 
@@ -268,11 +333,8 @@ class Pen:
 
     def box(self, x0: float, y0: float, x1: float, y1: float, radius: float = 0.0) -> None:
         """Fill a rectangle, at least a pixel wide and high."""
-        left, top = round(x0) - self.left, round(y0) - self.top
-        # Pillow includes the last column and row.
-        right = max(left, round(x1) - self.left - 1)
-        bottom = max(top, round(y1) - self.top - 1)
-        corners = (left, top, right, bottom)
+        left, top, right, bottom = _pixels(x0, y0, x1, y1)
+        corners = (left - self.left, top - self.top, right - self.left, bottom - self.top)
         if radius >= 1:
             self.draw.rounded_rectangle(corners, radius, self.ink)
         else:
@@ -320,6 +382,24 @@ class Pen:
         place = (x - self.left, y - self.top)
         weight = size / 32 if bold else 0
         self.draw.text(place, text, self.ink, _font(size), anchor, stroke_width=weight)
+
+
+def _pixels(x0: float, y0: float, x1: float, y1: float) -> tuple[int, int, int, int]:
+    """Return the first and last columns and rows of a rectangle; it has at least one of each."""
+    left, top = round(x0), round(y0)
+    return left, top, max(left, round(x1) - 1), max(top, round(y1) - 1)
+
+
+@lru_cache(maxsize=64)
+def _mixing(color: Rgb, strength: int) -> list[int]:
+    """Return what each value of the channels becomes below a colour, of a strength up to 255.
+
+    It is rounded as Pillow does where it pastes through a mask.
+    """
+    sums = (
+        value * (255 - strength) + part * strength + 128 for part in color for value in range(256)
+    )
+    return [(each + (each >> 8)) >> 8 for each in sums]
 
 
 @lru_cache(maxsize=64)

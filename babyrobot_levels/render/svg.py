@@ -14,6 +14,9 @@ FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 """Characters that XML documents cannot contain, not even escaped."""
 
+_LONG = 1000
+"""The number of commands from which on a path is written as steps."""
+
 
 def to_svg(scene: Scene, scale: float | None = 1.0) -> str:
     """Return the scene as an SVG document; numbers have at most two decimals.
@@ -74,8 +77,27 @@ def number(value: float) -> str:
 
 
 def path_data(commands: tuple[Command, ...]) -> str:
-    """Return a path in SVG notation."""
+    """Return a path in SVG notation; one of many straight lines is written as steps."""
+    if len(commands) > _LONG and not any(letter == "C" for letter, _ in commands):
+        return "".join(_steps(commands))
     return "".join(letter + " ".join(map(number, numbers)) for letter, numbers in commands)
+
+
+def _steps(commands: tuple[Command, ...]) -> Iterator[str]:
+    """Yield straight lines, each point from the one before, which takes fewer characters."""
+    # Sums of what is written, so that nothing adds up.
+    x = y = first_x = first_y = 0
+    for letter, numbers in commands:
+        if letter == "Z":
+            x, y = first_x, first_y
+            yield "z"
+            continue
+        at_x, at_y = (round(100 * place) for place in numbers)
+        step = f"{number((at_x - x) / 100)} {number((at_y - y) / 100)}"
+        yield letter.lower() + step.replace(" -", "-")
+        x, y = at_x, at_y
+        if letter == "M":
+            first_x, first_y = x, y
 
 
 def _element(shape: Shape) -> str:

@@ -99,7 +99,9 @@ def test_pictures(folder: Path) -> None:
 def test_an_svg_to_a_pipe_is_that_of_the_file(folder: Path) -> None:
     babyrobot("preview", "maze", "-o", "maze.svg")
     text = babyrobot("preview", "maze", "--format", "svg").out
-    assert text == (folder / "maze.svg").read_text(encoding="utf-8")
+    file = (folder / "maze.svg").read_text(encoding="utf-8")
+    # The file also says who made it.
+    assert text == re.sub(r"<!-- babyrobot preview \w+ -->\n", "", file)
 
 
 def test_a_picture_shows_what_is_asked_for(folder: Path) -> None:
@@ -138,7 +140,9 @@ def test_the_colored_drawing_is_the_drawing() -> None:
 @pytest.mark.parametrize("name", ["level", "theme"])
 def test_schema(name: str, folder: Path) -> None:
     assert babyrobot("schema", name).out == schema_text(name)
-    assert babyrobot("schema", name, "-o", "s.json") == Result("", "", 0)
+    written = babyrobot("schema", name, "-o", "s.json")
+    assert (written.out, written.status) == ("", 0)
+    assert re.fullmatch(r"wrote s\.json \([\d.]+ KB\)\n", written.err)
     assert (folder / "s.json").read_text(encoding="utf-8") == schema_text(name)
     assert babyrobot("schema").out == schema_text("level")
 

@@ -38,8 +38,9 @@ def test_a_picture_says_what_the_cells_are_worth(tmp_path: Path) -> None:
     assert done.status == 0
     solution = solve("frozen-lake")
     worth = solution.values[solution.policy >= 0]
-    shown = [f"{value:.2f}".rstrip("0").rstrip(".") for value in worth]
-    assert sorted(texts(done.out)) == sorted([*shown, "START", "EXIT"])
+    shown = [f"{value:.2f}" for value in worth]
+    legend = [f"{worth.min():.2f}", f"{worth.max():.2f}"]
+    assert sorted(texts(done.out)) == sorted([*shown, *legend, "START", "EXIT"])
 
 
 def test_a_picture_shows_policy_and_values_only_as_asked(tmp_path: Path) -> None:
@@ -68,8 +69,8 @@ def test_what_pays_for_ever_is_shown(tmp_path: Path) -> None:
     assert told.out.splitlines()[-1].split() == ["inf", "inf", "0.00"]
     picture = babyrobot(tmp_path, "preview", name, "--values", "--policy", "--format", "svg")
     assert picture.status == 0
-    # The sign of infinity is drawn.
-    assert texts(picture.out) == ["START", "EXIT"]
+    # The sign of infinity is drawn, so the legend alone has a number.
+    assert sorted(texts(picture.out)) == ["0", "EXIT", "START"]
 
 
 def test_an_unbounded_return_names_its_rule_and_cells(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 from support.places import DOCS, ROOT
@@ -19,6 +20,8 @@ from babyrobot_levels.language.validation import parse
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.render.raster import to_rgb
+from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.source import SourceFile
 
@@ -223,8 +226,8 @@ def test_the_skid_rules_are_as_in_the_table(block: Block) -> None:
 def test_a_start_can_be_hidden_as_shown() -> None:
     block = next(block for block in YAML if "start_text: transparent" in block.text)
     level = level_of(block)
-    pictures = [level.replace(start=cell).to_png() for cell in ([0, 0], [1, 1])]
-    assert pictures[0] == pictures[1]
+    pictures = [to_rgb(build_scene(level.replace(start=cell))) for cell in ([0, 0], [1, 1])]
+    assert np.array_equal(pictures[0], pictures[1])
 
 
 @of_kind("same digest")

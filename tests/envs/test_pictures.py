@@ -79,6 +79,17 @@ def test_he_cheers_at_the_exit_and_stands_when_an_episode_begins() -> None:
     assert (env.render() == frames.frame(0)).all()
 
 
+@pytest.mark.parametrize(("action", "cheers"), [(E, True), (W, False)])
+def test_he_cheers_at_an_end_that_pays_but_not_at_one_that_costs(action: int, cheers: bool) -> None:
+    areas = [{"at": [x, 0], "ends": True, "reward": reward} for x, reward in ((0, -5), (2, 5))]
+    env = make("rgb_array", {"version": 1, "size": [3, 1], "start": [1, 0], "areas": areas})
+    _, _, terminated, *_ = env.step(action)
+    assert terminated
+    pose = Pose(mood=Mood.CHEER) if cheers else Pose(brl.Action(action))
+    frames = FramePainter(env.get_wrapper_attr("level"))
+    assert (env.render() == frames.frame(env.get_wrapper_attr("_state"), pose)).all()
+
+
 def test_he_slips() -> None:
     level = {"version": 1, "size": [3, 1], "start": [1, 0], "exit": "none"}
     env = make("rgb_array", {**level, "skid": {"probability": 1.0, "to": "others"}})

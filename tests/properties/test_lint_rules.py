@@ -132,15 +132,29 @@ def without(level: Level, field: str, number: int) -> Level | None:
 def must_matter(entry: World, level: Level) -> bool:
     """Return whether an entry must have an effect on the MDP.
 
-    It need not if it sets a colour, or if it is slippery where walls or wind prevent all moves.
+    It need not if it sets a colour, if it is slippery where walls or wind prevent all moves, or if
+    it is a wall between blocked cells in which an opening begins.
     """
     if {"color", "label", "width", "fit"} & {*entry}:
+        return False
+    if "side" in entry and level.openings and _is_between_blocked(entry, level):
         return False
     if {"side", "to"} & {*entry}:
         return True
     size = entry.get("size", [1, 1])
     cells = inside({"at": entry["at"], "size": size if isinstance(size, list) else [1, 1]})
     return level.wind is None and not cells & {*enclosed(level)}
+
+
+def _is_between_blocked(wall: World, level: Level) -> bool:
+    (x, y), (dx, dy) = (
+        wall["at"],
+        {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}[wall["side"]],
+    )
+    (width, height), blocked = level.size, level.grid().blocked_cells
+    cells = [(x, y), (x + dx, y + dy)]
+    inner = [(x, y) for x, y in cells if 0 <= x < width and 0 <= y < height]
+    return all(blocked[y * width + x] for x, y in inner)
 
 
 def enclosed(level: Level) -> list[tuple[int, int]]:

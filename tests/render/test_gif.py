@@ -14,6 +14,7 @@ from PIL import Image, ImageSequence
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.gif import MAX_SIDE, Step, to_gif
 from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
@@ -59,7 +60,7 @@ def test_it_is_as_large_as_the_picture_and_what_it_shows_is_the_picture() -> Non
     scene = build_scene(ROW, state=0)
     assert frames[0].shape == (round(scene.height), round(scene.width), 3)
     poses = [STANDING, *(pose_of(s.state, s.next_state, s.action, 4) for s in WALK[:2])]
-    poses.append(pose_of(2, 3, Action.EAST, 4, at_exit=True))
+    poses.append(pose_of(2, 3, Action.EAST, 4, ends_well=True))
     for number, (state, pose) in enumerate(zip(range(4), poses, strict=True)):
         expected = to_rgb(build_scene(ROW, state=state, pose=pose)).astype(int)
         difference = np.abs(frames[PER_STEP * number] - expected)
@@ -69,8 +70,9 @@ def test_it_is_as_large_as_the_picture_and_what_it_shows_is_the_picture() -> Non
 
 def test_large_even_grounds_keep_their_exact_colours() -> None:
     frames, _ = shown(to_gif(ROW, WALK))
-    for color in ((255, 165, 0), (237, 24, 24), (0, 128, 0)):
-        assert (frames[0] == color).all(axis=2).sum() > 500
+    colors = ROW.resolved_theme.colors
+    for color in (colors.base, colors.start, colors.exit):
+        assert (frames[0] == rgba(color)[:3]).all(axis=2).sum() > 500
 
 
 def test_the_robot_glides() -> None:
@@ -134,6 +136,16 @@ def test_a_film_of_the_final_maze_is_small() -> None:
     assert len(to_gif(world, steps)) < 300_000
 
 
+@pytest.mark.parametrize("reward", [5, -5])
+def test_he_cheers_at_the_end_of_a_film_if_it_pays(reward: float) -> None:
+    area = {"at": [1, 0], "ends": True, "reward": reward}
+    world = level(size=[3, 1], areas=[area])
+    frames, _ = shown(to_gif(world, [Step(0, Action.EAST, 1, reward)]))
+    pose = pose_of(0, 1, Action.EAST, 3, ends_well=reward > 0)
+    expected = to_rgb(build_scene(world, state=1, pose=pose)).astype(int)
+    assert np.abs(frames[-1] - expected).mean() < 0.3
+
+
 @pytest.mark.parametrize("scale", [0.25, 0.5, 1.5])
 def test_it_is_as_large_as_asked(scale: float) -> None:
     scene = build_scene(ROW)
@@ -169,3 +181,14 @@ def test_what_would_be_too_much_is_refused() -> None:
         to_gif(ROW, [])
     with pytest.raises(ValueError, match="too large"):
         to_gif(level(size=[100, 100]), [Step(0, 2, 1, -1.0)] * 10, scale=1.0)
+
+
+def test_the_robot_is_seen_in_a_large_level() -> None:
+    maze = Level.from_fields({"version": 1, "size": [64, 64]})
+    walk = [Step(0, Action.EAST, 1, -1.0), Step(1, Action.EAST, 2, -1.0)]
+    frames, _ = shown(to_gif(maze, walk))
+    ground = to_rgb(build_base(maze), frames[0].shape[1::-1]).astype(int)
+    for frame in (frames[0], frames[-1]):
+        changed = np.abs(frame.astype(int) - ground).max(axis=2) > 40
+        assert changed[:40, :60].sum() > 150
+        assert not changed[50:].any()

@@ -48,8 +48,8 @@ def test_links_are_short(name: str) -> None:
     link = link_of(level)
     width, height = level.size
     # Values and actions differ between the configurations of things.
-    longest = 23_000 if level.has_things else 7500
-    assert len(link) < (4100 if width * height <= SMALL and not level.has_things else longest)
+    longest = 16_000 if level.has_things else 5400
+    assert len(link) < (3400 if width * height <= SMALL and not level.has_things else longest)
     assert re.fullmatch(r"[A-Za-z0-9._~-]+", link.partition("#")[2])
     assert load(link).to_dict(whole=True) == level.to_dict(whole=True)
 

@@ -135,7 +135,8 @@ def test_levels_of_the_gallery(path: Path, font: Font) -> None:
 def test_themes_and_overlays(theme: str, info: dict[str, Any], font: Font) -> None:
     level = little_of_all(theme)
     scene = build_scene(level, state=14, overlay=overlay_from(info, level))
-    assert difference(scene, font) < SHARE
+    # The fine diagonals between values of actions are smoothed in another way.
+    assert difference(scene, font) < SHARE * (2.5 if "action_values" in info else 1)
 
 
 @pytest.mark.parametrize("theme", BUILTIN_THEMES)
@@ -146,7 +147,9 @@ def test_poses(theme: str, mood: Mood, facing: Action, font: Font) -> None:
     level = Level.from_fields({"version": 1, "size": [2, 1], "theme": theme, "display": ends})
     for phase in (0.0, 0.25, 0.6):
         pose = Pose(facing, mood, phase)
-        assert difference(build_scene(level, state=0, pose=pose, cells_only=True), font) < SHARE
+        # Most of so small a picture are edges.
+        scene = build_scene(level, state=0, pose=pose, cells_only=True)
+        assert difference(scene, font) < 3 * SHARE
 
 
 def test_what_differs_is_seen(font: Font) -> None:

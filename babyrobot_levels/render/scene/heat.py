@@ -11,7 +11,7 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.mdp.actions import Action
+from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import plate_for
 from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.ground import shore_shapes
@@ -35,7 +35,7 @@ from babyrobot_levels.render.scene.walls import casing_shapes
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-_FRAME = 6.5
+_FRAME = 5.5
 """The width of the frame in the colour of the ground below a heat map, in pixels."""
 
 _MOVES = {action.name[0]: action for action in list(Action)[1:]}
@@ -43,7 +43,10 @@ _MOVES = {action.name[0]: action for action in list(Action)[1:]}
 _OVERLAP = 0.5
 """How far tiles reach under their neighbours: nothing shines through between them."""
 
-_BAR, _BAR_TOP, _BAR_STEPS = 9.0, 4.0, 24
+BAR_STEPS = 24
+"""The number of colours of the legend's bar."""
+
+_BAR, _BAR_TOP = 9.0, 4.0
 _LONGEST_BAR, _LEGEND_MARGIN = 260.0, 11.0
 _LEGEND_SIZE = 9.5
 
@@ -126,26 +129,37 @@ class Heat:
         sides = _MOVES if cell in self.action_values else "N"
         return tuple(self.beside(cell, side) for side in sides)
 
+    def _at_edge(self, cell: Cell, side: str) -> str:
+        """Return the colour at an edge of a cell: that of its frame, if there is one."""
+        own, (dx, dy) = self._grounds.own, DELTAS[_MOVES[side]]
+        color = own.get(cell)
+        is_framed = color != own.get((cell[0] + dx, cell[1] + dy))
+        return color if color is not None and is_framed else self.beside(cell, side)
+
     @cached_property
     def _grounds(self) -> CellGrounds:
         return CellGrounds(self.level)
 
     @property
     def shapes(self) -> Iterator[Shape]:
-        """The tiles and triangles, and frames in the colours of the grounds below."""
+        """The tiles and triangles, what sets the level off from them, and the legend."""
         if not self.overlay.has_colors:
             return
         yield from _tiles(self.tiles, self.layout)
         yield from self._triangles()
-        # Below the walls and puddles of the level.
-        yield from casing_shapes(self.level, self.layout, self.beside)
-        yield from shore_shapes(self.level, self.layout, self.colors_of)
-        if self.tiles or self.action_values:
-            yield from frame_shapes(self.level, {*self.tiles, *self.action_values}, self.layout)
+        yield from self.edges
         if self.layout.legend:
             numbers = (self.scale.low, self.scale.high)
             form = form_of(numbers, self.overlay.precision)
             yield from legend_shapes(self.level, self.layout, self.scale, form)
+
+    @property
+    def edges(self) -> Iterator[Shape]:
+        """Frames in the colours of the grounds below, and what is below walls and puddles."""
+        if self.tiles or self.action_values:
+            yield from frame_shapes(self.level, {*self.tiles, *self.action_values}, self.layout)
+        yield from casing_shapes(self.level, self.layout, self._at_edge)
+        yield from shore_shapes(self.level, self.layout, self.slots, self.colors_of)
 
     def _triangles(self) -> Iterator[Shape]:
         parts: dict[str, list[Command]] = defaultdict(list)
@@ -172,21 +186,41 @@ class Heat:
 
 def legend_shapes(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> Iterator[Shape]:
     """Yield the legend: a bar with the colours, the lowest and highest number, and zero between."""
+    bar = legend_bar(layout)
+    yield legend_plate(level, layout)
+    for index, color in enumerate(scale.strip(BAR_STEPS)):
+        x = index * bar.width / BAR_STEPS
+        yield Rect(bar.left + x, bar.top, bar.width - x, bar.height, color)
+    yield from legend_texts(level, layout, scale, form)
+
+
+def legend_plate(level: GridWorld, layout: Layout) -> Rect:
+    """Return the ground of the legend."""
     colors = level.resolved_theme.colors
     plate = plate_for(colors.text_fg, colors.text_bg)
+    return Rect(0, layout.top_height - layout.legend, layout.left_width, layout.legend, plate)
+
+
+def legend_bar(layout: Layout) -> Box:
+    """Return where the legend's bar is."""
+    times = layout.legend / LEGEND
+    length = min(layout.left_width - 2 * _LEGEND_MARGIN * times, _LONGEST_BAR * times)
+    left = (layout.left_width - length) / 2
+    top = layout.top_height - layout.legend + _BAR_TOP * times
+    return Box(left, top, left + length, top + _BAR * times)
+
+
+def legend_texts(level: GridWorld, layout: Layout, scale: Scale, form: Form) -> Iterator[Shape]:
+    """Yield what is at the legend's bar: the ends, and zero between them."""
     top, times = layout.top_height - layout.legend, layout.legend / LEGEND
-    yield Rect(0, top, layout.left_width, layout.legend, plate)
-    form = replace(form, size=_LEGEND_SIZE)
-    shapes = _legend(layout.left_width / times, top, scale, form, colors.text_fg)
+    form, ink = replace(form, size=_LEGEND_SIZE), level.resolved_theme.colors.text_fg
+    shapes = _legend(layout.left_width / times, top, scale, form, ink)
     yield from scaled(shapes, times, 0, top)
 
 
 def _legend(width: float, top: float, scale: Scale, form: Form, ink: str) -> Iterator[Shape]:
     length = min(width - 2 * _LEGEND_MARGIN, _LONGEST_BAR)
     left, bar, foot = (width - length) / 2, top + _BAR_TOP, top + LEGEND
-    for index, color in enumerate(scale.strip(_BAR_STEPS)):
-        x = index * length / _BAR_STEPS
-        yield Rect(left + x, bar, length - x, _BAR, color)
     texts = Box(left, bar + _BAR, left + length, foot)
     if scale.low == scale.high:
         yield from number_shapes(scale.low, form, texts, ink, bold=False)

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from babyrobot_levels.language.looks import Panel
 from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
 from babyrobot_levels.render.scene.rule_rows import NARROWEST, height_for
-from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -214,6 +213,8 @@ def layout_of(
 
 def with_rules(level: GridWorld, overlay: Overlay, layout: Layout) -> Layout:
     """Return a layout with a box for the rules below the picture, if no panel has room for all."""
+    from babyrobot_levels.render.words.rules import rules_of
+
     texts = [rule.text for rule in rules_of(level)]
     room = rules_room(level, overlay, layout)
     if room is not None and height_for(texts, room.width) <= room.height:

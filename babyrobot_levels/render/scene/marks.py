@@ -145,6 +145,9 @@ _GLINTS = ((20.0, 24.0, 28.0), (32.0, 31.0, 18.0), (42.0, 38.0, 12.0))
 _SMALL_GLINTS = 0.45, 41.0, 4.0
 """How many times as large they are beside answers, and where they begin."""
 
+_MANY = 10_000
+"""The number of slippery cells from which on each has a single glint: all are tiny."""
+
 _GLINT_SHADE = "#2b5d8c"
 
 
@@ -160,12 +163,13 @@ def sheen_shapes(skids: Mapping[Cell, int], layout: Layout, slots: Slots) -> Ite
     """
     if slots.shown.actions:
         return
+    most = STRENGTHS if len(skids) < _MANY else 1
     scale, right, down = _SMALL_GLINTS if slots.is_crowded else (1.0, 0.0, 0.0)
     for color, opacity, width, away in ((_GLINT_SHADE, 0.5, 2.0, 1.0), (RIM, 0.75, 2.4, 0.0)):
         commands: list[Command] = []
         for cell, strength in skids.items():
             left, top = layout.corner(*cell)
-            for x, y, size in _GLINTS[:strength]:
+            for x, y, size in _GLINTS[: min(strength, most)]:
                 middle_x, middle_y = left + right + scale * x + away, top + down + scale * y + away
                 half = scale * size / 2
                 commands += polyline(

@@ -17,7 +17,7 @@ from babyrobot_levels.render.scene.shapes import (
     Text,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import NUMBER, Box
+from babyrobot_levels.render.scene.slots import Box
 
 Anchor = Literal["start", "middle", "end"]
 
@@ -122,7 +122,7 @@ def number_shapes(
     left = across - {"start": 0.0, "middle": width / 2, "end": width}[anchor]
     y = box.centre[1]
     if ground is not None:
-        height = min(NUMBER, 1.2 * form.size)
+        height = form.size
         yield Rect(left - 2, y - height / 2, width + 4, height, ground, radius=height / 2)
     if text:
         yield Text(across, y + 0.342 * form.size, text, form.size, ink, anchor, bold=bold)

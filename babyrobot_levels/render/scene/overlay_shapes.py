@@ -75,6 +75,8 @@ def overlay_shapes(
 def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
     """Yield the numbers of a heat map, if they are readable on a screen."""
     overlay, slots, layout = heat.overlay, heat.slots, heat.layout
+    if not overlay.has_colors:
+        return
     colors = level.resolved_theme.colors
     covered = busy_cells(level, layout, slots) | {*level.starts}
     form = number_form(heat.values.values(), overlay.precision)
@@ -84,7 +86,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             box = slots.plan(cell).number.moved(*layout.corner(*cell))
             ground = color if cell in covered else None
             yield from number_shapes(value, form, box, ink_on(color), ground)
-    form = form_of(heat.visits.values(), 0, CELL / 2 - 4 if slots.shown.second else CELL - 8)
+    form = form_of(heat.visits.values(), 0, CELL / 2 - 7 if slots.shown.second else CELL - 8)
     if form.is_readable(layout):
         for cell, count in heat.visits.items():
             plan, tile = slots.plan(cell), heat.tiles.get(cell)
@@ -93,7 +95,7 @@ def number_labels(level: GridWorld, heat: Heat) -> Iterator[Shape]:
             if tile is None:
                 ink, ground = colors.text_fg, colors.text_bg
             else:
-                ink, ground = ink_on(tile), tile if cell in covered or slots.shown.second else None
+                ink, ground = ink_on(tile), tile if cell in covered else None
             yield from number_shapes(count, form, box, ink, ground, anchor=anchor)
     yield from _action_labels(heat, covered)
 
@@ -114,20 +116,22 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
         return
     for cell, values in heat.action_values.items():
         best = max(value for value in values if value is not None)
-        top, foot = slots.plan(cell).free[1::2]
-        height = 1.1 * form.size
+        plan = slots.plan(cell)
+        top, foot, y = plan.free.top, plan.free.bottom, plan.arrow.centre[1]
+        height = 1.4 * form.size
         boxes: dict[Action, tuple[Box, Anchor]] = {
             Action.NORTH: (Box(0, top, CELL, top + height), "middle"),
-            Action.EAST: (Box(0, 0, CELL - _SIDE, CELL), "end"),
+            Action.EAST: (Box(0, y, CELL - _SIDE, y), "end"),
             Action.SOUTH: (Box(0, foot - height, CELL, foot), "middle"),
-            Action.WEST: (Box(_SIDE, 0, CELL, CELL), "start"),
+            Action.WEST: (Box(_SIDE, y, CELL, y), "start"),
         }
         for action, (box, anchor) in boxes.items():
             value = values[action]
             if value is not None:
                 box = box.moved(*layout.corner(*cell))
                 color = heat.scale.color(value)
-                ground = color if cell in covered or slots.shown.arrows else None
+                # Away from the edges of a cell, its triangles are narrow.
+                ground = color if cell in covered or top > _NARROW else None
                 is_best = value >= best - _TIE * abs(best) if math.isfinite(best) else value == best
                 yield from number_shapes(
                     value, form, box, ink_on(color), ground, anchor=anchor, bold=is_best
@@ -136,21 +140,23 @@ def _action_labels(heat: Heat, covered: Container[Cell]) -> Iterator[Shape]:
 
 # -- arrows --------------------------------------------------------------------------------------
 
-_SIDE, _MIDDLE = 4.0, 11.0
-"""The distance of values of actions from the sides of their cell, and from its centre."""
+_SIDE, _MIDDLE, _NARROW = 6.0, 9.5, 8.0
+"""The distance of values of actions from the sides of their cell, from arrows' centres, and from
+its upper edge before they need a ground."""
 
 _TIE = 1e-9
 """The relative difference up to which two values count as equal."""
 
-_WIDTH = 3.2
+_WIDTH, _RIM = 3.2, 2.0
+"""The width of arrows, and of the rim that makes them visible on every background."""
+_THIN = 2.0, 1.5
+"""The same of the short arrows beside values of actions."""
 _RING = 0.25
 """The radius of the ring that means `stay`, as a share of the arrows' length."""
 _SHORTEST = 0.4
 """The length of the arrow of an improbable action, as a share of that of the most likely one."""
 _LEAST = 0.005
 """The probability below which an action has no arrow."""
-_RIM = 2.0
-"""The width of the rim that makes an arrow visible on every background."""
 _MOST_RIMMED = 100
 """The most columns and rows with rims: in larger pictures they would be finer than a pixel."""
 
@@ -201,14 +207,15 @@ def arrow_shapes(
                 shafts += shaft
                 heads += head
     lines, tips = tuple(shafts), tuple(heads)
+    width, around = _THIN if slots.shown.actions else (_WIDTH, _RIM)
     if max(layout.columns, layout.rows) <= _MOST_RIMMED:
         rim = rim_on([color])
         if lines:
-            yield Path(lines, stroke=rim, width=_WIDTH + 2 * _RIM, cap="round")
+            yield Path(lines, stroke=rim, width=width + 2 * around, cap="round")
         if tips:
-            yield Path(tips, stroke=rim, width=2 * _RIM)
+            yield Path(tips, stroke=rim, width=2 * around)
     if lines:
-        yield Path(lines, stroke=color, width=_WIDTH, cap="round")
+        yield Path(lines, stroke=color, width=width, cap="round")
     if tips:
         yield Path(tips, fill=color)
 

@@ -28,7 +28,6 @@ from babyrobot_levels.render.scene.rule_rows import (
     TEXT_LEFT,
     rows_in,
 )
-from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
     Path,
@@ -39,7 +38,6 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
     shifted,
 )
-from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -90,6 +88,10 @@ def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
     room = rules_room(level, overlay, layout)
     if room is None:
         return
+    # Most pictures have no room for rules, and the first frame does without the time to import.
+    from babyrobot_levels.render.scene.samples import sample_shapes
+    from babyrobot_levels.render.words.rules import rules_of
+
     display, colors = level.display, level.resolved_theme.colors
     if room.where == "box":
         yield Rect(*room[:4], colors.text_bg)

@@ -58,12 +58,12 @@ def pose_of(
     width: int,
     *,
     skidded: bool = False,
-    at_exit: bool = False,
+    ends_well: bool = False,
 ) -> Pose:
     """Return the pose after a step.
 
     The robot looks in the direction of its move. If it stayed, or came from farther away, it looks
-    in the direction of its action. At an exit it cheers, facing the viewer.
+    in the direction of its action. At a good end it cheers, facing the viewer.
 
     Args:
         previous_cell: the number of the cell before the step, `y * width + x`.
@@ -71,9 +71,9 @@ def pose_of(
         action: the action, a `brl.Action`.
         width: the number of columns of the level.
         skidded: whether the robot skidded to another cell than the action leads to.
-        at_exit: whether the cell after the step is an exit that ends the episode.
+        ends_well: whether the step ends the episode well; see `GoodEnds`.
     """
-    if at_exit:
+    if ends_well:
         return Pose(mood=Mood.CHEER)
     before_y, before_x = divmod(previous_cell, width)
     y, x = divmod(cell, width)

@@ -21,7 +21,7 @@ from babyrobot_levels.render.scene.shapes import Shape, scaled, shifted
 from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import pieces
-from babyrobot_levels.render.scene.walls import wall_shapes
+from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 
 _HERE = (0, 0)
 _SPOT = Spot(CELL / 2, CELL / 2)
@@ -108,7 +108,7 @@ def _slots(small: GridWorld, columns: int = 1) -> Slots:
 
 def _ground(small: GridWorld) -> Iterator[Shape]:
     yield from ground_shapes(small, _layout())
-    yield from puddle_shapes(small, _layout())
+    yield from puddle_shapes(small, _layout(), _slots(small))
 
 
 def _cell(level: GridWorld, cell: tuple[int, int]) -> Iterator[Shape]:
@@ -141,5 +141,6 @@ def _wall(level: GridWorld, *, is_glass: bool) -> Iterator[Shape]:
     """Yield a wall through the middle, upright."""
     share = next(iter(level.grid().glass.values())) if is_glass else 0.0
     wall = Wall.model_validate({"at": _HERE, "side": "E", "pass": share})
-    shapes = wall_shapes(_small(level, size=(2, 1), walls=(wall,)), _layout(2))
+    small, layout = _small(level, size=(2, 1), walls=(wall,)), _layout(2)
+    shapes = (*casing_shapes(small, layout), *wall_shapes(small, layout, _slots(small, 2)))
     yield from shifted(shapes, -CELL / 2, 0)

@@ -69,7 +69,7 @@ class Scale:
             distances from it are equally strong.
         is_logarithmic: whether strength grows with the logarithm, so that the largest count does
             not make all others pale.
-        colors: the colours from the lowest to the highest number, `STEPS + 1`, as `#rrggbb`.
+        stops: some of the colours from the lowest to the highest number, evenly between them.
         below: the colour of negative infinity.
         above: the colour of positive infinity.
     """
@@ -78,15 +78,24 @@ class Scale:
     high: float
     is_diverging: bool
     is_logarithmic: bool
-    colors: tuple[str, ...]
+    stops: tuple[str, ...]
     below: str
     above: str
+
+    @property
+    def colors(self) -> tuple[str, ...]:
+        """The colours from the lowest to the highest number, `STEPS + 1`, as `#rrggbb`."""
+        return _ramp(self.stops)
 
     def color(self, value: float) -> str:
         """Return the colour of a number, as `#rrggbb`; one beyond an end has that end's."""
         if math.isinf(value):
             return self.above if value > 0 else self.below
-        return self.colors[round(STEPS * min(max(self._share(value), 0.0), 1.0))]
+        return self.colors[self.step(value)]
+
+    def step(self, value: float) -> int:
+        """Return the index of a finite number's colour."""
+        return round(STEPS * min(max(self._share(value), 0.0), 1.0))
 
     def strip(self, count: int) -> list[str]:
         """Return the colours from the lowest to the highest number, in equal parts."""
@@ -121,14 +130,14 @@ def scale_of(values: Iterable[float | None], colors: Colors) -> Scale:
     ramps = ramps_of(colors)
     is_diverging = min(-low, high) > _NOISE * max(-low, high)
     stops = ramps.diverging if is_diverging else ramps.sequential
-    return Scale(low, high, is_diverging, False, _ramp(stops), ramps.below, ramps.above)
+    return Scale(low, high, is_diverging, False, stops, ramps.below, ramps.above)
 
 
 def count_scale(counts: Iterable[float | None], colors: Colors) -> Scale:
     """Return the logarithmic scale of counts, from 0; see `scale_of`."""
     most = max((count for count in counts if count is not None), default=0.0)
     ramps = ramps_of(colors)
-    return Scale(0.0, most, False, True, _ramp(ramps.sequential), ramps.below, ramps.above)
+    return Scale(0.0, most, False, True, ramps.sequential, ramps.below, ramps.above)
 
 
 def ramps_of(colors: Colors) -> Ramps:

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.render.effects import effects_of
+
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Mover
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -43,13 +45,29 @@ def place_of(level: GridWorld, state: int) -> Place:
     return Place(configuration, x, y)
 
 
-def is_at_open_exit(level: GridWorld, state: int) -> bool:
-    """Return whether the robot is at an exit that ends the episode."""
-    place = place_of(level, state)
-    if not level.has_things:
-        return place.cell in level.exits
-    now = level.configuration(place.configuration)
-    return now.exit_is_open and place.cell in now.exits
+class GoodEnds:
+    """Tells which steps end an episode well: at an open exit or a good end, and without a hit.
+
+    Args:
+        level: the level; a maze needs a seed.
+    """
+
+    def __init__(self, level: GridWorld) -> None:
+        self._level = level
+        self._cells = effects_of(level).good_ends
+
+    def are_reached(self, state: int, next_state: int) -> bool:
+        """Return whether a step from one state to another one ends the episode well."""
+        level, after = self._level, place_of(self._level, next_state)
+        if not level.has_things:
+            return after.cell in self._cells or after.cell in level.exits
+        now = level.configuration(after.configuration)
+        if after.cell not in self._cells and not (now.exit_is_open and after.cell in now.exits):
+            return False
+        before = place_of(level, state)
+        movers = zip(level.configuration(before.configuration).movers, now.movers, strict=True)
+        swapped = after.cell, before.cell
+        return all(mover != swapped and mover[1] != after.cell for mover in movers)
 
 
 @dataclass(frozen=True, slots=True)

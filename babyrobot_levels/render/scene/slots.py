@@ -9,12 +9,13 @@ coordinates, and START, which the colour of its cell tells as well.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, each_cell, fit
 from babyrobot_levels.render.scene.overlay import Overlay
+from babyrobot_levels.render.scene.shapes import Command
 
 if TYPE_CHECKING:
     import numpy as np
@@ -39,9 +40,16 @@ ROBOT_CORNER = (33.0, 0.5)
 _TOP, _FOOT, _EDGE, _GAP = 4.0, CELL - 4.0, 3.0, 2.0
 _WORD, _COORDINATES = 10.25, 12.0
 _LONGEST = 15.0
-_SHORTEST, _BESIDE_ACTIONS = 5.0, 8.0
+_SHORTEST, _BESIDE_ACTIONS = 5.0, 7.5
 _CORNER, _CORNER_OF_ACTIONS, _TINY = 20.0, 14.0, 9.0
-_LABEL_MARGIN = 16.0
+_LABEL_ROOM = 16.0
+
+LABEL_MARGIN = 4.0
+"""How far arrows keep away from labels, if they can, in pixels."""
+
+Commands = tuple[Command, ...]
+Arrow = tuple[Commands, Commands]
+"""Shaft and head."""
 
 
 class Box(NamedTuple):
@@ -160,6 +168,7 @@ class Slots:
         acting: the cells in which the robot can stand and act.
         ends: the cells in which it can stand, and the episode is over.
         labels: the labels of areas.
+        arrows: the arrows of warps, by their first and last cells, as far as they are known.
     """
 
     def __init__(self, level: GridWorld, layout: Layout, overlay: Overlay) -> None:
@@ -178,6 +187,8 @@ class Slots:
         )
         at_foot = level.display.coordinates and not self.shown.fills_cells
         self.labels = tuple(_labels(level, layout, at_foot=at_foot))
+        self.arrows: dict[tuple[Cell, Cell], Arrow] = {}
+        self._near = _near(self.labels, layout)
         self._covered = dict(_covered(self.labels, layout, at_foot=at_foot))
         display = level.display
         starts = level.starts if display.start_text else ()
@@ -196,6 +207,10 @@ class Slots:
         """Return the boxes of a cell, from its upper left corner."""
         label = self._covered.get(cell, (0.0, CELL))
         return _plan(Contents(cell in self._answered, cell in self._words, *label), self.shown)
+
+    def near(self, cell: Cell) -> Sequence[Box]:
+        """Return the boxes in a cell from which arrows keep away: labels with their margins."""
+        return self._near.get(cell, ())
 
     def is_small(self, cell: Cell) -> bool:
         """Whether words in a cell are small: beside answers, on a ground of their own."""
@@ -249,9 +264,9 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
         foot = min(foot, word.top - _GAP)
     elif contents.word and not (shown.coordinates or shown.second or shown.actions or is_labelled):
         word = Box(_EDGE, _EDGE, _EDGE + 33, _EDGE + _WORD)
-    is_left_taken = shown.coordinates or (word is not None and answers)
+    is_left_taken = coordinates is not None or (word is not None and answers)
     number = Box(2, foot - NUMBER, CELL - 2, foot)
-    second = Box(CELL / 2, top, CELL - 4, top + _COORDINATES)
+    second = Box(CELL / 2, top, CELL - 7, top + _COORDINATES)
     if shown.number and answers:
         foot = number.top - _GAP
     upper = top + (_COORDINATES if is_left_taken or shown.second or shown.arrows else 0)
@@ -260,7 +275,8 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     if is_labelled and not is_left_taken and not shown.second:
         upper = top
     reach = _BESIDE_ACTIONS if shown.actions else min(max((foot - upper) / 2, _SHORTEST), _LONGEST)
-    y = min(max(CELL / 2, upper + reach), foot - reach)
+    middle = (upper + foot) / 2 if shown.actions else CELL / 2
+    y = min(max(middle, upper + reach), foot - reach)
     arrow = Box(CELL / 2 - reach, y - reach, CELL / 2 + reach, y + reach)
     if answers and shown.is_crowded:
         icon = _corner(top, is_left_taken, is_labelled, shown)
@@ -295,12 +311,24 @@ def _labels(level: GridWorld, layout: Layout, *, at_foot: bool) -> Iterator[Labe
         label = " ".join((area.label or "").split())
         if not label:
             continue
-        size, text = fit(label, area.size[0] * CELL - _LABEL_MARGIN)
+        size, text = fit(label, area.size[0] * CELL - _LABEL_ROOM)
         width, height = len(text) * size * CHARACTER_WIDTH + size, 1.35 * size
         x, top = layout.corner(area.at[0] + area.size[0] / 2, area.at[1])
         top += area.size[1] * CELL - height - _TOP if at_foot else _TOP
         box = Box(x - width / 2, top, x + width / 2, top + height)
         yield Label(box, size, text, range(area.at[0], area.at[0] + area.size[0]))
+
+
+def _near(labels: tuple[Label, ...], layout: Layout) -> dict[Cell, list[Box]]:
+    near: dict[Cell, list[Box]] = {}
+    for (left, top, right, bottom), *_ in labels:
+        more = LABEL_MARGIN
+        box = Box(left - more, top - more, right + more, bottom + more)
+        (first_x, first_y), (last_x, last_y) = layout.cell(box[:2]), layout.cell(box[2:])
+        for y in range(first_y, last_y + 1):
+            for x in range(first_x, last_x + 1):
+                near.setdefault((x, y), []).append(box)
+    return near
 
 
 def _covered(

@@ -86,6 +86,8 @@ def coordinate_texts(
     layout: Layout,
     slots: Slots,
     colors_of: Callable[[Cell], Sequence[str]] | None = None,
+    *,
+    on_plates: bool = False,
 ) -> Iterator[Shape]:
     """Yield the coordinates of each free cell, at its left, where nothing crosses them.
 
@@ -95,6 +97,8 @@ def coordinate_texts(
         slots: what stands where in them.
         colors_of: returns the colours of a cell: one, or those from the north clockwise; by
             default, that of its ground.
+        on_plates: whether all of them are on plates of that colour, and not only those that
+            something crosses.
     """
     colors, blocked = level.resolved_theme.colors, level.grid().blocked_cells
     busy, grounds = busy_cells(level, layout, slots), CellGrounds(level)
@@ -107,8 +111,9 @@ def coordinate_texts(
             box = place.moved(*layout.corner(x, y))
             text = f"{x},{y}"
             is_end = slots.is_small((x, y)) and (x, y) in fills
+            on_flag = (x, y) in level.exits and len(text) > 3
             below = colors_of((x, y)) if colors_of and not is_end else (grounds[x, y],)
-            if is_end or (x, y) in busy or len(below) > 1:
+            if on_plates or is_end or on_flag or (x, y) in busy or len(below) > 1:
                 width = len(text) * _COORDINATE_SIZE * CHARACTER_WIDTH
                 yield Rect(box.left - 3, box.top, width + 6, box.height + 2, below[0], radius=3.0)
             fill = ink_on(below[:1], fills.get((x, y), colors.arrows))

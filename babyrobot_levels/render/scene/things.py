@@ -35,7 +35,7 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.scene.situation import Cell, Situation
 from babyrobot_levels.render.scene.slots import ICON, Slots
-from babyrobot_levels.render.scene.texts import end_text
+from babyrobot_levels.render.scene.texts import end_text, label_shapes
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -86,7 +86,7 @@ def pieces(
         return
     if situation.is_overview:
         whole = (0.0, 0.0, layout.width, layout.height)
-        yield Piece(("tracks",), whole, partial(track_shapes, level, layout))
+        yield Piece(("tracks",), whole, partial(_tracks, level, layout, slots))
     yield from _exits(level, layout, situation)
     for number, is_on in enumerate(situation.on):
         cell = level.switches[number].at
@@ -106,6 +106,13 @@ def pieces(
             box = centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach
             yield Piece(("door", number, (x, y), closed), box, draw)
     yield from held_pieces(level, layout, situation)
+
+
+def _tracks(level: GridWorld, layout: Layout, slots: Slots | None) -> Iterator[Shape]:
+    """Yield the tracks of movers, and the labels of areas over them."""
+    yield from track_shapes(level, layout)
+    if level.movers and slots is not None:
+        yield from label_shapes(level, slots)
 
 
 def _cell_box(layout: Layout, cell: Cell) -> Box:

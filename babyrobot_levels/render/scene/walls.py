@@ -14,6 +14,7 @@ from babyrobot_levels.render.scene.cell_grounds import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline
+from babyrobot_levels.render.scene.slots import Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -62,15 +63,18 @@ Beside = Callable[[tuple[int, int], str], str]
 """Returns the colour of the ground in a cell, at one of its sides `N`, `E`, `S` and `W`."""
 
 
-def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+def wall_shapes(level: GridWorld, layout: Layout, slots: Slots) -> Iterator[Shape]:
     """Yield the walls, those of one style together: glass below, solid walls, then the border.
 
-    Walls with a colour or width of their own are painted on top of the others. Where a wall does
-    not stand out from the ground beside it, a casing below all walls does. Glass has the more
-    gaps, the more often it lets the robot through, and says how often.
+    Walls with a colour or width of their own are painted on top of the others. Glass has the more
+    gaps, the more often it lets the robot through, and says how often; the number gives way to
+    values of actions.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        slots: what stands in them.
     """
-    grounds = CellGrounds(level)
-    yield from casing_shapes(level, layout, lambda cell, _: grounds[cell])
     inner, outer = _styles(level, layout)
     for styles, lowest in zip((inner, outer), _lowest(level), strict=True):
         drawn: dict[_Style, list[Edge]] = {style: [] for style in lowest}
@@ -79,14 +83,25 @@ def wall_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
         for style, edges in drawn.items():
             if style.width > 0:
                 yield from _strokes(layout, style, edges)
-    shown = {edge for edge, style in inner.items() if style.width > 0}
-    chances = _inner_edges(level.grid())
-    yield from _numbers(layout, {edge: chance for edge, chance in chances if edge in shown})
+    if not slots.shown.actions:
+        shown = {edge for edge, style in inner.items() if style.width > 0}
+        chances = _inner_edges(level.grid())
+        yield from _numbers(layout, {edge: chance for edge, chance in chances if edge in shown})
 
 
-def casing_shapes(level: GridWorld, layout: Layout, beside: Beside) -> Iterator[Shape]:
-    """Yield thin lines, black or white, beside the walls that are like the ground there."""
-    blocked = level.grid().blocked_cells
+def casing_shapes(
+    level: GridWorld, layout: Layout, beside: Beside | None = None
+) -> Iterator[Shape]:
+    """Yield thin lines, black or white, beside the walls that are like the ground there.
+
+    They lie on the ground, below all walls: a heat map covers them, and has its own.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        beside: returns the colours beside walls; by default, those of the level's ground.
+    """
+    blocked, grounds = level.grid().blocked_cells, CellGrounds(level)
     drawn: dict[tuple[str, _Style, int], list[Edge]] = {}
     for styles in _styles(level, layout):
         for edge, style in styles.items():
@@ -99,7 +114,9 @@ def casing_shapes(level: GridWorld, layout: Layout, beside: Beside) -> Iterator[
                 )
                 if 0 <= column < layout.columns and 0 <= row < layout.rows
                 if not blocked[row * layout.columns + column]
-                if contrast(style.outline, ground := beside((column, row), name)) < GRAPHICS
+                for cell in [(column, row)]
+                for ground in [beside(cell, name) if beside else grounds[cell]]
+                if contrast(style.outline, ground) < GRAPHICS
             }
             if faint and style.width > 0:
                 rim = rim_on([*faint.values(), style.outline])

@@ -52,9 +52,9 @@ function checked(data) {
   need(Number.isFinite(data.margin) && data.margin >= 0 && data.margin <= 1000);
   need(Number.isFinite(data.speed) && data.speed > 0 && data.speed <= 100);
   const movers = (data.things ?? []).filter(({ kind }) => kind === "mover").length;
-  const { discount = 1, good = [0, 0] } = data;
+  const { discount = 1, good_ends: good = [] } = data;
   need(Number.isFinite(discount) && discount > 0 && discount <= 1);
-  for (const least of list(good, 2, 2)) need(Number.isFinite(least));
+  for (const cell of list(good, cells)) whole(cell, 0, cells - 1);
   checkRows(data.rows, states, COMMON.events.length * (1 + movers));
   checkTable(data, states);
   checkAdvice(data, states);
@@ -109,7 +109,8 @@ function checkTexts(data) {
     list(runs).forEach((number) => whole(number, 0, COMMON.max_cells));
   }
   for (const name of list(shown, 2)) need(name === "values" || name === "policy");
-  list(robot, COMMON.robot.length, 2).forEach(color);
+  list(robot).forEach(color);
+  need([2, COMMON.robot.length].includes(robot.length)); // All of them in themes of greys.
 }
 
 /** Rows: outcome distributions, whose probabilities add up to 1. */

@@ -142,10 +142,10 @@ class Game {
   /** How the last step ended the episode: at an exit or elsewhere, well or badly. */
   endOf(state, reward, hit) {
     if (hit !== null) return "hit";
-    const isExit = this.isExit(state);
-    const [atExit, elsewhere] = this.data.good ?? [-Infinity, Number.MIN_VALUE];
-    const isGood = reward >= (isExit ? atExit : elsewhere);
-    return isExit ? (isGood ? "exit" : "wrong") : (isGood ? "good" : "over");
+    if (this.isExit(state)) return "exit";
+    // Old links do not tell which ends are good.
+    const isGood = this.data.good_ends?.includes(state % this.cells) ?? reward > 0;
+    return isGood ? "good" : "over";
   }
 
   /** Whether the episode ended well. */
@@ -200,7 +200,6 @@ class Game {
     const after = `after ${this.steps} step${this.steps === 1 ? "" : "s"}`;
     const how = {
       exit: `Exit reached ${after}!`,
-      wrong: `Exit reached ${after}.`,
       good: `The episode ended ${after}!`,
       hit: `The episode ended ${after}.`,
       over: `The episode ended ${after}.`,

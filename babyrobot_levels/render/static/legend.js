@@ -16,7 +16,7 @@ class Legend {
 
   /** Show the rules of a game. */
   show(game) {
-    const painter = new Painter(game.data.picture.palette);
+    const painter = painterOf(game.data.picture);
     this.game = game;
     this.all = (game.data.rules ?? []).map(([sample, words, runs]) =>
       ({ sample: painter.layer(sample), words, cells: cellsOf(runs, game.cells) }));

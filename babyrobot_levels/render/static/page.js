@@ -258,7 +258,7 @@ function toggle(name) {
   for (const layer of name === "values" ? ["heat", name] : [name]) {
     find(layer).classList.toggle("hidden", !isShown);
   }
-  picture.marks.stand();
+  picture.showAnswers();
 }
 
 /** Let the robot turn, or move to all sides again: from the start. */

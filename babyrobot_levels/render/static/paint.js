@@ -1,4 +1,4 @@
-// Paints packed shapes as SVG: five kinds, each with its own attributes.
+// Paints packed shapes as SVG: six kinds, each with its own attributes.
 const FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif";
 const ANCHORS = ["start", "middle", "end"];
 const PLACES = { m: 2, l: 2, c: 6, z: 0 };
@@ -20,8 +20,9 @@ function pixels(tenths) {
 
 /** Paints the layers of one picture. */
 class Painter {
-  constructor(palette) {
+  constructor(palette, scale = []) {
     this.palette = palette;
+    this.scale = scale;
     this.shapes = 0;
     this.places = 0;
   }
@@ -33,14 +34,18 @@ class Painter {
       this.x = whole(x);
       this.y = whole(y);
       this.outline = null;
-      this.shapes += list(shapes).length;
-      need(this.shapes <= MOST_SHAPES);
+      this.count(list(shapes).length);
       return shapes.map((shape) => this.paint(list(shape, 9, 3)));
     });
   }
 
+  count(more) {
+    this.shapes += more;
+    need(this.shapes <= MOST_SHAPES);
+  }
+
   paint([kind, fill, ...more]) {
-    const kinds = [this.rect, this.ellipse, this.path, this.text, this.again];
+    const kinds = [this.rect, this.ellipse, this.path, this.text, this.again, this.bar];
     return kinds[whole(kind, 0, kinds.length - 1)].call(this, this.color(fill), ...more);
   }
 
@@ -104,8 +109,22 @@ class Painter {
     return element("path", { d: this.written(scaled), fill, opacity: share(opacity) });
   }
 
+  bar(_, x, y, width, height, first, last) {
+    const [left, length, from, to] = [this.x + whole(x), whole(width, 0), whole(first), whole(last)];
+    this.count(COMMON.bar);
+    return element("g", {}, ...Array.from({ length: COMMON.bar }, (_, part) => element("rect", {
+      x: pixels(left + (part * length) / COMMON.bar),
+      y: this.top(y),
+      width: pixels(length - (part * length) / COMMON.bar),
+      height: extent(height),
+      fill: this.color(-2 - Math.round(from + ((part + 0.5) / COMMON.bar) * (to - from))),
+    })));
+  }
+
   color(place) {
-    return place === -1 ? "none" : this.palette[whole(place, 0, this.palette.length - 1)];
+    if (place === -1) return "none";
+    whole(place, -1 - this.scale.length, this.palette.length - 1);
+    return place < 0 ? this.scale[-2 - place] : this.palette[place];
   }
 
   written(path) {
@@ -121,6 +140,27 @@ class Painter {
   top(y) {
     return pixels(this.y + whole(y));
   }
+}
+
+/** Return the painter of a level's picture. */
+function painterOf({ palette, scale = [] }) {
+  list(palette, 100000).forEach(color);
+  return new Painter(palette, list(scale, 20).length > 1 ? colorsOf(scale) : []);
+}
+
+/** Return the colours of a scale, evenly between its stops. */
+function colorsOf(stops) {
+  const channels = stops.map((stop) => channelsOf(color(stop)));
+  return Array.from({ length: COMMON.steps + 1 }, (_, step) => {
+    const at = (step * (stops.length - 1)) / COMMON.steps;
+    const [low, high] = [Math.floor(at), Math.ceil(at)].map((index) => channels[index]);
+    return `rgb(${low.map((from, index) => Math.round(from + (at % 1) * (high[index] - from)))})`;
+  });
+}
+
+/** Return red, green and blue of a colour. */
+function channelsOf(given) {
+  return given.match(/[0-9a-f]{2}/g).slice(0, 3).map((part) => parseInt(part, 16));
 }
 
 function extent(tenths) {

@@ -7,15 +7,15 @@ function levelPicture(data) {
   const { title, picture, robot, shown } = data;
   need(picture !== null && typeof picture === "object");
   const { layers, palette } = picture;
-  need(layers !== null && typeof layers === "object");
+  need(layers !== null && typeof layers === "object" && layers.base !== undefined);
   const [width, height] = [whole(picture.width, 1, 1e7), whole(picture.height, 1, 1e7)];
-  list(palette, 100000).forEach(color);
-  const painter = new Painter(palette);
+  whole(picture.legend ?? 0, 0, height - 1);
+  const painter = painterOf(picture);
   // Parts of links that were made before have fewer layers.
   const layer = (name) => painter.layer(layers[name] ?? []);
   const things = thingElements(data, painter);
-  const answer = (id, name = id) =>
-    element("g", { id, class: shown.includes(name) ? undefined : "hidden" }, ...layer(id));
+  const answer = (id, name = id, ...below) =>
+    element("g", { id, class: shown.includes(name) ? undefined : "hidden" }, ...below, ...layer(id));
   return element("svg", {
     viewBox: `0 0 ${width} ${height}`,
     width,
@@ -32,10 +32,11 @@ function levelPicture(data) {
     "g",
     { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },
     ...layer("base"),
-    answer("heat", "values"),
+    answer("heat", "values", element("g", { id: "cells" })),
     ...layer("grid"),
     element("g", { id: "signs" }, ...layer("signs")),
     element("g", { id: "beside" }, ...layer("beside")),
+    element("g", { id: "places" }, ...layer("places")),
   ),
   things.still,
   answer("policy"),
@@ -46,7 +47,7 @@ function levelPicture(data) {
 
 /** Return whether a colour, such as that of the cells, is dark. */
 function isDark(given) {
-  const [red, green, blue] = given.match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
+  const [red, green, blue] = channelsOf(given);
   return 0.3 * red + 0.6 * green + 0.1 * blue < 100;
 }
 
@@ -71,7 +72,20 @@ class Picture {
     this.marks = new MarksLayer(game, svg);
     this.calm = view.calm;
     this.running = null;
+    this.svg = svg;
     view.show(svg, game.data.exits.map((exit) => game.corner(...game.place(exit))));
+    this.showAnswers();
+  }
+
+  /** Show the values and optimal actions that are switched on, and the legend only beside values. */
+  showAnswers() {
+    const { width, height, legend = 0 } = this.game.data.picture;
+    const isShown = !this.svg.querySelector("#values").classList.contains("hidden");
+    const high = isShown ? height : height - legend;
+    this.svg.setAttribute("viewBox", `0 0 ${width} ${high}`);
+    this.svg.setAttribute("height", high);
+    this.marks.stand();
+    this.view.measure();
   }
 
   /** Show the robot at a place, in a pose and a phase of its move. */

@@ -4,7 +4,7 @@ const WAY_TO_TWO_STARS = 0.9;
 /** Return how the episode ended, as a title. */
 function titleOf({ end, isGood }) {
   if (end === "time") return "Time limit reached";
-  const how = end === "exit" || end === "wrong" ? "Exit reached" : "Episode ended";
+  const how = end === "exit" ? "Exit reached" : "Episode ended";
   return isGood ? `${how}!` : how;
 }
 

@@ -140,9 +140,9 @@ function thingElements({ things = [], picture }, painter) {
     element("g", { id: `look-${index}` }, ...painter.layer(look)));
   const marks = list(picture.marks ?? []).map((mark) => element("g", {}, ...painter.layer(mark)));
   const side = COMMON.cell;
-  // The lines between the cells are seen beside their tiles.
+  // Each reaches under the next ones: nothing shines through between them.
   const tiles = list(picture.tiles ?? []).map((tile) => element("rect", {
-    x: 0.5, y: 0.5, width: side - 1, height: side - 1, fill: painter.color(tile),
+    width: side + 0.5, height: side + 0.5, fill: painter.color(tile),
   }));
   const still = things.filter(({ kind }) => kind !== "mover").map(() => element("g", {}));
   const moving = things.filter(({ kind }) => kind === "mover").map(({ label }) =>
@@ -165,6 +165,7 @@ class MarksLayer {
     this.shapes = [...svg.querySelector("#marks").children];
     this.tiles = [...svg.querySelector("#tiles").children];
     this.layers = ["heat", "values", "policy"].map((name) => svg.querySelector(`#${name}`));
+    this.cells = svg.querySelector("#cells");
     this.shown = this.layers.map(() => []);
   }
 
@@ -185,12 +186,12 @@ class MarksLayer {
   put(layer, index, cell, mark) {
     const shown = this.shown[index];
     if ((shown[cell]?.mark ?? -1) === mark) return;
-    shown[cell]?.group.remove();
+    shown[cell]?.shape.remove();
     const [left, top] = this.game.corner(...this.game.place(cell));
-    const group = element("g", { transform: `translate(${left} ${top})` });
-    const shape = (layer.id === "heat" ? this.tiles : this.shapes)[mark];
-    if (shape !== undefined) group.append(shape.cloneNode(true));
-    layer.append(group);
-    shown[cell] = { mark, group };
+    const isHeat = layer.id === "heat";
+    const shape = (isHeat ? this.tiles : this.shapes)[mark]?.cloneNode(true) ?? element("g", {});
+    shape.setAttribute("transform", `translate(${left} ${top})`);
+    (isHeat ? this.cells : layer).append(shape);
+    shown[cell] = { mark, shape };
   }
 }

@@ -37,12 +37,21 @@ class View {
     this.stage.replaceChildren(svg);
     const { width, height } = svg.viewBox.baseVal;
     this.size = [width, height];
+    // Of the picture with its legend, so that nothing around it moves.
     this.stage.parentElement.style.setProperty("--ratio", (width / height).toFixed(3));
     this.map.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.map.style.width = `${(MAP_SIDE * width) / Math.max(width, height)}px`;
     this.map.querySelector("image").removeAttribute("href");
     const fitting = (COMMON.cell * this.fittingWidth()) / width;
     this.zoomTo(fitting < LEAST_CELL ? CELL_OF_PART / fitting : 1);
+  }
+
+  /** Show the picture in its size, which may have changed. */
+  measure() {
+    const { width, height } = this.svg.viewBox.baseVal;
+    this.size = [width, height];
+    this.map.setAttribute("viewBox", `0 0 ${width} ${height}`);
+    this.zoomTo(this.zoom);
   }
 
   /** Show the whole picture. */
@@ -135,7 +144,7 @@ class View {
     const copy = this.svg.cloneNode(false);
     copy.removeAttribute("style");
     copy.append(this.svg.querySelector("#ground").cloneNode(true));
-    for (const answer of copy.querySelectorAll("#heat, #beside")) answer.remove();
+    for (const answer of copy.querySelectorAll("#heat, #beside, #places")) answer.remove();
     return `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   }
 }

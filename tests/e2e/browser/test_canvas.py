@@ -121,7 +121,8 @@ def test_the_levels_of_the_gallery_look_as_their_svgs(page: Page) -> None:
             level = level.with_maze_seed(3)
         unlike_svg[name], unlike_raster[name] = compare(level, page)
     assert {name: share for name, share in unlike_svg.items() if share > 0.0005} == {}
-    assert {name: share for name, share in unlike_raster.items() if share > 0.03} == {}
+    # A panel is full of text, for which the raster has a font of its own.
+    assert {name: share for name, share in unlike_raster.items() if share > 0.05} == {}
 
 
 @pytest.mark.parametrize("theme", BUILTIN_THEMES)

@@ -117,8 +117,9 @@ def test_what_scripts_paint_is_the_picture(name: str, page: Page) -> None:
     first, second = picture(plain), picture(drawn)
     assert first.size == second.size
     difference = np.asarray(ImageChops.difference(first, second))
+    # Data has lengths in tenths of a pixel: edges between them differ a little.
     assert np.mean(difference) < 0.25
-    assert np.mean(difference.max(axis=2) > 48) < 0.0005
+    assert np.mean(difference.max(axis=2) > 64) < 0.0003
 
 
 @pytest.mark.parametrize("name", SOME)
@@ -174,7 +175,8 @@ def test_the_robot_has_the_levels_own_colours(ground: Playground) -> None:
     before = set(ground.page.evaluate(fills))
     ground.follow(link_fragment(world, world))
     after = set(ground.page.evaluate(fills))
-    assert {"#123456", "#01020380"} == after - before
+    # The page's own level is grey, and so is its robot.
+    assert {"#123456", "#01020380"} <= after - before
     assert not {"robot", "puddle"} & (before | after)
 
 
@@ -392,7 +394,7 @@ def test_hostile_texts_are_texts(ground: Playground) -> None:
         "#best",
         "#facts dt",
         "#facts dd",
-        "#stage text >> nth=0",
+        "#ground text >> nth=0",
     ):
         assert ground.page.locator(place).text_content() == EVIL
     ground.press("d", "v", "b", "p")
@@ -446,7 +448,7 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "robots in no colour": field(["javascript:alert(1)", "#123456"], "robot"),
     "robots in three": field(["#123456"] * 3, "robot"),
     "foreign objects": shape("foreignObject", 0, 0, 0, 9, 9),
-    "kinds that are none": shape(5, 0, 0, 0, 9, 9),
+    "kinds that are none": shape(6, 0, 0, 0, 9, 9),
     "kinds of the language": shape("constructor", 0, 0, 0, 9, 9),
     "places that are texts": shape(0, 0, "0", 0, 9, 9),
     "places that are none": shape(0, 0, None, 0, 9, 9),
@@ -456,6 +458,11 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "missing numbers": shape(0, 0, 0),
     "too many numbers": shape(0, 0, 0, 0, 9, 9, 100, 0, 0, 0),
     "colours of no palette": shape(0, 99, 0, 0, 9, 9),
+    "colours of no scale": shape(0, -67, 0, 0, 9, 9),
+    "scales of no colours": field(["red", "blue"], "picture", "scale"),
+    "bars of no scale": shape(5, -1, 0, 0, 9, 9, 0, 80),
+    "bars without an end": shape(5, -1, 0, 0, 9, 9, 0),
+    "legends higher than the picture": field(10_000, "picture", "legend"),
     "texts that are none": shape(3, 0, 0, 0, {"a": 1}, 9),
     "opacities above all": shape(0, 0, 0, 0, 9, 9, 101),
     "again without a first": shape(4, 0, 1000, 0, 0),
@@ -531,8 +538,8 @@ HOSTILE: dict[str, Callable[[Any], None]] = {
     "nothing that can be done": field(0, "possible", 0),
     "a discount that grows": field(1.1, "discount"),
     "no discount": field(None, "discount"),
-    "ends that are good without a number": field([0, None], "good"),
-    "ends of three kinds": field([0, 1, 2], "good"),
+    "good ends in no cell": field([BILLION], "good_ends"),
+    "good ends that are none": field(0, "good_ends"),
     "a goal that is none": field(["x"], "goal"),
     "returns that are none": field(None, "returns"),
     "averages that are texts": field("<b>", "returns", "best"),
