@@ -441,15 +441,12 @@ def _returns(level: Level, solution: Solution) -> dict[str, Any]:
 
     from babyrobot_levels.analysis.solver.distribution import return_distribution
     from babyrobot_levels.analysis.solver.evaluation import evaluation_of
-    from babyrobot_levels.analysis.solver.horizon import expected_return_within
 
     actions, discount = solution.actions, solution.discount
     best, random = solution.expected_return, None
     if level.max_steps is not None:
         best, random = (
-            expected_return_within(
-                level, policy, level.max_steps, actions=actions, discount=discount
-            )
+            evaluation_of(level, policy, discount, actions, level.max_steps).expected_return
             for policy in (solution, RANDOM)
         )
     else:

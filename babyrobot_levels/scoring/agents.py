@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ class Chooser(Protocol):
         """
 
 
+@runtime_checkable
 class Player(Protocol):
     """An agent with memory: it is told when an episode begins."""
 
@@ -87,9 +88,8 @@ def read_agent(
         return _rllib_module(agent, num_actions, deterministic)
     if hasattr(agent, "predict") and hasattr(agent, "policy"):
         return _stable_baselines(agent, num_actions, deterministic)
-    if hasattr(agent, "reset") and hasattr(agent, "act"):
-        player: Player = agent
-        return player
+    if isinstance(agent, Player):
+        return agent
     if callable(agent):
         return _function(agent, num_actions, batched)
     raise TypeError(

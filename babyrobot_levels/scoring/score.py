@@ -104,12 +104,12 @@ def score(
     best = _best(problems)
     chance = _worth(problems, [_read("random", problem) for problem in problems])
     spread = np.zeros(len(problems))
-    if isinstance(taken, Table) or not hasattr(taken, "act"):
-        policies = [_policy(taken, problem, chosen, extent) for problem in problems]
-        worth, played = _worth(problems, policies), 0
-    else:
+    if isinstance(taken, Player):
         worth, spread = _played(taken, problems, chosen, extent, actions, episodes, seed)
         played = episodes
+    else:
+        policies = [_policy(taken, problem, chosen, extent) for problem in problems]
+        worth, played = _worth(problems, policies), 0
     return Scores(
         [
             _row(problem, worth, chance, best, spread, number, played)

@@ -97,9 +97,9 @@ def evaluation_of(
     """Do what `evaluate` does, without a warning where the expected return is infinite."""
     level = load(level)
     discount = check_discount(discount, level.discount)
-    space, steps = space_of(level, actions), limit_of(within, policy, level)
-    if steps is not None:
-        return evaluate_within(space, policy, discount, steps)
+    space, limit = space_of(level, actions), limit_of(within, policy, level)
+    if limit is not None:
+        return evaluate_within(space, policy, discount, limit)
     model = space.model()
     chain = model.mixed(weights_of(policy, space)[model.states])
     values = chain_values(chain, discount, space)

@@ -13,9 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.chain import weights_of
 from babyrobot_levels.analysis.solver.model import Floats, Model
-from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.library.catalogue import load
 
@@ -44,20 +42,6 @@ def best_return_within(
     """
     space = space_of(load(level), actions)
     return _at_start(space, space.model(), steps, discount)
-
-
-def expected_return_within(
-    level: Any, policy: Policy, steps: int, *, actions: str = "all", discount: float = 1.0
-) -> float:
-    """Return the expected return of a policy in episodes that are truncated after some steps.
-
-    It is exact, and always finite. Args and errors are those of `best_return_within`; `policy` is
-    as `evaluate` takes it.
-    """
-    space = space_of(load(level), actions)
-    model = space.model()
-    chain = model.mixed(weights_of(policy, space)[model.states])
-    return _at_start(space, chain, steps, discount)
 
 
 def _at_start(space: StateSpace, model: Model, steps: int, discount: float) -> float:

@@ -83,9 +83,9 @@ def solve(
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
-    space, steps = space_of(level, actions), check_within(within, level.max_steps)
-    if steps is not None:
-        return solve_within(space, discount, steps)
+    space, limit = space_of(level, actions), check_within(within, level.max_steps)
+    if limit is not None:
+        return solve_within(space, discount, limit)
     model, mdp = space.model(), space.mdp
     found = _discounted(model, discount) if discount < 1 else _undiscounted(model, space)
     ahead = action_values(model, found.values, discount)

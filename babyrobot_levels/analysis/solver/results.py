@@ -416,7 +416,7 @@ def check_within(within: int | str | None, max_steps: int | None) -> int | None:
             raise ValueError("the level has no max_steps; give a number of steps, such as 200")
         return max_steps
     with suppress(TypeError):
-        if not isinstance(within, bool) and operator.index(within) >= 1:
+        if not isinstance(within, bool | str) and operator.index(within) >= 1:
             return operator.index(within)
     raise ValueError(f"within must be a number of steps from 1 on, or 'max_steps', not {within!r}")
 

@@ -109,9 +109,9 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
 def _greedy(model: Model, values: Floats) -> Flags:
     """Return the actions whose values are those of the best one, `[n, actions]`."""
     best = values.max(axis=1, keepdims=True, initial=-np.inf)
-    return values >= best - TOLERANCE * np.maximum(
-        np.abs(best), min(1.0, np.abs(model.reward).max(initial=0.0))
-    )
+    rewards = min(1.0, float(np.abs(model.reward).max(initial=0.0)))
+    greedy: Flags = values >= best - TOLERANCE * np.maximum(np.abs(best), rewards)
+    return greedy
 
 
 def _fastest(greedy: Flags, success: Floats, lengths: Floats) -> Ints:

@@ -9,7 +9,6 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.distribution import EPISODES, return_distribution
-from babyrobot_levels.analysis.solver.horizon import expected_return_within
 
 
 def recursive(level: brl.Level, steps: int, discount: float) -> dict[float, float]:
@@ -64,7 +63,8 @@ def test_episodes_that_are_truncated_count_with_what_they_have(name: str, policy
     steps = 12
     taken = "random" if policy == "random" else brl.solve(level)
     found = return_distribution(level, taken, steps)
-    assert found.mean == pytest.approx(expected_return_within(level, taken, steps))
+    exact = brl.evaluate(level, taken, within=steps).expected_return
+    assert found.mean == pytest.approx(exact)
 
 
 def test_the_frozen_lake_is_crossed_or_not() -> None:
@@ -78,7 +78,7 @@ def test_the_frozen_lake_is_crossed_or_not() -> None:
 def test_where_returns_are_too_many_episodes_are_simulated() -> None:
     found = return_distribution("gridworld-3-5", "random")
     assert found.episodes == EPISODES
-    exact = expected_return_within("gridworld-3-5", "random", 1000, discount=0.9)
+    exact = brl.evaluate("gridworld-3-5", "random", within=1000).expected_return
     assert found.mean == pytest.approx(exact, abs=0.2)
     again = return_distribution("gridworld-3-5", "random")
     assert np.array_equal(found.values, again.values)

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.horizon import best_return_within, expected_return_within
+from babyrobot_levels.analysis.solver.horizon import best_return_within
 
 ACTIONS = ("all", "moves", "turns")
 
@@ -96,12 +96,3 @@ def test_wrong_arguments(given: tuple[str, int], message: str) -> None:
         best_return_within(*given)
     with pytest.raises(ValueError, match="actions"):
         best_return_within("default", 5, actions="jumps")
-
-
-def test_the_expected_return_of_a_policy_within_a_limit() -> None:
-    solution = brl.solve("frozen-lake")
-    assert expected_return_within("frozen-lake", solution, 0) == 0.0
-    within = expected_return_within("frozen-lake", solution, 100)
-    assert within == pytest.approx(brl.success_within("frozen-lake", solution, 100))
-    assert within < best_return_within("frozen-lake", 100)
-    assert expected_return_within("final-maze", "random", 3) == pytest.approx(-3, abs=0.5)
