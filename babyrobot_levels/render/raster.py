@@ -211,7 +211,7 @@ class Painter:
             return
         if path.fill is not None:
 
-            def fill(pen: Pen, lines: list[Polyline]) -> None:
+            def fill(lines: list[Polyline], pen: Pen) -> None:
                 for points, _ in lines:
                     pen.polygon(points)
 
@@ -231,7 +231,7 @@ class Painter:
         # A line thinner than a pixel is a fainter line of one pixel.
         opacity, width = opacity * min(width, 1.0), max(width, 1.0)
 
-        def stroke(pen: Pen, lines: list[Polyline]) -> None:
+        def stroke(lines: list[Polyline], pen: Pen) -> None:
             for line in lines:
                 pen.stroke(line, width, round_caps=path.cap == "round")
 
@@ -257,16 +257,12 @@ class Painter:
         opacity: float,
         lines: list[Polyline],
         reach: float,
-        draw: Callable[[Pen, list[Polyline]], None],
+        draw: Callable[[list[Polyline], Pen], None],
     ) -> None:
         """Draw lines in a colour; translucent ones that are far apart in several masks."""
         is_opaque = rgba(color)[3] * opacity >= 1
         for group in [lines] if is_opaque else _apart(lines, reach):
-
-            def draw_group(pen: Pen, group: list[Polyline] = group) -> None:
-                draw(pen, group)
-
-            self._ink(color, opacity, _bounds(group, reach), draw_group)
+            self._ink(color, opacity, _bounds(group, reach), partial(draw, group))
 
     def _ink(self, color: str, opacity: float, box: Box, draw: Callable[[Pen], None]) -> None:
         """Draw in a colour inside `box`."""
