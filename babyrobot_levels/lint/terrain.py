@@ -179,7 +179,8 @@ class TerrainEffects:
             found.append(one)
             if one.works:
                 for name in change:
-                    if not (name == "skid" and one.effects[name] is not Effect.WORKS):
+                    # Of a skid that applies: without what lies below, it would be the same.
+                    if name != "skid" or one.effects[name] in (Effect.WORKS, Effect.SAME):
                         self._hidden[name][where] = True
                 if area.color is not None and is_opaque(area.color):
                     self._hidden["color"][where] = True

@@ -47,6 +47,8 @@ class LevelScore:
         high: the upper end.
     """
 
+    __module__ = "babyrobot_levels"
+
     level: str
     digest: str
     expected_return: float
