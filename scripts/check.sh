@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Everything that must pass before a commit: style, types, the order of imports, tests.
-# Usage: bash scripts/check.sh             with the fast tests: about three minutes on two cores
+# Usage: bash scripts/check.sh             with the fast tests: about four minutes on two cores
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
