@@ -380,7 +380,8 @@ def test_a_picture_that_takes_long_is_in_color_after_the_bar(tmp_path: Path) -> 
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
     sent, _ = in_terminal(tmp_path, "preview", "large.yaml", "--values", columns=200)
     before, _, after = sent.partition("▀")
-    assert "drawing" in before or not before
+    # No bar on a machine that is done within a second.
+    assert "drawing" in before or re.fullmatch(r"(\x1b\[[\d;]*m)*", before)
     assert "drawing" not in after
 
 

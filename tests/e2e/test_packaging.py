@@ -145,7 +145,8 @@ def test_the_dependencies_are_what_the_code_imports(wheel: Path) -> None:
     # What is not installed is called as the package is.
     used = {
         owners.get(name, [name])[0].lower().replace("_", "-")
-        for name in imported_packages() - {"pydantic_core"}
+        # Whoever gives a model of PyTorch has it.
+        for name in imported_packages() - {"pydantic_core", "torch"}
     }
     assert used <= declared
 

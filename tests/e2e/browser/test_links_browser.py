@@ -292,7 +292,7 @@ LINK = fragment_of("walls")
         (LINK[:-9] + "-" + LINK[-8:], "This link is damaged: its checksum is wrong."),
         (LINK[:20] + "-" + LINK[21:], "This link is damaged: its checksum is wrong."),
         (LINK[:-9] + "!" + LINK[-8:], "This link is damaged."),
-        (LINK[:-9] + "%" + LINK[-8:], "This link is damaged."),
+        (LINK[:-9] + "%z" + LINK[-7:], "This link is damaged."),
         (f"{CODE}~1.2.AA", "This link is damaged."),
         (f"{CODE}~1.1.A", "This link is damaged."),
         (f"{CODE}~1.0.", "This link is damaged."),
