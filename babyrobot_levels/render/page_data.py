@@ -10,6 +10,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -161,6 +162,7 @@ def page_data(
     }
 
 
+@cache
 def common_data() -> dict[str, Any]:
     """Return what is the same for all levels: the robot's pictures, and the meaning of codes.
 
