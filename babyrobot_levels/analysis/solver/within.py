@@ -88,15 +88,9 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
     table = np.zeros((mdp.num_states, greedy.shape[1]), bool)
     table[model.states] = greedy
     return Solution(
-        values=space.spread(model, now.values),
-        action_values=space.spread(model, values),
-        expected_return=space.at_start(model, now.values),
-        expected_steps=space.at_start(model, now.steps),
-        exit_probability=probability(space.at_start(model, now.success)),
+        **_facts(space, model, now, values),
         discount=discount,
-        actions=space.actions,
         within=steps,
-        level=space.level,
         greedy=table.reshape(*mdp.shape, -1),
         policy=policies[0].astype(np.int64).reshape(mdp.shape),
         policies=policies.reshape(steps, *mdp.shape),
@@ -127,9 +121,12 @@ def _fastest(greedy: Flags, success: Floats, lengths: Floats) -> Ints:
 def evaluate_within(space: StateSpace, policy: Any, discount: float, steps: int) -> Evaluation:
     """Return the values of a policy, which may depend on the step, in truncated episodes."""
     model, weights = space.model(), weights_by_step(policy, space, steps)
-    ahead = _nothing(model)
+    ahead, settled = _nothing(model), None
     for step in reversed(range(steps)):
         chosen = weights(step)
+        if chosen is settled:
+            # One more step of this policy changes nothing; an earlier step may have another one.
+            continue
         values, success, lengths = _by_action(model, ahead, discount)
         # Actions that are not taken add nothing, even if they may not be taken.
         taken = chosen[model.states]
@@ -139,20 +136,29 @@ def evaluate_within(space: StateSpace, policy: Any, discount: float, steps: int)
                 for each in (values, success, lengths)
             )
         )
-        if now.equals(ahead) and (step == 0 or weights(step - 1) is chosen):
-            break
+        settled = chosen if now.equals(ahead) else None
         ahead = now
-    return Evaluation(
-        values=space.spread(model, now.values),
-        action_values=space.spread(model, values),
-        expected_return=space.at_start(model, now.values),
-        expected_steps=space.at_start(model, now.steps),
-        exit_probability=probability(space.at_start(model, now.success)),
-        discount=discount,
-        actions=space.actions,
-        within=steps,
-        level=space.level,
-    )
+    return Evaluation(**_facts(space, model, now, values), discount=discount, within=steps)
+
+
+def _facts(space: StateSpace, model: Model, now: _Ahead, values: Floats) -> dict[str, Any]:
+    """Return what the results of solving and of evaluating have in common.
+
+    Args:
+        space: the states.
+        model: their model.
+        now: what is expected with all steps left.
+        values: the same values if an action is taken first, `[n, actions]`.
+    """
+    return {
+        "values": space.spread(model, now.values),
+        "action_values": space.spread(model, values),
+        "expected_return": space.at_start(model, now.values),
+        "expected_steps": space.at_start(model, now.steps),
+        "exit_probability": probability(space.at_start(model, now.success)),
+        "actions": space.actions,
+        "level": space.level,
+    }
 
 
 def weights_by_step(policy: Any, space: StateSpace, steps: int) -> Callable[[int], Floats]:

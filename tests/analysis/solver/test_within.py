@@ -152,6 +152,16 @@ def test_simulated_episodes_follow_a_policy_by_step() -> None:
     assert by_hand.expected_return == pytest.approx(found.expected_return)
 
 
+def test_a_policy_whose_last_steps_change_nothing_may_begin_in_another_way() -> None:
+    ends = [{"at": [x, 0], "ends": True, "reward": reward} for x, reward in ((0, 1), (2, 5))]
+    level = {"version": 1, "size": [3, 1], "start": [1, 0], "exit": "none", "areas": ends}
+    policies = np.full((9, 1, 3), brl.Action.WEST)
+    assert brl.evaluate(level, policies, within=9).expected_return == 1.0
+    policies[0] = brl.Action.EAST
+    assert brl.evaluate(level, policies, within=9).expected_return == 5.0
+    assert brl.simulate(level, policies, 10, within=9).mean == 5.0
+
+
 def test_the_part_of_a_configuration_keeps_the_steps() -> None:
     found = brl.solve("first-key", within=9)
     part = found.at(1)
