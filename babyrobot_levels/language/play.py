@@ -9,6 +9,8 @@ from __future__ import annotations
 import json
 import re
 import zlib
+from functools import cache
+from importlib.metadata import version
 from typing import Annotated, Any, Literal, NoReturn, Self
 
 from pydantic import (
@@ -141,6 +143,12 @@ class PlayFields(Model):
             return cls.model_validate(data)
         except ValidationError as error:
             raise PlayError(_described(error)) from None
+
+
+@cache
+def program() -> str:
+    """Return the name and the version of this package, for `made_by`."""
+    return f"babyrobot-levels {version('babyrobot-levels')}"
 
 
 def _refuse(constant: str) -> NoReturn:

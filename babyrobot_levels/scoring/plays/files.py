@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from functools import lru_cache
-from importlib.metadata import version
 from pathlib import Path
 
 from babyrobot_levels.language.play import MAX_LINE, PlayError, PlayFields
@@ -67,12 +66,6 @@ class Play(PlayFields):
 @lru_cache(maxsize=64)
 def _level_of(code: str) -> Level:
     return load_code(code)
-
-
-@lru_cache(maxsize=1)
-def program() -> str:
-    """Return the name and the version of this package, for `made_by`."""
-    return f"babyrobot-levels {version('babyrobot-levels')}"
 
 
 def read_plays(path: str | os.PathLike[str]) -> list[Play]:

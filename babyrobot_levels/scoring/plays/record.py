@@ -11,9 +11,9 @@ from gymnasium.utils import RecordConstructorArgs
 from gymnasium.wrappers import TimeLimit
 
 from babyrobot_levels.envs.single import LevelEnv
-from babyrobot_levels.language.play import MAX_STEPS, PlayError
+from babyrobot_levels.language.play import MAX_STEPS, PlayError, program
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.scoring.plays.files import Play, append_play, check_appendable, program
+from babyrobot_levels.scoring.plays.files import Play, append_play, check_appendable
 from babyrobot_levels.scoring.plays.verify import return_of
 
 
