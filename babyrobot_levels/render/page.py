@@ -18,7 +18,7 @@ import hashlib
 import json
 import re
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
 from importlib.resources import files
@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 SCRIPTS = (
+    "common.js",
     "random.js",
     "checks.js",
     "link.js",
@@ -133,7 +134,7 @@ def to_html(
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
     style = _code("page.css")
-    script = "\n".join(['"use strict";', *map(_code, SCRIPTS)])
+    script = f'"use strict";\n{script_of(SCRIPTS)}'
     theme = level.resolved_theme
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
@@ -199,6 +200,11 @@ def _security_policy(style: str, script: str) -> str:
 
 def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
+
+
+def script_of(names: Iterable[str]) -> str:
+    """Return scripts of the page as one, without what is only for readers."""
+    return "\n".join(map(_code, names))
 
 
 def _code(name: str) -> str:

@@ -1,5 +1,4 @@
 // The simulation: one robot in one level, and what happens in words.
-const COMMON = JSON.parse(document.getElementById("common").textContent);
 const SIDES = ["", "north", "east", "south", "west"];
 const FORWARD = 2; // The actions of a robot that turns: 0 left, 1 right, and this.
 const OUTCOME_LENGTH = 6;

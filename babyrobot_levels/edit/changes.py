@@ -1,0 +1,20 @@
+"""Gestures carried out on the fields of a level."""
+
+from __future__ import annotations
+
+from babyrobot_levels.edit import cells
+from babyrobot_levels.edit.draft import Draft, RefusedError
+from babyrobot_levels.edit.gestures import Gesture, Paint
+
+
+def change(draft: Draft, gesture: Gesture) -> None:
+    """Change a draft as a gesture says.
+
+    Raises:
+        RefusedError: it cannot be carried out.
+    """
+    match gesture:
+        case Paint():
+            cells.paint(draft, gesture)
+        case _:
+            raise RefusedError(f"`{gesture.do}` is not known yet")

@@ -1,0 +1,47 @@
+"""The editor's front end as one ES module: the scripts of the page's painter, and its own."""
+
+from __future__ import annotations
+
+from functools import cache
+from importlib.resources import files
+
+from babyrobot_levels.render.page import embedded_json, script_of
+from babyrobot_levels.render.page_data import common_data
+
+PAINTER = (
+    "random.js",
+    "checks.js",
+    "things.js",
+    "game.js",
+    "result.js",
+    "paint.js",
+    "view.js",
+    "picture.js",
+    "trail.js",
+    "speech.js",
+)
+"""The scripts of the page that the editor shares."""
+
+SCRIPTS = ("editor.js", "stage.js", "text_pane.js", "mount.js")
+"""Its own scripts, in the order of their dependencies."""
+
+STYLES = ("editor.css", "stage.css", "text_pane.css")
+"""Its style sheets: of the layout, and of the parts."""
+
+
+@cache
+def module() -> str:
+    """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
+    own = [static(name) for name in SCRIPTS]
+    return "\n".join([f"const COMMON = {embedded_json(common_data())};", script_of(PAINTER), *own])
+
+
+@cache
+def style() -> str:
+    """Return the style sheet."""
+    return "\n".join(map(static, STYLES))
+
+
+def static(name: str) -> str:
+    """Return a file of the front end."""
+    return files("babyrobot_levels.edit").joinpath("static", name).read_text("utf-8")

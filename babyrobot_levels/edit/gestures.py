@@ -1,0 +1,142 @@
+"""What one can do to a level by drawing: each gesture is one change, and one step to undo.
+
+They come from a browser, so they are checked like any input. Cells are `[x, y]`; a side of a cell
+is N, E, S or W, as in level files.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+
+from babyrobot_levels.language.base import MAX_SIZE
+
+Coordinate = Annotated[int, Field(ge=0, lt=MAX_SIZE, strict=True)]
+Cell = tuple[Coordinate, Coordinate]
+Cells = Annotated[list[Cell], Field(min_length=1, max_length=MAX_SIZE * MAX_SIZE)]
+Count = Annotated[int, Field(ge=1, le=MAX_SIZE, strict=True)]
+Side = Literal["N", "E", "S", "W"]
+Route = Annotated[list[str | int], Field(min_length=1, max_length=8)]
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Walls(_Model):
+    """Build or remove walls along a straight run of sides."""
+
+    do: Literal["walls"]
+    at: Cell
+    side: Side
+    length: Count = 1
+    """Sides of the run: to the east on N and S, to the south on E and W."""
+    to: Literal["next", "none", "wall", "glass", "door"]
+    """What the sides become. `next` goes from none to wall, glass, door (where there are things
+    that it can need), and none again, by what stands at the first side."""
+    pass_: Annotated[float, Field(alias="pass", ge=0, le=1)] = 0.5
+    """The probability of getting through glass."""
+
+
+class Paint(_Model):
+    """Put something into cells, or take everything out of them."""
+
+    do: Literal["paint"]
+    brush: Literal["small", "large", "blocked", "start", "exit", "area", "item", "switch", "erase"]
+    cells: Cells
+    """In the order in which they were painted. Of `start` and `exit`, several are several."""
+    rectangle: bool = False
+    """Whether the cells are the first and the last corner of a rectangle, which is filled."""
+    fields: dict[str, Any] = {}
+    """Further fields of an area, an item or a switch."""
+
+
+class Fill(_Model):
+    """Paint a cell and all cells that are like it and can be reached without passing walls."""
+
+    do: Literal["fill"]
+    brush: Literal["small", "large", "blocked", "area", "erase"]
+    at: Cell
+    fields: dict[str, Any] = {}
+
+
+class Warp(_Model):
+    """Add a warp from a cell to another one."""
+
+    do: Literal["warp"]
+    at: Cell
+    to: Cell
+
+
+class Path(_Model):
+    """Add a mover that walks through cells."""
+
+    do: Literal["path"]
+    cells: Cells
+
+
+class Move(_Model):
+    """Move what stands at a route, such as a start, an item, or the target of a warp."""
+
+    do: Literal["move"]
+    route: Route
+    from_: Annotated[Cell, Field(alias="from")]
+    """The cell by which it was taken: of a rectangle, any."""
+    to: Cell
+
+
+class Remove(_Model):
+    """Remove an entry or a field."""
+
+    do: Literal["remove"]
+    route: Route
+
+
+class Set(_Model):
+    """Give a field or an entry another value; None removes it."""
+
+    do: Literal["set"]
+    route: Route
+    value: Any
+
+
+class Resize(_Model):
+    """Give the level another size."""
+
+    do: Literal["resize"]
+    size: tuple[Count, Count]
+    shift: tuple[int, int] = (0, 0)
+    """How far everything moves to the east and south: what is added at the left and the top."""
+
+
+class Wind(_Model):
+    """Set the strength of the wind in one column (`N`, `S`) or row (`E`, `W`)."""
+
+    do: Literal["wind"]
+    side: Side
+    """Where the wind blows to."""
+    index: Coordinate
+    """The number of the column or row."""
+    strength: Annotated[int, Field(ge=0, le=MAX_SIZE, strict=True)]
+
+
+class Resolve(_Model):
+    """Write the maze out as walls."""
+
+    do: Literal["resolve"]
+
+
+class Fix(_Model):
+    """Apply the fix of a finding."""
+
+    do: Literal["fix"]
+    code: str
+    line: int
+    column: int
+
+
+Gesture = Walls | Paint | Fill | Warp | Path | Move | Remove | Set | Resize | Wind | Resolve | Fix
+
+gesture_of: TypeAdapter[Gesture] = TypeAdapter(Annotated[Gesture, Field(discriminator="do")])
+"""Checks plain data as a gesture."""

@@ -1,0 +1,80 @@
+"""What was changed in a text, so that it can be undone and redone without end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import takewhile
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One change: from a place on, `old` became `new`."""
+
+    first: int
+    old: str
+    new: str
+
+
+@dataclass(slots=True)
+class History:
+    """A text with the changes that led to it, and those that were undone."""
+
+    text: str
+    _done: list[Step] = field(default_factory=list)
+    _undone: list[Step] = field(default_factory=list)
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return bool(self._done)
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change to do again."""
+        return bool(self._undone)
+
+    def change(self, text: str, *, joined: bool = False) -> None:
+        """Make another text of it.
+
+        Args:
+            text: the text.
+            joined: whether this and the change before are one step.
+        """
+        if text == self.text:
+            return
+        before = self.text
+        if joined and self._done:
+            before = _replaced(before, self._done.pop(), undo=True)
+        self._done.append(_step(before, text))
+        self._undone.clear()
+        self.text = text
+
+    def undo(self) -> None:
+        """Undo the last change, if there is one."""
+        if self._done:
+            self._undone.append(self._done.pop())
+            self.text = _replaced(self.text, self._undone[-1], undo=True)
+
+    def redo(self) -> None:
+        """Do again what was undone last, if there is anything."""
+        if self._undone:
+            self._done.append(self._undone.pop())
+            self.text = _replaced(self.text, self._done[-1], undo=False)
+
+
+def _step(old: str, new: str) -> Step:
+    first = _common(old, new)
+    left, right = old[first:], new[first:]
+    same = _common(left[::-1], right[::-1])
+    return Step(first, left[: len(left) - same], right[: len(right) - same])
+
+
+def _common(left: str, right: str) -> int:
+    """Return with how many characters both texts begin."""
+    pairs = zip(left, right, strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+
+def _replaced(text: str, step: Step, *, undo: bool) -> str:
+    old, new = (step.new, step.old) if undo else (step.old, step.new)
+    return text[: step.first] + new + text[step.first + len(old) :]

@@ -1,0 +1,114 @@
+"""One level being edited: its text, and what gestures make of it."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from pathlib import Path
+
+from babyrobot_levels.edit.changes import change
+from babyrobot_levels.edit.draft import Draft, RefusedError
+from babyrobot_levels.edit.gestures import Gesture
+from babyrobot_levels.edit.history import History
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import load_source
+from babyrobot_levels.lint.registry import select
+from babyrobot_levels.lint.runner import Report, lint_source
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.splice import splice
+
+
+class Session:
+    """A level text that is edited by gestures and by typing.
+
+    Attributes:
+        path: the file that it is saved to; None where there is none yet.
+        revision: a number that grows with each change of the text.
+        level: the level of the text, or of the last text that was valid; None if none was.
+        report: the findings in the text.
+    """
+
+    def __init__(self, text: str, *, name: str | None = None, path: Path | None = None) -> None:
+        self.path = path
+        self.name = name
+        self.revision = 0
+        self.level: Level | None = None
+        self._history = History(text)
+        self._saved = text
+        self._read()
+
+    @property
+    def text(self) -> str:
+        """The text at hand."""
+        return self._history.text
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether the text is a valid level, which `level` then is."""
+        return self.report.level is not None
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the text is as it was opened or saved last."""
+        return self.text == self._saved
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return self._history.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change to do again."""
+        return self._history.can_redo
+
+    def apply(self, gesture: Gesture) -> None:
+        """Carry out a gesture, as one step.
+
+        Raises:
+            RefusedError: it cannot be carried out, or the level would not be valid; nothing has
+                changed.
+        """
+        if self.report.level is None:
+            raise RefusedError("the text has errors; correct them before you go on drawing")
+        document = read(self._source())
+        draft = Draft(deepcopy(document.data), self.report.level, document)
+        change(draft, gesture)
+        data = {name: value for name, value in draft.data.items() if value not in ([], {})}
+        text = splice(self.text, data, list(Level.model_fields))
+        if text is None:
+            text = emit(data)
+        try:
+            load_source(SourceFile(self._source().name, text), self.path)
+        except LevelError as error:
+            raise RefusedError(error.diagnostics[0].message) from None
+        self._change(text)
+
+    def type(self, text: str, *, joined: bool = False) -> None:
+        """Replace the text by what was typed; `joined` makes it one step with the change before."""
+        self._change(text, joined=joined)
+
+    def undo(self) -> None:
+        """Undo the last step."""
+        self._history.undo()
+        self._read()
+
+    def redo(self) -> None:
+        """Do the step again that was undone last."""
+        self._history.redo()
+        self._read()
+
+    def _change(self, text: str, *, joined: bool = False) -> None:
+        self._history.change(text, joined=joined)
+        self._read()
+
+    def _source(self) -> SourceFile:
+        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
+
+    def _read(self) -> None:
+        self.revision += 1
+        self.report: Report = lint_source(self._source(), select(None), self.path)
+        if self.report.level is not None:
+            self.level = self.report.level
