@@ -196,7 +196,7 @@ def _type(variants: list[Schema]) -> dict[str, Any]:
 
 
 def _bounds(schema: Schema) -> dict[str, Any]:
-    bounds = {key: schema[key] for key in ("minimum", "maximum") if key in schema}
+    bounds: dict[str, Any] = {key: schema[key] for key in ("minimum", "maximum") if key in schema}
     if "exclusiveMinimum" in schema:
         bounds["minimum"] = schema["exclusiveMinimum"]
     if "exclusiveMaximum" in schema:
