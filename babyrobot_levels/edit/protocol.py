@@ -5,7 +5,11 @@ gesture (`edit/gestures.py`, with its fields), or
 
 - `state`: the state, for one who begins;
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
-- `undo`, `redo`.
+- `undo`, `redo`;
+- `answers`: the state again, with the optimum, however long that takes. It may be asked for beside
+  other messages, which it does not hold up; if the text changes meanwhile, there is no state;
+- `policy`: what a policy drawn by hand is worth: `actions`, see `policy.worth_of`. The reply has
+  `policy`, and no state.
 
 A message that changes the text also has `revision`, that of the state that it was made from. If
 the text has changed since, by another page, it is refused. A reply has `id`; `state`, see
@@ -20,6 +24,7 @@ from pydantic import ValidationError
 
 from babyrobot_levels.edit.draft import RefusedError
 from babyrobot_levels.edit.gestures import gesture_of
+from babyrobot_levels.edit.policy import worth_of
 from babyrobot_levels.edit.session import Session
 from babyrobot_levels.edit.state import state_of
 
@@ -31,9 +36,14 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     fields = dict(message)
     number, revision = fields.pop("id", None), fields.pop("revision", None)
     reply: dict[str, Any] = {"id": number}
+    if fields.get("do") == "answers":
+        session.answers.catch_up()
+        return {**reply, "state": state_of(session)} if revision == session.revision else reply
     try:
         if fields.get("do") != "state" and revision != session.revision:
             raise RefusedError(STALE)
+        if fields.get("do") == "policy":
+            return {**reply, "policy": _policy(session, fields.get("actions"))}
         _do(session, fields)
     except RefusedError as error:
         reply["error"] = str(error)
@@ -56,3 +66,10 @@ def _do(session: Session, fields: dict[str, Any]) -> None:
             except ValidationError:
                 raise RefusedError("this gesture is not known") from None
             session.apply(gesture)
+
+
+def _policy(session: Session, actions: Any) -> dict[str, Any]:
+    session.answers.catch_up()
+    if session.answers.optimum is None:
+        raise RefusedError("there is no level yet")
+    return worth_of(session.answers.optimum, actions)
