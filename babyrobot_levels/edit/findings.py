@@ -8,6 +8,7 @@ from itertools import islice
 from typing import Any
 
 from babyrobot_levels.lint.finding import marked_at
+from babyrobot_levels.lint.registry import find
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.errors import LevelError
@@ -34,8 +35,8 @@ def findings_of(
 ) -> list[dict[str, Any]]:
     """Return findings as plain data, each with where it is shown.
 
-    To `Diagnostic.to_dict` it adds `cells`, `[x, y]` each, and `sides`, `[x, y, side]` each. They
-    are those of the entry, or of the part of the drawing, at which a finding points; or else those
+    To `Diagnostic.to_dict` it adds `title`, what its rule is about; `cells`, `[x, y]` each; and
+    `sides`, `[x, y, side]` each. The places are those of the entry, or of the part of the drawing, at which a finding points; or else those
     that its message names.
 
     Args:
@@ -58,7 +59,9 @@ def findings_of(
         ]
         cells = [[x, y] for x, y, side in inside if not side]
         sides = [[x, y, side] for x, y, side in inside if side]
-        shown.append({**each.to_dict(), "cells": cells, "sides": sides})
+        rule = find(each.code)
+        title = "" if rule is None else rule.summary
+        shown.append({**each.to_dict(), "title": title, "cells": cells, "sides": sides})
     return shown
 
 
