@@ -36,8 +36,8 @@ def findings_of(
     """Return findings as plain data, each with where it is shown.
 
     To `Diagnostic.to_dict` it adds `title`, what its rule is about; `cells`, `[x, y]` each; and
-    `sides`, `[x, y, side]` each. The places are those of the entry, or of the part of the drawing, at which a finding points; or else those
-    that its message names.
+    `sides`, `[x, y, side]` each. The places are those of the entry, or of the part of the drawing,
+    at which a finding points; or else those that its message names.
 
     Args:
         found: the findings.

@@ -6,8 +6,8 @@ gesture (`edit/gestures.py`, with its fields), or
 - `state`: the state, for one who begins;
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
 - `undo`, `redo`;
-- `answers`: the state again, with the optimum, however long that takes. It may be asked for beside
-  other messages, which it does not hold up; if the text changes meanwhile, there is no state;
+- `answers`: the state again, with the optimum, however long that takes; if the text has changed
+  meanwhile, the reply has no state. See `prepare`;
 - `policy`: what a policy drawn by hand is worth: `actions`, see `policy.worth_of`. The reply has
   `policy`, and no state.
 
@@ -31,14 +31,23 @@ from babyrobot_levels.edit.state import state_of
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
 
 
+def prepare(session: Session, message: dict[str, Any]) -> None:
+    """Do what takes long before a message is answered.
+
+    It may run beside other messages, in a thread of its own, so that it holds up none of them.
+    """
+    if message.get("do") in ("answers", "policy"):
+        session.answers.catch_up()
+
+
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     """Do what a message asks for, and return the reply."""
     fields = dict(message)
     number, revision = fields.pop("id", None), fields.pop("revision", None)
     reply: dict[str, Any] = {"id": number}
-    if fields.get("do") == "answers":
-        session.answers.catch_up()
-        return {**reply, "state": state_of(session)} if revision == session.revision else reply
+    prepare(session, message)
+    if fields.get("do") == "answers" and revision != session.revision:
+        return reply
     try:
         if fields.get("do") != "state" and revision != session.revision:
             raise RefusedError(STALE)
@@ -52,7 +61,7 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
 
 def _do(session: Session, fields: dict[str, Any]) -> None:
     match fields:
-        case {"do": "state"}:
+        case {"do": "state" | "answers"}:
             pass
         case {"do": "text", "text": str(text)}:
             session.type(text, joined=fields.get("joined") is True)
@@ -69,7 +78,7 @@ def _do(session: Session, fields: dict[str, Any]) -> None:
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:
-    session.answers.catch_up()
-    if session.answers.optimum is None:
-        raise RefusedError("there is no level yet")
-    return worth_of(session.answers.optimum, actions)
+    optimum = session.answers.optimum
+    if optimum is None:
+        raise RefusedError("there is no valid level yet")
+    return worth_of(optimum, actions)
