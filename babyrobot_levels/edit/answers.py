@@ -19,7 +19,13 @@ from babyrobot_levels.analysis.pictures import random_return, solution_guide
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.reachability import reach_of
 from babyrobot_levels.mdp.states import initial_configuration
-from babyrobot_levels.render.page_data import Guide, TooLargeError, page_data, without_panels
+from babyrobot_levels.render.page_data import (
+    Guide,
+    TooLargeError,
+    page_data,
+    rounded,
+    without_panels,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation
@@ -170,7 +176,7 @@ class Answers:
         return {
             "status": "done",
             "best": finite(best),
-            "best_text": optimum.page["best"] or ("∞" if best > 0 else "\N{MINUS SIGN}∞"),
+            "best_text": rounded(best),
             "before": finite(before.expected_return) if before is not None else None,
             "changed": [[*cell] for cell in self._changed()],
             "reason": optimum.reason,

@@ -16,6 +16,7 @@ from babyrobot_levels.edit.answers import Optimum, endless, finite
 from babyrobot_levels.edit.draft import RefusedError
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.render.page_data import rounded
 
 NOT_DRAWN = -1
 
@@ -31,8 +32,8 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
             things it is the same in all configurations.
 
     Returns:
-        `worth`, the expected return from the starts, and `best`, that of the optimal policy (None
-        where infinite or undefined); `share`, how far the policy is on the way from random actions
+        `worth`, the expected return from the starts, and `best`, that of the optimal policy, both
+        as texts (empty where undefined); `share`, how far the policy is on the way from random actions
         (0) to the best (1), None where unknown; `exits`, the probability of reaching an exit; and
         `reason`, why the return is infinite or undefined.
 
@@ -48,13 +49,15 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
     weights = weights_of("random", space_of(level, "all")).reshape(-1, drawn.size, NUM_ACTIONS)
     (cells,) = np.nonzero(drawn != NOT_DRAWN)
     weights[:, cells] = np.eye(NUM_ACTIONS)[drawn[cells]]
-    best = optimum.guide.expected_return if optimum.guide is not None else math.nan
-    told: dict[str, Any] = {"worth": None, "best": finite(best), "share": None, "exits": None}
+    guide = optimum.guide
+    best = guide.expected_return if guide is not None else math.nan
+    told: dict[str, Any] = {"worth": "", "best": rounded(best) if guide is not None else ""}
+    told |= {"share": None, "exits": None}
     try:
         worth, exits, reason = _evaluated(level, weights.reshape(-1, NUM_ACTIONS))
     except ArithmeticError as error:
         return {**told, "reason": str(error)}
-    told |= {"worth": finite(worth), "exits": finite(exits), "reason": reason}
+    told |= {"worth": rounded(worth), "exits": finite(exits), "reason": reason}
     random = optimum.random_return
     if random is not None and math.isfinite(worth) and random < best < math.inf:
         told["share"] = finite((worth - random) / (best - random))
