@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from pathlib import Path
 
 from babyrobot_levels.edit.changes import change
@@ -74,9 +73,9 @@ class Session:
         if self.report.level is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
         document = read(self._source())
-        draft = Draft(deepcopy(document.data), self.report.level, document)
+        draft = Draft(document, self.report.level)
         change(draft, gesture)
-        data = {name: value for name, value in draft.data.items() if value not in ([], {})}
+        data = draft.result()
         text = splice(self.text, data, list(Level.model_fields))
         if text is None:
             text = emit(data)
