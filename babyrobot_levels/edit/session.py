@@ -12,6 +12,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_source
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import Report, lint_source
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
@@ -26,6 +27,7 @@ class Session:
         path: the file that it is saved to; None where there is none yet.
         revision: a number that grows with each change of the text.
         level: the level of the text, or of the last text that was valid; None if none was.
+        document: the text that `level` is from, as it was read.
         report: the findings in the text.
     """
 
@@ -34,6 +36,7 @@ class Session:
         self.name = name
         self.revision = 0
         self.level: Level | None = None
+        self.document: Document | None = None
         self._history = History(text)
         self._saved = text
         self._read()
@@ -110,4 +113,4 @@ class Session:
         self.revision += 1
         self.report: Report = lint_source(self._source(), select(None), self.path)
         if self.report.level is not None:
-            self.level = self.report.level
+            self.level, self.document = self.report.level, self.report.document
