@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from babyrobot_levels.edit import cells, walls
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture, Paint, Walls
+from babyrobot_levels.edit.gestures import Fill, Gesture, Paint, Walls
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -18,5 +18,7 @@ def change(draft: Draft, gesture: Gesture) -> None:
             walls.build(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)
+        case Fill():
+            cells.fill(draft, gesture)
         case _:
             raise RefusedError(f"`{gesture.do}` is not known yet")
