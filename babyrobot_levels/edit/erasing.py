@@ -45,7 +45,7 @@ def erase(
         if field in GROUND:
             rectangles.cut(entries, gone, where)
         else:
-            kept = [each if not where(each) else _without(field, each, gone) for each in entries]
+            kept = [_without(each, gone) if where(each) else each for each in entries]
             entries[:] = [each for each in kept if each is not None]
     if draft.canvas is not None:
         for cell in gone:
@@ -54,18 +54,21 @@ def erase(
     forget_missing(draft)
 
 
-def _without(field: str, entry: Entry, cells: set[Cell]) -> Entry | None:
+def _without(entry: Entry, cells: set[Cell]) -> Entry | None:
     """Return an entry without some cells; None if nothing is left of it."""
-    places = [*map(as_cell, entry.get("one_of", ()))]
-    left = [[*cell] for cell in places if cell not in cells]
-    if field == "items" and 1 <= len(left) < len(places):
-        if len(left) > 1:
-            return {**entry, "one_of": left}
-        return {
-            ("at" if name == "one_of" else name): (left[0] if name == "one_of" else value)
-            for name, value in entry.items()
-        }
+    if entry.get("one_of"):
+        return lying_in(entry, [c for c in map(as_cell, entry["one_of"]) if c not in cells])
     return entry if cells.isdisjoint(_cells_of(entry)) else None
+
+
+def lying_in(item: Entry, cells: list[Cell]) -> Entry | None:
+    """Return an item with other cells of which it lies in one; None without any."""
+    places = [[*cell] for cell in cells]
+    if len(places) != 1:
+        return {**item, "one_of": places} if places else None
+    # At its place in the entry.
+    names = {"one_of": "at"}
+    return {names.get(name, name): value for name, value in item.items()} | {"at": places[0]}
 
 
 def _cells_of(entry: Entry) -> list[Cell]:
@@ -73,7 +76,7 @@ def _cells_of(entry: Entry) -> list[Cell]:
     if entry.get("within") is not None:
         return [*Box.of(entry["within"]).cells]
     ends = [entry[name] for name in ("at", "to") if isinstance(entry.get(name), list)]
-    return [*map(as_cell, (*ends, *(entry.get("one_of") or ()), *(entry.get("path") or ())))]
+    return [*map(as_cell, (*ends, *(entry.get("path") or ())))]
 
 
 def as_cell(value: Any) -> Cell:
