@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
+from babyrobot_levels.edit.contrast import themes
 from babyrobot_levels.render.page import embedded_json, script_of
 from babyrobot_levels.render.page_data import common_data
 
@@ -41,7 +42,8 @@ STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
 def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
-    return "\n".join([f"const COMMON = {embedded_json(common_data())};", script_of(PAINTER), *own])
+    common = embedded_json({**common_data(), "themes": themes()})
+    return "\n".join([f"const COMMON = {common};", script_of(PAINTER), *own])
 
 
 @cache
