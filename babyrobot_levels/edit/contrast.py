@@ -51,3 +51,8 @@ def contrasts(theme: Theme) -> list[dict[str, Any]]:
 def themes() -> dict[str, Any]:
     """Return the built-in themes as plain data, by their names."""
     return {name: plain(theme) for name, theme in BUILTIN_THEMES.items()}
+
+
+def look_of(theme: Theme) -> dict[str, Any]:
+    """Return a theme as the editor shows it: `theme`, its colours and widths, and `contrast`."""
+    return {"theme": plain(theme), "contrast": contrasts(theme)}

@@ -27,6 +27,13 @@ SCRIPTS = (
     "html.js",
     "editor.js",
     "stage.js",
+    "controls.js",
+    "field_row.js",
+    "inspector.js",
+    "maze.js",
+    "wind.js",
+    "theme.js",
+    "world.js",
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
@@ -34,7 +41,7 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
+STYLES = ("editor.css", "stage.css", "inspector.css", "world.css", "findings.css", "text_pane.css")
 """Its style sheets: of the layout, and of the parts."""
 
 

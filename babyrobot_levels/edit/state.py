@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from babyrobot_levels.edit.contrast import look_of
 from babyrobot_levels.edit.session import Session
 from babyrobot_levels.lint.registry import find
 from babyrobot_levels.render.page_data import TooLargeError, page_data
@@ -36,6 +37,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "findings": [finding(each) for each in session.report.diagnostics],
         "level": level,
         "too_large": too_large,
+        **({} if session.level is None else look_of(session.level.resolved_theme)),
     }
 
 

@@ -96,7 +96,7 @@ function numberControl({ label, type, minimum, maximum, choices = [], default: u
     input.value = value ?? "";
     for (const each of words) each.setAttribute("aria-pressed", String(each.textContent === (value ?? usual)));
   };
-  return { element, show };
+  return { element, show, get value() { return read(); } };
 }
 
 function textControl({ label, name, default: usual }, change) {

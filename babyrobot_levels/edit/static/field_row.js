@@ -37,10 +37,14 @@ class FieldRow {
     this.control.show(value, names);
   }
 
-  async change(value) {
+  change(value) {
+    return this.send([...this.base, ...this.field.route], value);
+  }
+
+  async send(route, value) {
     this.isSending = true;
     const { error = "" } = await this.editor
-      .send({ do: "set", route: [...this.base, ...this.field.route], value })
+      .send({ do: "set", route, value })
       .finally(() => (this.isSending = false));
     // What was refused stays, to be corrected.
     if (error === "") this.editor.tell("state");
