@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.edit import cells
+from babyrobot_levels.edit import cells, walls
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture, Paint
+from babyrobot_levels.edit.gestures import Gesture, Paint, Walls
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -14,6 +14,8 @@ def change(draft: Draft, gesture: Gesture) -> None:
         RefusedError: it cannot be carried out.
     """
     match gesture:
+        case Walls():
+            walls.build(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)
         case _:

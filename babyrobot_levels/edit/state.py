@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.edit.contrast import look_of
+from babyrobot_levels.edit.forms import expanded, own_fields
+from babyrobot_levels.edit.places import places_of
 from babyrobot_levels.edit.session import Session
 from babyrobot_levels.lint.registry import find
 from babyrobot_levels.render.page_data import TooLargeError, page_data
@@ -17,12 +19,18 @@ def state_of(session: Session) -> dict[str, Any]:
     The keys: `revision`, `text`, `name`, `path`, `is_valid`, `is_saved`, `can_undo`, `can_redo`;
     `findings`, as `Diagnostic.to_dict` gives them; and `level`, what a page knows about the level
     of the text or, if the text is invalid, about the last valid one (None if none was, or if it is
-    too large for a picture: `too_large` then says so).
+    too large for a picture: `too_large` then says so). `places` are what stands where in that level
+    (see `places.py`), `fields` its own fields as the file gives them (see `forms.py`), `theme` and
+    `contrast` how it looks (see `contrast.py`).
     """
     level, too_large = None, None
-    if session.level is not None:
+    places: list[dict[str, Any]] = []
+    fields: dict[str, Any] = {}
+    if session.level is not None and session.document is not None:
+        fields = expanded(own_fields(session.document.data))
         try:
             level = page_data(session.level)
+            places = places_of(session.level, session.document)
         except TooLargeError as error:
             too_large = str(error)
     return {
@@ -36,6 +44,8 @@ def state_of(session: Session) -> dict[str, Any]:
         "can_redo": session.can_redo,
         "findings": [finding(each) for each in session.report.diagnostics],
         "level": level,
+        "places": places,
+        "fields": fields,
         "too_large": too_large,
         **({} if session.level is None else look_of(session.level.resolved_theme)),
     }

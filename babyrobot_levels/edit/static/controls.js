@@ -53,8 +53,19 @@ function holdButton(shown, label, step, done) {
   return made;
 }
 
-/** A number with steppers; the words that may stand in its place are buttons. */
-function numberControl({ label, type, minimum, maximum, choices = [], default: usual }, change) {
+/** Return buttons for the words that may stand in the place of a value, and how to show which does. */
+function wordButtons({ choices = [], default: usual }, change) {
+  const buttons = choices.map((word) =>
+    button(word, { class: "word", onclick: ({ currentTarget }) => change(word, currentTarget.ariaPressed === "true") }));
+  const show = (value) => {
+    for (const each of buttons) each.ariaPressed = String(each.textContent === (value ?? usual));
+  };
+  return { buttons, show };
+}
+
+/** A number with steppers. */
+function numberControl(field, change) {
+  const { label, type, minimum, maximum, default: usual } = field;
   const isWhole = type === "integer";
   const step = isWhole || maximum === undefined || maximum > 1 ? 1 : 0.05;
   const input = html("input", {
@@ -86,15 +97,12 @@ function numberControl({ label, type, minimum, maximum, choices = [], default: u
     event.preventDefault();
     by(difference);
   });
-  const words = choices.map((word) => button(word, {
-    class: "word",
-    onclick: () => change(given === word ? (minimum ?? 0) : word),
-  }));
-  const element = html("span", { class: "stepper" }, less, input, more, ...words);
+  const words = wordButtons(field, (word, isChosen) => change(isChosen ? (minimum ?? 0) : word));
+  const element = html("span", { class: "stepper" }, less, input, more, ...words.buttons);
   const show = (value) => {
     given = value;
     input.value = value ?? "";
-    for (const each of words) each.setAttribute("aria-pressed", String(each.textContent === (value ?? usual)));
+    words.show(value);
   };
   return { element, show, get value() { return read(); } };
 }
@@ -193,22 +201,24 @@ function namesControl({ label, choices }, change) {
 }
 
 /** A cell or a size: two whole numbers. */
-function pairControl({ label, type, minimum, maximum, default: usual }, change) {
-  const isSize = type === "size";
-  const least = minimum ?? (isSize ? 1 : 0);
-  let given = [];
-  const one = (index, name) => numberControl(
-    { label: `${label}: ${name}`, type: "integer", minimum: least, maximum, default: usual?.[index] },
-    (value) => {
-      const next = [0, 1].map((each) => given[each] ?? usual?.[each] ?? least);
-      next[index] = value ?? usual?.[index] ?? least;
-      change(next);
+function pairControl(field, change) {
+  const { label, type, minimum = type === "size" ? 1 : 0, maximum, default: usual } = field;
+  const names = type === "size" ? ["width", "height"] : ["column", "row"];
+  let given = null;
+  const one = (index) => numberControl(
+    { label: `${label}: ${names[index]}`, type: "integer", minimum, maximum, default: usual?.[index] },
+    (number) => {
+      const pair = [0, 1].map((each) => given?.[each] ?? usual?.[each] ?? minimum);
+      pair[index] = number ?? usual?.[index] ?? minimum;
+      change(pair);
     });
-  const pair = [one(0, isSize ? "width" : "column"), one(1, isSize ? "height" : "row")];
-  const element = html("span", { class: "pair" }, ...pair.map((each) => each.element));
+  const pair = [one(0), one(1)];
+  const words = wordButtons(field, (word, isChosen) => change(isChosen ? [minimum, minimum] : word));
+  const element = html("span", { class: "pair" }, ...pair.map((each) => each.element), ...words.buttons);
   const show = (value) => {
-    given = value ?? [];
-    pair.forEach((each, index) => each.show(given[index]));
+    given = Array.isArray(value) ? value : null;
+    pair.forEach((each, index) => each.show(given?.[index]));
+    words.show(value);
   };
   return { element, show };
 }

@@ -1,12 +1,6 @@
 // The level itself: its size, maze, wind and theme, and all of its other fields.
-const FIELD_GROUPS = {
-  text: "About the level",
-  limit: "Episode",
-  reward: "Rewards",
-  dynamics: "Dynamics",
-  look: "Display",
-};
-const OWN_CONTROLS = new Set(["version", "size", "maze", "wind", "theme"]);
+const SECTIONS = { text: "About the level", limit: "Episode" }; // Others are called as their fields.
+const OWN_CONTROLS = new Set(["size", "maze", "wind", "theme"]);
 
 class World {
   constructor(editor, place) {
@@ -30,23 +24,31 @@ class World {
     const { editor } = this;
     const known = form.filter(({ type }) => type in CONTROLS);
     const own = (name) => known.filter(({ route }) => route[0] === name);
-    this.size = pairControl({ label: "size", type: "size", maximum: own("size")[0]?.maximum },
-      (size) => editor.send({ do: "resize", size }));
-    const groups = Object.entries(FIELD_GROUPS).map(([group, title]) => {
-      const fields = known.filter((field) => field.group === group && !OWN_CONTROLS.has(field.route[0]));
-      const rows = fields.map((field) => new FieldRow(editor, field, []));
-      this.rows.push(...rows);
-      return section(title, ...rows.map(({ element }) => element));
-    });
-    const [about, ...others] = groups;
+    this.size = pairControl({ ...own("size")[0], label: "size" }, (size) => editor.send({ do: "resize", size }));
     const sized = html("div", { class: "field" }, html("span", { class: "field-name" }, "size"), this.size.element);
+    const [about, ...others] = this.sections(known.filter(({ route }) => !OWN_CONTROLS.has(route[0])));
     this.place.replaceChildren(
+      about,
       section("Size", sized),
       section("Maze", new MazePanel(editor, own("maze")).element),
       section("Wind", new WindPanel(editor).element),
       section("Theme", new ThemePanel(editor, own("theme")).element),
-      ...others,
-      about);
+      ...others);
+  }
+
+  /** Return the sections of fields: those of one mapping together, the others by what they are for. */
+  sections(fields) {
+    const groups = new Map();
+    for (const field of fields) {
+      const [name, ...inner] = field.route;
+      const group = inner.length > 0 ? name : field.group;
+      const label = (inner.length > 0 ? inner : [name]).join(" ").replaceAll("_", " ");
+      const row = new FieldRow(this.editor, { ...field, label }, []);
+      this.rows.push(row);
+      groups.set(group, [...(groups.get(group) ?? []), row.element]);
+    }
+    return [...groups].map(([group, rows]) =>
+      section(SECTIONS[group] ?? `${group[0].toUpperCase()}${group.slice(1).replaceAll("_", " ")}`, ...rows));
   }
 }
 
