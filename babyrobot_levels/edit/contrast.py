@@ -6,7 +6,6 @@ from math import floor
 from typing import Any
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
-from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
 
 OUTLINED = "pictures outline it in black or white"
@@ -50,9 +49,9 @@ def contrasts(theme: Theme) -> list[dict[str, Any]]:
 
 def themes() -> dict[str, Any]:
     """Return the built-in themes as plain data, by their names."""
-    return {name: plain(theme) for name, theme in BUILTIN_THEMES.items()}
+    return {name: theme.model_dump() for name, theme in BUILTIN_THEMES.items()}
 
 
 def look_of(theme: Theme) -> dict[str, Any]:
     """Return a theme as the editor shows it: `theme`, its colours and widths, and `contrast`."""
-    return {"theme": plain(theme), "contrast": contrasts(theme)}
+    return {"theme": theme.model_dump(), "contrast": contrasts(theme)}

@@ -6,7 +6,7 @@ from functools import cache
 from importlib.resources import files
 
 from babyrobot_levels.edit.contrast import themes
-from babyrobot_levels.render.page import embedded_json, script_of
+from babyrobot_levels.render.page import code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 
 PAINTER = (
@@ -25,8 +25,14 @@ PAINTER = (
 
 SCRIPTS = (
     "html.js",
+    "spots.js",
+    "tools.js",
     "editor.js",
     "stage.js",
+    "overlay.js",
+    "pointer.js",
+    "rail.js",
+    "bar.js",
     "controls.js",
     "field_row.js",
     "inspector.js",
@@ -50,13 +56,13 @@ def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
     common = embedded_json({**common_data(), "themes": themes()})
-    return "\n".join([f"const COMMON = {common};", script_of(PAINTER), *own])
+    return "\n".join([f"const COMMON = {common};", code_of(PAINTER), *own])
 
 
 @cache
 def style() -> str:
-    """Return the style sheet."""
-    return "\n".join(map(static, STYLES))
+    """Return the style sheet: what the page shares of its own, and the editor's."""
+    return "\n".join([code_of(["picture.css"]), *map(static, STYLES)])
 
 
 def static(name: str) -> str:
