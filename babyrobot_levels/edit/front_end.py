@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
+from babyrobot_levels.edit.contrast import themes
 from babyrobot_levels.render.page import code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 
@@ -32,6 +33,13 @@ SCRIPTS = (
     "pointer.js",
     "rail.js",
     "bar.js",
+    "controls.js",
+    "field_row.js",
+    "inspector.js",
+    "maze.js",
+    "wind.js",
+    "theme.js",
+    "world.js",
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
@@ -39,7 +47,7 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
+STYLES = ("editor.css", "stage.css", "inspector.css", "world.css", "findings.css", "text_pane.css")
 """Its style sheets: of the layout, and of the parts."""
 
 
@@ -47,7 +55,8 @@ STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
 def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
-    return "\n".join([f"const COMMON = {embedded_json(common_data())};", code_of(PAINTER), *own])
+    common = embedded_json({**common_data(), "themes": themes()})
+    return "\n".join([f"const COMMON = {common};", code_of(PAINTER), *own])
 
 
 @cache
