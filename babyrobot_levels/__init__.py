@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.generate.suites import Suite as Suite
     from babyrobot_levels.generate.suites import load_suite as load_suite
     from babyrobot_levels.language.formatting.formatter import format_text as format_text
+    from babyrobot_levels.language.play import PlayError as PlayError
     from babyrobot_levels.library.catalogue import LevelInfo as LevelInfo
     from babyrobot_levels.library.catalogue import levels as levels
     from babyrobot_levels.library.catalogue import load as load
@@ -69,6 +70,11 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Things as Things
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
+    from babyrobot_levels.scoring.plays.files import Play as Play
+    from babyrobot_levels.scoring.plays.files import read_plays as read_plays
+    from babyrobot_levels.scoring.plays.record import RecordPlay as RecordPlay
+    from babyrobot_levels.scoring.plays.verify import Verification as Verification
+    from babyrobot_levels.scoring.plays.verify import verify_play as verify_play
     from babyrobot_levels.scoring.results import LevelScore as LevelScore
     from babyrobot_levels.scoring.results import Scores as Scores
     from babyrobot_levels.scoring.score import score as score
@@ -102,7 +108,10 @@ _HOMES = {
     "LevelVectorEnv": "envs.vector.env",
     "Mdp": "mdp.tables",
     "Metrics": "analysis.metrics",
+    "Play": "scoring.plays.files",
+    "PlayError": "language.play",
     "PrioritizedSampler": "envs.samplers",
+    "RecordPlay": "scoring.plays.record",
     "Rollout": "envs.engine.rollout",
     "Sampler": "envs.samplers",
     "Scores": "scoring.results",
@@ -118,6 +127,7 @@ _HOMES = {
     "Turn": "mdp.actions",
     "UndefinedReturnError": "analysis.solver.results",
     "UniformSampler": "envs.samplers",
+    "Verification": "scoring.plays.verify",
     "WeightedSampler": "envs.samplers",
     "check": "lint.runner",
     "compare": "analysis.compare",
@@ -134,6 +144,7 @@ _HOMES = {
     "policy_evaluation": "analysis.learning.sweeps",
     "policy_iteration": "analysis.learning.sweeps",
     "q_learning": "analysis.learning.episodes",
+    "read_plays": "scoring.plays.files",
     "register_babyrobot": "convert.registration",
     "rollout": "envs.engine.rollout",
     "sarsa": "analysis.learning.episodes",
@@ -142,6 +153,7 @@ _HOMES = {
     "solve": "analysis.solver.optimum",
     "strip": "analysis.strip",
     "success_within": "analysis.solver.evaluation",
+    "verify_play": "scoring.plays.verify",
     "value_iteration": "analysis.learning.sweeps",
 }
 

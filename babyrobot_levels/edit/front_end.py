@@ -22,10 +22,18 @@ PAINTER = (
 )
 """The scripts of the page that the editor shares."""
 
-SCRIPTS = ("editor.js", "stage.js", "text_pane.js", "mount.js")
+SCRIPTS = (
+    "html.js",
+    "editor.js",
+    "stage.js",
+    "findings.js",
+    "yaml_lines.js",
+    "text_pane.js",
+    "mount.js",
+)
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "text_pane.css")
+STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
 """Its style sheets: of the layout, and of the parts."""
 
 

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.edit.session import Session
+from babyrobot_levels.lint.registry import find
 from babyrobot_levels.render.page_data import TooLargeError, page_data
+from babyrobot_levels.text.diagnostics import Diagnostic
 
 
 def state_of(session: Session) -> dict[str, Any]:
@@ -31,7 +33,13 @@ def state_of(session: Session) -> dict[str, Any]:
         "is_saved": session.is_saved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
-        "findings": [each.to_dict() for each in session.report.diagnostics],
+        "findings": [finding(each) for each in session.report.diagnostics],
         "level": level,
         "too_large": too_large,
     }
+
+
+def finding(diagnostic: Diagnostic) -> dict[str, Any]:
+    """Return a finding as `Diagnostic.to_dict` does, with the `title` of its rule."""
+    rule = find(diagnostic.code)
+    return {**diagnostic.to_dict(), "title": "" if rule is None else rule.summary}

@@ -377,6 +377,16 @@ class LevelEnv(RenderedEnv):
         return self._table
 
     @property
+    def action_set(self) -> str:
+        """The set of actions by whose numbers they are taken: `"all"`, `"moves"` or `"turns"`."""
+        return "turns" if self._actions.turns else "moves" if self._actions.first else "all"
+
+    @property
+    def state(self) -> int:
+        """The current state, as the tables of the level number it; -1 before the first reset."""
+        return self._state
+
+    @property
     def level_digest(self) -> str:
         """The digest of the current level, which equivalent levels share."""
         return self.level.digest

@@ -19,11 +19,13 @@ import json
 import re
 import zlib
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from importlib.resources import files
 from string import Template
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import PLAY_MARK, VERSION, encode
 from babyrobot_levels.language.share_dictionary import PLAY_DICTIONARY_1
 from babyrobot_levels.render.page_data import (
@@ -52,6 +54,7 @@ from babyrobot_levels.render.svg import (
     to_svg,
 )
 from babyrobot_levels.render.words.describe import describe
+from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -64,6 +67,7 @@ SCRIPTS = (
     "things.js",
     "game.js",
     "result.js",
+    "play.js",
     "paint.js",
     "view.js",
     "gestures.js",
@@ -114,12 +118,16 @@ def to_html(
         LevelError: the maze has no seed yet (`seed: random`).
         TooLargeError: the level is too large for a page.
     """
-    level = without_panels(level)
+    whole, level = level, without_panels(level)
     data = page_data(
         level, guide=guide, policy=policy, seed=seed, values=values, arrows=arrows, turns=turns
     )
+    # Without a code, which only a level of a file's size has, a page has no plays to download.
+    with suppress(LevelError):
+        data["code"] = encode(whole.to_dict(whole=True))
     common = {
         **common_data(),
+        "made_by": program(),
         "code_versions": [VERSION],
         "play_versions": PLAY_VERSIONS,
         "max_unpacked": MAX_UNPACKED,
@@ -219,6 +227,8 @@ def link_fragment(level: GridWorld, played: GridWorld, guide: Guide | None = Non
     """
     code = encode(level.to_dict(whole=True))
     content = page_data(played, guide=guide)
+    if played is not level:
+        content["code"] = encode(played.to_dict(whole=True))
     version = PLAY_VERSIONS["things" in content or "turns" in content]
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     data = text.encode("utf-8")

@@ -237,11 +237,6 @@ class _ScoredEnv(LevelEnv):
         self._enter(level)
         self.observation_space = self._observer.space
 
-    @property
-    def state(self) -> int:
-        """The current state."""
-        return self._state
-
     def _extent(self) -> Extent:
         return self._shared[1]
 

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import BinaryIO
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.errors import LevelError
@@ -61,6 +62,17 @@ def read_bytes(path: Path, limit: int) -> bytes:
     Raises:
         OSError: it cannot be read; a `NotRegularError` where it is a device, a pipe or a socket.
     """
+    with open_regular(path) as file:
+        return file.read(limit + 1)
+
+
+@contextmanager
+def open_regular(path: Path) -> Iterator[BinaryIO]:
+    """Open a file for reading.
+
+    Raises:
+        OSError: it cannot be read; a `NotRegularError` where it is a device, a pipe or a socket.
+    """
     # Not blocking, so that a pipe without a writer cannot hold us up.
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
     try:
@@ -77,7 +89,7 @@ def read_bytes(path: Path, limit: int) -> bytes:
         if not stat.S_ISREG(mode):
             raise NotRegularError(errno.EINVAL, "this is not a regular file", str(path))
         with open(descriptor, "rb", closefd=False) as file:
-            return file.read(limit + 1)
+            yield file
     finally:
         os.close(descriptor)
 
@@ -173,6 +185,36 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
+
+
+def append_line(path: Path, line: bytes) -> bool:
+    """Append a line to a file, which is created if it is missing; or leave it as it is.
+
+    Args:
+        path: the file.
+        line: the line, without its end; an empty one adds nothing.
+
+    Returns:
+        Whether the last line of the file was whole. If it was not, nothing is appended.
+
+    Raises:
+        OSError: the file cannot be written. It is then as it was before.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with _uninterrupted(), path.open("ab+", buffering=0) as file:
+        size = file.seek(0, os.SEEK_END)
+        if size:
+            file.seek(size - 1)
+            if file.read(1) != b"\n":
+                return False
+        rest = line + b"\n" if line else b""
+        try:
+            while rest:
+                rest = rest[file.write(rest) :]
+        except OSError:
+            file.truncate(size)
+            raise
+    return True
 
 
 @contextmanager

@@ -52,7 +52,7 @@ class Playground:
         page.on("request", lambda request: self._note(request.url))
 
     def _note(self, address: str) -> None:
-        if not address.startswith(("file:", "data:")):
+        if not address.startswith(("file:", "data:", "blob:")):
             self.faults.append(f"asks for {address}")
 
     def open(self, world: Any, **options: Any) -> None:

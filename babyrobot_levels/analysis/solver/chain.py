@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -21,6 +22,11 @@ class Chain:
     reward: Floats
     terminal: Flags
 
+    @cached_property
+    def probability(self) -> Floats:
+        """The probability of each outcome, `[states, outcomes]`."""
+        return np.diff(self.cumulated, axis=1, prepend=0.0)
+
 
 def chains(space: StateSpace, weights: Callable[[int], Floats]) -> Callable[[int], Chain]:
     """Return a function from a step to the chain of a policy that may depend on it."""
@@ -30,13 +36,13 @@ def chains(space: StateSpace, weights: Callable[[int], Floats]) -> Callable[[int
         nonlocal last
         here = weights(step)
         if last is None or last[0] is not here:
-            last = here, _chain(space, here)
+            last = here, chain_of(space, here)
         return last[1]
 
     return at
 
 
-def _chain(space: StateSpace, weights: Floats) -> Chain:
+def chain_of(space: StateSpace, weights: Floats) -> Chain:
     """Return the outcomes of steps with these probabilities of actions, the possible ones first."""
     first, mdp = space.first_action, space.mdp
     count = mdp.num_states

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.chain import Chain, chains
+from babyrobot_levels.analysis.solver.chain import Chain, chain_of, chains
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, limit_of, simulate
 from babyrobot_levels.analysis.solver.model import Floats
 from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import Result, check_discount
-from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.analysis.solver.within import weights_by_step
 from babyrobot_levels.library.catalogue import load
 
@@ -103,6 +104,37 @@ def return_distribution(
     return ReturnDistribution(values, counts / EPISODES, EPISODES, discount, limit)
 
 
+def open_loop_distribution(
+    space: StateSpace, start: int, taken: Sequence[int], discount: float
+) -> ReturnDistribution | None:
+    """Return the distribution of the return if given actions are taken, whatever comes of them.
+
+    An episode that ends before the last action keeps the return that it has then.
+
+    Args:
+        space: the states of the level.
+        start: the state in which the episode starts.
+        taken: the actions, in their order, numbered from 0 as the set of `space` has them.
+        discount: the factor by which each further reward counts less.
+
+    Returns:
+        The exact distribution; None where too many outcomes would have to be followed.
+    """
+    mdp, first = space.mdp, space.first_action
+    rows = np.eye(mdp.num_actions - first)
+
+    @cache
+    def chain_of_action(action: int) -> Chain:
+        return chain_of(space, np.tile(rows[action], (mdp.num_states, 1)))
+
+    largest = float(np.abs(mdp.reward).max(initial=0.0))
+    begin = np.zeros(mdp.num_states)
+    begin[start] = 1.0
+    steps = len(taken)
+    found = _followed(lambda step: chain_of_action(taken[step]), begin, discount, steps, largest)
+    return None if found is None else ReturnDistribution(*found, 0, discount, steps)
+
+
 def _followed(
     chain_at: Callable[[int], Chain],
     start: Floats,
@@ -111,21 +143,17 @@ def _followed(
     largest_reward: float,
 ) -> tuple[Floats, Floats] | None:
     """Return the possible returns and their probabilities; None if there are too many."""
-    chain = chain_at(0)
-    probability = np.diff(chain.cumulated, axis=1, prepend=0.0)
     unit = _EQUAL * max(1.0, largest_reward)
     state = np.flatnonzero(start)
     mass, total = start[state], np.zeros(state.size)
     ended = np.empty(0), np.empty(0)
     factor, outcomes = 1.0, 0
     for step in range(limit):
-        if chain_at(step) is not chain:
-            chain = chain_at(step)
-            probability = np.diff(chain.cumulated, axis=1, prepend=0.0)
-        outcomes += state.size * probability.shape[1] + ended[0].size
+        chain = chain_at(step)
+        outcomes += state.size * chain.probability.shape[1] + ended[0].size
         if outcomes > MAX_OUTCOMES:
             return None
-        ahead = mass[:, None] * probability[state]
+        ahead = mass[:, None] * chain.probability[state]
         row, which = np.nonzero(ahead)
         mass, here = ahead[row, which], state[row]
         total = total[row] + factor * chain.reward[here, which]

@@ -6,6 +6,7 @@
  * - "state": another state came from Python (see `edit/state.py`);
  * - "cursor": the cell, and the side, at which the keyboard works;
  * - "selection": what is selected: the entry of `state.places`, or null;
+ * - "caret": where the caret of the text was asked to go;
  * - "tool", "mode": another tool or mode ("edit", "play", "policy") was chosen;
  * - "said": a message for people.
  */
@@ -15,6 +16,7 @@ class Editor {
     this.state = null;
     this.cursor = { cell: [0, 0], side: null };
     this.selection = null;
+    this.caret = null;
     this.tool = "walls";
     this.mode = "edit";
     this.listeners = new Map();

@@ -12,7 +12,7 @@ const LAYOUT = `
 <section class="answers"></section>
 <section class="inspector"></section>
 <section class="findings"></section>
-<section class="file"><textarea class="text" spellcheck="false" aria-label="Level file"></textarea></section>
+<section class="file"></section>
 </aside>
 </div>
 `;
@@ -31,7 +31,8 @@ export function mount(place, connection, style = "") {
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
   new Stage(editor, find("stage"));
-  new TextPane(editor, find("text"));
+  new Findings(editor, find("findings"));
+  new TextPane(editor, find("file"));
   editor.on("said", () => (find("said").textContent = editor.said));
   editor.send({ do: "state" });
   return editor;

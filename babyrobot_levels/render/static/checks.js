@@ -102,6 +102,7 @@ function checkTexts(data) {
   const { goal = "", alt = "", rules = [] } = data; // Links of earlier versions have none.
   for (const value of [title, description, best, seed, goal, alt]) text(value);
   need(/^[0-9]{1,40}$/.test(seed));
+  need(data.code === undefined || /^brl[0-9]+\.[0-9]+\.[\w-]+$/.test(text(data.code)));
   for (const fact of list(facts, 20)) list(fact, 2, 2).forEach(text);
   // The samples of rules are shapes, which are checked as they are painted.
   for (const [, words, runs] of list(rules, 20).map((rule) => list(rule, 3, 3))) {

@@ -30,6 +30,7 @@ class Game {
     this.total = 0;
     this.end = null;
     this.past = []; // What `undo` goes back to.
+    this.taken = []; // The steps of the episode.
     this.undone = 0;
     this.hints = 0;
     this.isHinted = false;
@@ -48,6 +49,7 @@ class Game {
   /** Go back to before the last action; the same action will have the same outcome again. */
   undo() {
     const { place, ...before } = this.past.pop();
+    this.taken.pop();
     Object.assign(this, before, { end: null, undone: this.undone + 1, isHinted: false });
     this.random.restore(place);
   }
@@ -110,6 +112,7 @@ class Game {
     const { state: from, heading, steps, total } = this;
     this.past.push({ state: from, heading, steps, total, place: this.random.place });
     this.isHinted = false;
+    const number = this.number;
     const { rows, table, max_steps: most } = this.data;
     const move = this.moveOf(action);
     const outcomes = rows[table[5 * from + move]];
@@ -123,6 +126,7 @@ class Game {
     }
     const [, shift, reward, isOver, code, drawn] = outcomes.slice(at, at + OUTCOME_LENGTH);
     const next = from + shift;
+    this.taken.push({ number, action, reward });
     this.state = next;
     this.total += reward * (this.data.discount ?? 1) ** steps;
     this.steps += 1;

@@ -23,8 +23,8 @@ async function linkedLevel(fragment) {
     throw new LinkError("This link is damaged.");
   }
   const packed = bytes.subarray(4);
-  const letters = new TextEncoder().encode(code.replace(/^brl/i, "brl"));
-  if (checksum(packed, checksum(letters)) !== new DataView(bytes.buffer).getUint32(0)) {
+  const letters = code.replace(/^brl/i, "brl");
+  if (checksum(packed, checksum(new TextEncoder().encode(letters))) !== new DataView(bytes.buffer).getUint32(0)) {
     throw new LinkError("This link is damaged: its checksum is wrong.");
   }
   const content = new TextDecoder().decode(await unpacked(packed));
@@ -34,7 +34,9 @@ async function linkedLevel(fragment) {
   } catch {
     throw new LinkError(NOT_A_LEVEL);
   }
-  return checked(data);
+  const level = checked(data);
+  level.code ??= letters;
+  return level;
 }
 
 function decoded(fragment) {

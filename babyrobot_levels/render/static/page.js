@@ -139,6 +139,7 @@ function showResult() {
   find("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
   find("stars").setAttribute("aria-label", `${stars} of 3 stars`);
   find("result-help").textContent = stars === null ? "" : ruleOf(game);
+  find("download").hidden = playLine(game) === null;
   find("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));
 }
 
@@ -294,6 +295,7 @@ const CONTROLS = {
   policy: () => toggle("policy"),
   turning: turn,
   look: lookAround,
+  download: () => downloadPlay(game),
   close: () => {
     find("result").hidden = true;
     find("stage").focus();

@@ -1,0 +1,202 @@
+// The keyboard. One table says which keys there are and what they do; the help lists it.
+const ARROWS = { ArrowUp: "N", ArrowRight: "E", ArrowDown: "S", ArrowLeft: "W" };
+
+/** Return an action for each arrow together with the keys that are held; it gets the side. */
+function arrows(held, action) {
+  return Object.fromEntries(Object.entries(ARROWS).map(([arrow, side]) =>
+    [[...held, arrow].join("+"), (keyboard) => action(keyboard, side)]));
+}
+
+/** Return the name of a pressed key, such as "Ctrl+Shift+Z". Signs are named without Shift. */
+function keyOf({ key, ctrlKey, metaKey, altKey, shiftKey }) {
+  const isSign = key.length === 1 && key !== " " && key.toLowerCase() === key.toUpperCase();
+  const name = key === " " ? "Space" : key.length === 1 ? key.toUpperCase() : key;
+  const held = [[ctrlKey || metaKey, "Ctrl"], [altKey, "Alt"], [shiftKey && !isSign, "Shift"]];
+  return [...held.filter(([isHeld]) => isHeld).map(([, word]) => word), name].join("+");
+}
+
+/**
+ * The keys, in groups: `[keys as they are shown, what they do, actions by key]`.
+ *
+ * Those of a group with a `mode` do something in that mode alone, and while neither a text nor a
+ * dialog has the focus.
+ */
+const KEYS = [
+  { title: "Cursor", mode: "edit", keys: [
+    ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
+    ["Ctrl + arrow", "move it to the next wall", arrows(["Ctrl"], (keyboard, side) => keyboard.run(side))],
+    ["Home, End, Page up, Page down", "move it to the end of the row or column", {
+      Home: (keyboard) => keyboard.jump(0, null),
+      End: (keyboard) => keyboard.jump(Infinity, null),
+      PageUp: (keyboard) => keyboard.jump(null, 0),
+      PageDown: (keyboard) => keyboard.jump(null, Infinity),
+    }],
+    ["L", "tell what is in the cell and at its sides", { L: (keyboard) => keyboard.look() }],
+  ] },
+  { title: "Drawing", mode: "edit", keys: [
+    ["Space, Enter", "use the tool in the cell", {
+      Space: (keyboard) => keyboard.draw(),
+      Enter: (keyboard) => keyboard.draw(),
+    }],
+    ["Shift + arrow", "change the wall at that side", arrows(["Shift"], (keyboard, side) => keyboard.draw(side))],
+    ["M", "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
+      { M: (keyboard) => keyboard.hold() }],
+    ["Shift + Space", "use the tool in the rectangle between where the drag began and the cursor",
+      { "Shift+Space": (keyboard) => keyboard.draw(null, { rectangle: true }) }],
+    ["F", "fill: use the tool here and in all cells like this around it",
+      { F: (keyboard) => keyboard.draw(null, { fill: true }) }],
+    ["Delete", "erase the cell, or remove what is selected", {
+      Delete: (keyboard) => keyboard.erase(),
+      Backspace: (keyboard) => keyboard.erase(),
+    }],
+    ["Escape", "end a drag without a change; select nothing", { Escape: (keyboard) => keyboard.cancel() }],
+  ] },
+  { title: "Level", mode: "edit", keys: [
+    ["Alt + arrow", "add a column or row at that side", arrows(["Alt"], (keyboard, side) => keyboard.resize(side, 1))],
+    ["Alt + Shift + arrow", "remove the column or row at that side",
+      arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1))],
+  ] },
+  { title: "Anywhere", keys: [
+    ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
+    ["Ctrl + Y, Ctrl + Shift + Z", "redo", {
+      "Ctrl+Y": ({ editor }) => editor.send({ do: "redo" }),
+      "Ctrl+Shift+Z": ({ editor }) => editor.send({ do: "redo" }),
+    }],
+    ["F6, Shift + F6", "go to the next or previous part of the editor", {
+      F6: (keyboard) => keyboard.goOn(1),
+      "Shift+F6": (keyboard) => keyboard.goOn(-1),
+    }],
+    ["?", "list the keys and gestures", { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") }],
+  ] },
+];
+
+/** The keys of one editor. */
+class Keyboard {
+  constructor(editor, root, stage) {
+    this.editor = editor;
+    this.root = root;
+    this.stage = stage;
+    this.hasShortcuts = true; // Whether letters, digits and signs do something.
+    this.way = []; // The cells that the cursor passed since a drag began; empty for none.
+    root.addEventListener("keydown", (event) => this.press(event));
+    // In a notebook they would change its cells meanwhile.
+    root.host.addEventListener("keydown", (event) => event.stopPropagation());
+    root.host.dataset.lmSuppressShortcuts = "true";
+    editor.on("state", () => this.stayInside());
+  }
+
+  press(event) {
+    const { target } = event;
+    if (event.defaultPrevented || this.editor.state === null || target.closest("dialog")) return;
+    const key = keyOf(event);
+    const isText = target.matches("textarea, select, input:not([type=checkbox])");
+    if (isText && !/^((Shift\+)?F\d+|Ctrl\+S)$/.test(key)) return;
+    if (key.length === 1 && !this.hasShortcuts) return;
+    if (/^(Space|Enter)$/.test(key) && target !== this.stage) return;
+    const action = this.actionOf(key, target === this.stage);
+    if (action === undefined) return;
+    event.preventDefault();
+    action(this);
+  }
+
+  /** Return what a key does now, or undefined. What is longer than a letter needs the picture. */
+  actionOf(key, isStage) {
+    const { mode: current } = this.editor;
+    const tool = current === "edit" ? TOOLS.find((each) => each.key === key) : undefined;
+    if (tool !== undefined) return () => this.choose(tool);
+    return KEYS
+      .filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
+      .flatMap(({ keys }) => keys)
+      .map(([, , actions]) => actions[key])
+      .find((action) => action !== undefined);
+  }
+
+  get cell() {
+    return this.editor.cursor.cell;
+  }
+
+  goTo(cell) {
+    if (this.way.length > 0) this.way.push(...cellsAlong([this.cell, cell].map((each) => spotOf(each))).slice(1));
+    this.editor.set("cursor", { cursor: { cell, side: null } });
+  }
+
+  /** Keep the cursor inside a level that became smaller. */
+  stayInside() {
+    const inside = this.within(this.cell);
+    if (!isSameCell(inside, this.cell)) this.goTo(inside);
+  }
+
+  /** Return the nearest cell of the level. */
+  within(cell) {
+    const size = sizeOf(this.editor);
+    return cell.map((place, axis) => Math.min(size[axis] - 1, Math.max(0, place)));
+  }
+
+  move(side) {
+    const cell = beyond(this.cell, side);
+    if (isSameCell(cell, this.within(cell))) this.goTo(cell);
+    else this.editor.say(`${named(this.cell)} is at the ${SIDE_NAMES[side]} edge.`);
+  }
+
+  run(side) {
+    let cell = this.cell;
+    while (wallAt(this.editor, cell, side) === null) cell = beyond(cell, side);
+    this.goTo(cell);
+  }
+
+  jump(x, y) {
+    this.goTo(this.within([x ?? this.cell[0], y ?? this.cell[1]]));
+  }
+
+  look() {
+    this.editor.tell("cursor");
+  }
+
+  choose({ name, title }) {
+    this.editor.set("tool", { tool: name });
+    this.editor.say(`${title}.`);
+  }
+
+  hold() {
+    this.way = [this.cell];
+    this.editor.say(`A drag begins at ${named(this.cell)}.`);
+  }
+
+  /** Use the tool as a click or a drag does: at a side of the cursor's cell, or in it. */
+  draw(side = null, modifiers = {}) {
+    const ends = [this.way[0] ?? this.cell, this.cell];
+    const spots = side !== null ? ends.map((cell) => spotOf(cell, side)) :
+      this.way.length > 0 ? this.way.map((cell) => spotOf(cell)) : [spotOf(this.cell)];
+    this.way = [];
+    finish(this.editor, spots, modifiers);
+  }
+
+  erase() {
+    const { selection } = this.editor;
+    if (selection === null) this.draw(null, { erases: true });
+    else this.editor.send({ do: "remove", route: selection.route });
+  }
+
+  cancel() {
+    this.way = [];
+    this.editor.set("selection", { selection: null });
+  }
+
+  /** Add columns or rows at a side of the level; negative numbers remove them. */
+  resize(side, count) {
+    const [columns, rows] = sizeOf(this.editor);
+    const size = "NS".includes(side) ? [columns, rows + count] : [columns + count, rows];
+    const shift = { N: [0, count], W: [count, 0] }[side] ?? [0, 0];
+    this.editor.send({ do: "resize", size, shift });
+  }
+
+  /** Focus the first control of the next part of the editor, or of one before. */
+  goOn(step) {
+    const parts = [...this.root.querySelectorAll("[data-part]")].filter((part) => part.checkVisibility());
+    const at = parts.findIndex((part) => part.contains(this.root.activeElement));
+    const part = parts.at((at + step) % parts.length);
+    (part.matches(FOCUSABLE) ? part : part.querySelector(FOCUSABLE)).focus();
+  }
+}
+
+const FOCUSABLE = "button:not(:disabled), input:not(:disabled), textarea, select, summary, [tabindex='0']";

@@ -1,0 +1,42 @@
+// Plays: an episode as a line of a `.brlplay` file, which `babyrobot replay` verifies.
+
+/** Return the episode as a line; null if the page lacks the share code of its level. */
+function playLine(game) {
+  const { data, isTurning, seed, taken, total, end, hints, undone, number } = game;
+  const fact = (name) => data.facts.find(([each]) => each === name)?.[1] ?? null;
+  const digest = fact("Digest");
+  if (data.code === undefined || digest === null) return null;
+  const text = JSON.stringify({
+    format: "babyrobot-levels play",
+    format_version: 1,
+    name: fact("Level"),
+    digest,
+    code: data.code,
+    action_set: isTurning ? "turns" : "all",
+    discount: data.discount ?? 1,
+    max_steps: data.max_steps,
+    seed,
+    seed_kind: "page",
+    start: "drawn",
+    states: [...taken.map((step) => step.number), number],
+    actions: taken.map((step) => step.action),
+    rewards: taken.map((step) => step.reward),
+    return: total,
+    end: end === null ? "unfinished" : end === "time" ? "truncated" : "terminated",
+    hints,
+    undone,
+    made_by: COMMON.made_by,
+  }).slice(0, -1);
+  const sum = checksum(new TextEncoder().encode(text)).toString(16).padStart(8, "0");
+  return `${text},"checksum":"${sum}"}\n`;
+}
+
+/** Save the episode as a file. */
+function downloadPlay(game) {
+  const link = document.createElement("a");
+  const file = new Blob([playLine(game)], { type: "application/x-ndjson" });
+  link.href = URL.createObjectURL(file);
+  link.download = `${game.data.title.replace(/[^\p{L}\p{N}]+/gu, "-")}-${game.seed}.brlplay`;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}

@@ -1,0 +1,1 @@
+"""Plays: episodes as files, verified without any generator."""

@@ -1,0 +1,187 @@
+"""Verification of plays by the tables of their level, without any generator; and their luck.
+
+Whether a play is genuine cannot be known: a cheat may compute a lucky one. What is verified is that
+it can have happened, and how likely that was.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from babyrobot_levels.analysis.solver.distribution import (
+    ReturnDistribution,
+    open_loop_distribution,
+)
+from babyrobot_levels.analysis.solver.space import StateSpace, space_of
+from babyrobot_levels.envs.arguments import start_states
+from babyrobot_levels.scoring.plays.files import Play
+from babyrobot_levels.text.errors import LevelError
+
+_EQUAL = 1e-9
+"""Returns that differ by less, as a share of the sum of all rewards' sizes, count as equal."""
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """What the tables of a level say about a play.
+
+    Attributes:
+        play: the play.
+        fault: why the play cannot have happened; None if it can.
+        log_probability: the natural logarithm of the probability of all its outcomes, given its
+            start and its actions; -inf if it cannot have happened.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    play: Play
+    fault: str | None
+    log_probability: float
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether the play can have happened as it is told."""
+        return self.fault is None
+
+    @property
+    def probability(self) -> float:
+        """The probability of all its outcomes, given its start and its actions."""
+        return math.exp(self.log_probability)
+
+    @cached_property
+    def distribution(self) -> ReturnDistribution | None:
+        """The distribution of the return if the same actions are taken from the same start.
+
+        They are taken in the same order, whatever comes of them; an episode that ends before the
+        last one keeps its return. None for a play that is not valid, and where the exact
+        distribution would take too long.
+        """
+        if self.fault is not None:
+            return None
+        play = self.play
+        space = space_of(play.level, play.action_set)
+        return open_loop_distribution(space, play.states[0], play.actions, play.discount)
+
+    @property
+    def luck(self) -> float | None:
+        """The probability of this return or a higher one under the same actions.
+
+        1 where chance plays no part; the smaller, the luckier. None as for `distribution`.
+        """
+        found = self.distribution
+        if found is None:
+            return None
+        at_least = found.values >= self.play.return_ - _margin(self.play)
+        return min(1.0, float(found.probabilities[at_least].sum()))
+
+    def __repr__(self) -> str:
+        told = "valid" if self.fault is None else self.fault
+        return f"<Verification: {told}, probability={self.probability:.4g}>"
+
+
+def verify_play(play: Play) -> Verification:
+    """Verify a play by the tables of its level.
+
+    The level of its share code must have its digest. Its start must be one of the level's, or, if
+    it was chosen, a state in which episodes can be told to start. Each outcome must be possible
+    after its action. The rewards must add up to its return, and its end must be the one told.
+
+    Args:
+        play: as `read_plays` returns it.
+    """
+    try:
+        level = play.level
+        if level.has_random_maze:
+            return _refused(play, "its level has a random maze, without a seed")
+        if level.digest != play.digest:
+            return _refused(play, "its digest is not that of the level of its share code")
+    except LevelError as error:
+        reason = error.message or "; ".join(each.message for each in error.diagnostics)
+        return _refused(play, f"its level cannot be read: {reason}")
+    space = space_of(level, play.action_set)
+    fault = _start_fault(play, space)
+    if fault is not None:
+        return _refused(play, fault)
+    total = 0.0
+    for step, chance in enumerate(_chances(play, space), 1):
+        if chance is None:
+            return _refused(play, f"step {step} is not possible: {_step_text(play, space, step)}")
+        total += math.log(chance)
+    fault = _end_fault(play, space)
+    return _refused(play, fault) if fault is not None else Verification(play, None, total)
+
+
+def _refused(play: Play, fault: str) -> Verification:
+    return Verification(play, fault, -math.inf)
+
+
+def _start_fault(play: Play, space: StateSpace) -> str | None:
+    """Return why an episode cannot start where a play does; None if it can."""
+    state, mdp = play.states[0], space.mdp
+    if max(play.states) >= mdp.num_states:
+        return f"it has a state {max(play.states):,}, and the level has {mdp.num_states:,} states"
+    if play.start == "drawn":
+        return None if mdp.start[state] > 0 else "no episode of the level starts in its first state"
+    try:
+        possible = state in start_states(mdp.cell(state), space.level, mdp)
+    except ValueError:
+        possible = False
+    return None if possible else "no episode can be told to start in its first state"
+
+
+def _chances(play: Play, space: StateSpace) -> Iterator[float | None]:
+    """Yield the probability of each outcome; None for one that is not possible."""
+    mdp, first = space.mdp, space.first_action
+    states, last = np.array(play.states), play.steps - 1
+    for step, (action, reward) in enumerate(zip(play.actions, play.rewards, strict=True)):
+        state, row = states[step], action + first
+        if row >= mdp.num_actions or mdp.is_terminal[state]:
+            yield None
+            return
+        is_it = (
+            (mdp.next_state[state, row] == states[step + 1])
+            & (mdp.reward[state, row] == reward)
+            & (mdp.terminal[state, row] == (step == last and play.end == "terminated"))
+        )
+        chance = float(mdp.probability[state, row][is_it].sum())
+        yield chance or None
+
+
+def _step_text(play: Play, space: StateSpace, step: int) -> str:
+    """Describe a step that is not possible."""
+    before, after = (space.text(state) for state in play.states[step - 1 : step + 1])
+    action, reward = play.actions[step - 1], play.rewards[step - 1]
+    ends = ", at the end of the episode" if step == play.steps and play.end == "terminated" else ""
+    return f"action {action} from {before} to {after} with the reward {reward:g}{ends}"
+
+
+def _end_fault(play: Play, space: StateSpace) -> str | None:
+    """Return what is wrong with the return or the end of a play; None if nothing is."""
+    total = return_of(play.rewards, play.discount)
+    if abs(total - play.return_) > _margin(play):
+        return f"its rewards add up to a return of {total:.10g}, and not to {play.return_:.10g}"
+    if play.max_steps is not None and play.steps > play.max_steps:
+        return f"it has {play.steps:,} steps, more than its time limit of {play.max_steps:,}"
+    is_late = play.steps == play.max_steps
+    if play.end == "truncated" and not is_late:
+        return "it was not truncated: it did not reach its time limit"
+    if play.end == "unfinished" and is_late:
+        return "it is not unfinished: it reached its time limit"
+    return None
+
+
+def return_of(rewards: list[float], discount: float) -> float:
+    """Return the discounted sum of rewards."""
+    total = 0.0
+    for reward in reversed(rewards):
+        total = reward + discount * total
+    return total
+
+
+def _margin(play: Play) -> float:
+    return _EQUAL * max(1.0, sum(map(abs, play.rewards)))

@@ -1,0 +1,107 @@
+"""Pages write episodes as files, which the tables verify."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from playwright.sync_api import Page
+from support.playground import KEYS, Playground
+
+import babyrobot_levels as brl
+from babyrobot_levels.render.page import link_fragment, to_html
+
+TURN_KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp"]
+
+
+@pytest.fixture
+def ground(page: Page, tmp_path: Path) -> Iterator[Playground]:
+    playground = Playground(page, tmp_path)
+    yield playground
+    assert playground.faults == []
+
+
+def downloaded(page: Page, folder: Path) -> brl.Play:
+    """Return the play of the page's button."""
+    with page.expect_download() as download:
+        page.get_by_role("button", name="Download play").click()
+    assert download.value.suggested_filename.endswith(".brlplay")
+    path = folder / "page.brlplay"
+    download.value.save_as(path)
+    (play,) = brl.read_plays(path)
+    return play
+
+
+def walk(ground: Playground, level: brl.Level, actions: str, keys: list[str]) -> int:
+    """Play an episode of seed 0 by an optimal policy; return the number of steps."""
+    solution = brl.solve(level, actions=actions)
+    env = level.make(actions=actions, observation="index")
+    state, _ = env.reset(seed=0)
+    is_over, steps = False, 0
+    while not is_over:
+        action = int(solution.policy.ravel()[state])
+        ground.press(keys[action])
+        state, _, terminated, truncated, _ = env.step(action)
+        is_over, steps = terminated or truncated, steps + 1
+    env.close()
+    return steps
+
+
+@pytest.mark.parametrize(
+    ("name", "actions"),
+    [
+        ("final-maze", "all"),
+        ("frozen-lake", "all"),
+        ("first-key", "turns"),
+        ("treasure-chests", "all"),
+    ],
+)
+def test_a_play_of_a_page_is_valid(
+    ground: Playground, tmp_path: Path, name: str, actions: str
+) -> None:
+    level = brl.load(name)
+    level = level.replace(display={**level.display.model_dump(), "robot": {"speed": 100}})
+    ground.open(level, turns=actions == "turns")
+    steps = walk(ground, level, actions, TURN_KEYS if actions == "turns" else KEYS)
+    play = downloaded(ground.page, tmp_path)
+    assert (play.name, play.action_set, play.steps) == (level.name, actions, steps)
+    assert (play.seed, play.seed_kind, play.start) == ("0", "page", "drawn")
+    assert brl.verify_play(play).fault is None
+    path = tmp_path / "env.brlplay"
+    env = brl.RecordPlay(play.level.make(actions=actions), path)
+    env.reset(seed=int(play.seed or 0))
+    for action in play.actions:
+        env.step(action)
+    env.close()
+    (same,) = brl.read_plays(path)
+    told = {"states", "actions", "rewards", "return_", "end", "digest", "discount", "max_steps"}
+    assert play.model_dump(include=told) == same.model_dump(include=told)
+
+
+LATE: Any = {"version": 1, "size": [3, 1], "max_steps": 3, "discount": 0.9}
+
+
+def test_undone_steps_are_no_part_of_a_play(ground: Playground, tmp_path: Path) -> None:
+    ground.open(brl.load(LATE))
+    ground.press("ArrowUp", "ArrowDown", "z", "ArrowUp", "ArrowRight")
+    play = downloaded(ground.page, tmp_path)
+    assert (play.actions, play.undone, play.end) == ([1, 1, 2], 1, "truncated")
+    assert play.return_ == pytest.approx(-1 - 0.9 - 0.81)
+    assert brl.verify_play(play).is_valid
+
+
+def test_a_linked_level_has_plays_of_its_own(ground: Playground, tmp_path: Path) -> None:
+    random = brl.load("random-maze").replace(max_steps=2)
+    ground.open(brl.load("final-maze"))
+    for level, played in ((brl.load(LATE),) * 2, (random, random.with_maze_seed(5))):
+        ground.follow(link_fragment(level, played))
+        ground.press("ArrowUp", "ArrowUp", "ArrowUp")
+        play = downloaded(ground.page, tmp_path)
+        assert play.digest == played.digest
+        assert brl.verify_play(play).fault is None
+
+
+def test_a_page_stays_small() -> None:
+    assert len(to_html(brl.load("final-maze")).encode()) < 180_000

@@ -1,0 +1,129 @@
+"""Plays are verified by the tables alone; what is forged is refused, and luck is exact."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.plays import forged, recorded
+
+import babyrobot_levels as brl
+
+SLIPPERY = {
+    "version": 1,
+    "size": [3, 2],
+    "puddles": [{"at": [1, 0], "size": "small"}, {"at": [1, 1], "size": "large"}],
+    "max_steps": 6,
+}
+
+
+@pytest.fixture
+def play(tmp_path: Path) -> brl.Play:
+    return recorded(tmp_path, "treasure-chests")
+
+
+def changed(values: list[Any], index: int, value: Any) -> list[Any]:
+    return [*values[:index], value, *values[index + 1 :]]
+
+
+def test_a_forged_play_is_refused(play: brl.Play) -> None:
+    other = brl.load("first-key")
+    cases: list[tuple[dict[str, Any], str]] = [
+        ({"rewards": changed(play.rewards, 1, 5.0)}, "step 2 is not possible: action"),
+        ({"states": changed(play.states, 2, play.states[2] + 3)}, "step 2 is not possible: action"),
+        ({"states": changed(play.states, 0, 10**9)}, "it has a state 1,000,000,000, and the"),
+        ({"states": changed(play.states, 0, play.states[-1])}, "no episode of the level starts"),
+        ({"return": play.return_ + 1}, "its rewards add up to a return of"),
+        ({"digest": other.digest}, "its digest is not that of the level of its share code"),
+        ({"code": other.share_code()}, "its digest is not that of the level"),
+        ({"code": play.code[:-1]}, "its level cannot be read: the share code is cut off"),
+        ({"end": "unfinished"}, f"step {play.steps} is not possible"),
+        ({"max_steps": play.steps - 1}, "more than its time limit"),
+        (
+            {
+                "states": [*play.states, play.states[-1]],
+                "actions": [*play.actions, 0],
+                "rewards": [*play.rewards, 0.0],
+            },
+            f"step {play.steps} is not possible",
+        ),
+    ]
+    assert play.end == "terminated"
+    assert brl.verify_play(play).is_valid
+    for changes, message in cases:
+        verification = brl.verify_play(forged(play, **changes))
+        assert not verification.is_valid
+        assert verification.fault is not None
+        assert message in verification.fault
+        assert (verification.probability, verification.luck) == (0.0, None)
+
+
+def test_the_end_must_be_the_one_told(tmp_path: Path) -> None:
+    late = recorded(tmp_path, brl.load("final-maze").replace(max_steps=20))
+    assert late.end == "truncated"
+    assert "it is not unfinished" in str(brl.verify_play(forged(late, end="unfinished")).fault)
+    early = brl.verify_play(forged(late, max_steps=30))
+    assert "it did not reach its time limit" in str(early.fault)
+    assert brl.verify_play(forged(late, max_steps=30, end="unfinished")).is_valid
+
+
+def test_a_random_maze_needs_its_seed(tmp_path: Path) -> None:
+    play = recorded(tmp_path, "random-maze")
+    assert not play.level.has_random_maze
+    random = brl.load("random-maze").share_code()
+    assert "random maze" in str(brl.verify_play(forged(play, code=random)).fault)
+
+
+def walks(level: brl.Level, actions: list[int], state: int, discount: float) -> dict[float, float]:
+    """Return the probability of each return by listing every sequence of outcomes."""
+    mdp, found = level.compile(), dict[float, float]()
+
+    def go(state: int, step: int, total: float, chance: float) -> None:
+        if step == len(actions):
+            found[round(total, 9)] = found.get(round(total, 9), 0.0) + chance
+            return
+        for probability, after, reward, terminal in mdp.outcomes(state, actions[step]):
+            gained = total + discount**step * reward
+            go(after, len(actions) if terminal else step + 1, gained, chance * probability)
+
+    go(state, 0, 0.0, 1.0)
+    return found
+
+
+@pytest.mark.parametrize("discount", [1.0, 0.9])
+def test_luck_equals_that_of_all_sequences_of_outcomes(tmp_path: Path, discount: float) -> None:
+    level = brl.load({**SLIPPERY, "discount": discount})
+    for seed in range(12):
+        play = recorded(tmp_path, level, seed=seed)
+        verification = brl.verify_play(play)
+        every = walks(level, play.actions, play.states[0], discount)
+        expected = sum(chance for total, chance in every.items() if total >= play.return_ - 1e-6)
+        assert verification.luck == pytest.approx(expected, abs=1e-12)
+        mean = sum(total * chance for total, chance in every.items())
+        assert verification.distribution is not None
+        assert verification.distribution.mean == pytest.approx(mean)
+        product = 1.0
+        for step, (before, after) in enumerate(itertools.pairwise(play.states)):
+            outcomes = level.compile().outcomes(before, play.actions[step])
+            product *= sum(each[0] for each in outcomes if each[1] == after)
+        assert verification.probability == pytest.approx(product)
+
+
+def test_without_chance_luck_plays_no_part(tmp_path: Path) -> None:
+    verification = brl.verify_play(recorded(tmp_path, "first-key"))
+    assert (verification.probability, verification.luck) == (1.0, 1.0)
+
+
+def test_luck_that_would_take_too_long_is_not_computed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from babyrobot_levels.analysis.solver import distribution
+
+    monkeypatch.setattr(distribution, "MAX_OUTCOMES", 10)
+    verification = brl.verify_play(recorded(tmp_path, "final-maze"))
+    assert verification.is_valid
+    assert verification.luck is None
+    assert math.isfinite(verification.log_probability)
