@@ -32,6 +32,10 @@ SCRIPTS = (
     "pointer.js",
     "rail.js",
     "bar.js",
+    "announce.js",
+    "keys.js",
+    "touch.js",
+    "help.js",
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
@@ -39,7 +43,7 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
+STYLES = ("editor.css", "stage.css", "help.css", "findings.css", "text_pane.css")
 """Its style sheets: of the layout, and of the parts."""
 
 

@@ -8,9 +8,9 @@ from contextlib import contextmanager
 from typing import Any
 
 from playwright.sync_api import Locator
-from support.editors import EditorPage
 
 from babyrobot_levels.render.scene.layout import CELL
+from support.editors import EditorPage
 
 Point = tuple[float, float]
 
