@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.gestures import Gesture
@@ -29,6 +30,7 @@ class Session:
         level: the level of the text, or of the last text that was valid; None if none was.
         document: the text that `level` is from, as it was read.
         report: the findings in the text.
+        answers: the optimum of the level.
     """
 
     def __init__(self, text: str, *, name: str | None = None, path: Path | None = None) -> None:
@@ -37,6 +39,7 @@ class Session:
         self.revision = 0
         self.level: Level | None = None
         self.document: Document | None = None
+        self.answers = Answers()
         self._history = History(text)
         self._saved = text
         self._read()
@@ -45,6 +48,11 @@ class Session:
     def text(self) -> str:
         """The text at hand."""
         return self._history.text
+
+    @property
+    def source(self) -> SourceFile:
+        """The text, with the name under which messages speak of it."""
+        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
 
     @property
     def is_valid(self) -> bool:
@@ -75,7 +83,7 @@ class Session:
         """
         if self.report.level is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
-        document = read(self._source())
+        document = read(self.source)
         draft = Draft(document, self.report.level)
         change(draft, gesture)
         data = draft.result()
@@ -83,7 +91,7 @@ class Session:
         if text is None:
             text = emit(data)
         try:
-            load_source(SourceFile(self._source().name, text), self.path)
+            load_source(SourceFile(self.source.name, text), self.path)
         except LevelError as error:
             raise RefusedError(error.diagnostics[0].message) from None
         self._change(text)
@@ -106,11 +114,9 @@ class Session:
         self._history.change(text, joined=joined)
         self._read()
 
-    def _source(self) -> SourceFile:
-        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
-
     def _read(self) -> None:
         self.revision += 1
-        self.report: Report = lint_source(self._source(), select(None), self.path)
+        self.report: Report = lint_source(self.source, select(None), self.path)
         if self.report.level is not None:
             self.level, self.document = self.report.level, self.report.document
+            self.answers.follow(self.level)
