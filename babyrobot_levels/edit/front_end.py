@@ -33,6 +33,10 @@ SCRIPTS = (
     "pointer.js",
     "rail.js",
     "bar.js",
+    "announce.js",
+    "keys.js",
+    "touch.js",
+    "help.js",
     "controls.js",
     "field_row.js",
     "inspector.js",
@@ -47,7 +51,15 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "inspector.css", "world.css", "findings.css", "text_pane.css")
+STYLES = (
+    "editor.css",
+    "stage.css",
+    "inspector.css",
+    "world.css",
+    "findings.css",
+    "text_pane.css",
+    "help.css",
+)
 """Its style sheets: of the layout, and of the parts."""
 
 

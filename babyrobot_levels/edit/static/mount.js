@@ -19,6 +19,7 @@ const LAYOUT = `
 <div class="playing"></div>
 <div class="below">
 <p class="said" role="status" aria-live="polite"></p>
+<p class="spoken unseen" role="status" aria-live="polite"></p>
 <div class="zoom" role="group" aria-label="Zoom"></div>
 </div>
 </main>
@@ -30,6 +31,7 @@ const LAYOUT = `
 <section class="findings" data-tab="Findings"></section>
 <section class="file" data-tab="Text"></section>
 </aside>
+<dialog class="help"></dialog>
 </div>
 `;
 
@@ -55,6 +57,9 @@ export function mount(place, connection, style = "") {
   const stage = new Stage(editor, find("stage"), find("map"), find("notice"));
   const overlay = new Overlay(editor, stage);
   editor.pointer = new Pointer(editor, stage, overlay);
+  new Touch(stage, editor.pointer);
+  new Help(editor, find("help"), new Keyboard(editor, root, overlay));
+  new Announcer(editor, find("spoken"));
   new Rail(editor, find("tools"));
   new Options(editor, find("options"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
@@ -68,6 +73,7 @@ export function mount(place, connection, style = "") {
     find("said").textContent = editor.said;
     find("said").dataset.kind = editor.saidKind;
   });
+  editor.on("state", () => (find("editor").dataset.revision = editor.state.revision));
   editor.on("mode", () => (find("editor").dataset.mode = editor.mode));
   editor.send({ do: "state" });
   return editor;
