@@ -27,9 +27,13 @@ SCRIPTS = (
     "spots.js",
     "tools.js",
     "editor.js",
+    "answers.js",
     "stage.js",
+    "marks_layer.js",
     "overlay.js",
     "pointer.js",
+    "playing.js",
+    "policy.js",
     "rail.js",
     "bar.js",
     "findings.js",
@@ -39,7 +43,7 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
+STYLES = ("editor.css", "stage.css", "answers.css", "marks_layer.css", "playing.css", "findings.css", "text_pane.css")
 """Its style sheets: of the layout, and of the parts."""
 
 
