@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
+from babyrobot_levels.edit.contrast import themes
 from babyrobot_levels.render.page import code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 
@@ -36,6 +37,13 @@ SCRIPTS = (
     "policy.js",
     "rail.js",
     "bar.js",
+    "controls.js",
+    "field_row.js",
+    "inspector.js",
+    "maze.js",
+    "wind.js",
+    "theme.js",
+    "world.js",
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
@@ -43,7 +51,17 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "answers.css", "marks_layer.css", "playing.css", "findings.css", "text_pane.css")
+STYLES = (
+    "editor.css",
+    "stage.css",
+    "answers.css",
+    "marks_layer.css",
+    "playing.css",
+    "inspector.css",
+    "world.css",
+    "findings.css",
+    "text_pane.css",
+)
 """Its style sheets: of the layout, and of the parts."""
 
 
@@ -51,7 +69,8 @@ STYLES = ("editor.css", "stage.css", "answers.css", "marks_layer.css", "playing.
 def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
-    return "\n".join([f"const COMMON = {embedded_json(common_data())};", code_of(PAINTER), *own])
+    common = embedded_json({**common_data(), "themes": themes()})
+    return "\n".join([f"const COMMON = {common};", code_of(PAINTER), *own])
 
 
 @cache

@@ -3,7 +3,7 @@
 A message is a mapping with `id`, a number that the reply repeats, and `do`, what is asked for: a
 gesture (`edit/gestures.py`, with its fields), or
 
-- `state`: the state, for one who begins;
+- `state`: the state, for one who begins; its reply also has `forms`, see `edit/forms.py`;
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
 - `undo`, `redo`;
 - `answers`: the state again, with the optimum, however long that takes; if the text has changed
@@ -23,6 +23,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from babyrobot_levels.edit.draft import RefusedError
+from babyrobot_levels.edit.forms import forms
 from babyrobot_levels.edit.gestures import gesture_of
 from babyrobot_levels.edit.policy import worth_of
 from babyrobot_levels.edit.session import Session
@@ -56,7 +57,10 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
         _do(session, fields)
     except RefusedError as error:
         reply["error"] = str(error)
-    return {**reply, "state": state_of(session)}
+    state = state_of(session)
+    if fields.get("do") == "state":
+        state["forms"] = forms()
+    return {**reply, "state": state}
 
 
 def _do(session: Session, fields: dict[str, Any]) -> None:

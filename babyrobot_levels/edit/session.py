@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from pathlib import Path
 
 from babyrobot_levels.edit.answers import Answers
@@ -14,6 +13,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_source
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import Report, lint_source
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
@@ -28,6 +28,7 @@ class Session:
         path: the file that it is saved to; None where there is none yet.
         revision: a number that grows with each change of the text.
         level: the level of the text, or of the last text that was valid; None if none was.
+        document: the text that `level` is from, as it was read.
         report: the findings in the text.
         answers: the optimum of the level.
     """
@@ -37,6 +38,7 @@ class Session:
         self.name = name
         self.revision = 0
         self.level: Level | None = None
+        self.document: Document | None = None
         self.answers = Answers()
         self._history = History(text)
         self._saved = text
@@ -82,9 +84,9 @@ class Session:
         if self.report.level is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
         document = read(self.source)
-        draft = Draft(deepcopy(document.data), self.report.level, document)
+        draft = Draft(document, self.report.level)
         change(draft, gesture)
-        data = {name: value for name, value in draft.data.items() if value not in ([], {})}
+        data = draft.result()
         text = splice(self.text, data, list(Level.model_fields))
         if text is None:
             text = emit(data)
@@ -116,5 +118,5 @@ class Session:
         self.revision += 1
         self.report: Report = lint_source(self.source, select(None), self.path)
         if self.report.level is not None:
-            self.level = self.report.level
+            self.level, self.document = self.report.level, self.report.document
             self.answers.follow(self.level)

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
+from babyrobot_levels.edit.contrast import look_of
 from babyrobot_levels.edit.findings import findings_of
+from babyrobot_levels.edit.forms import expanded, own_fields
+from babyrobot_levels.edit.places import places_of
 from babyrobot_levels.edit.session import Session
 from babyrobot_levels.render.page_data import TooLargeError
 
@@ -19,12 +22,20 @@ def state_of(session: Session) -> dict[str, Any]:
     - `level`, what a page knows about it (None if none was valid, or if it is too large for a
       picture: `too_large` then says so);
     - `unreachable`, the cells `[x, y]` in which no episode can ever be;
-    - `answers`, see `Answers.to_dict`.
+    - `answers`, see `Answers.to_dict`;
+    - `places`, what stands where, see `places.py`;
+    - `fields`, its own fields as the file gives them, see `forms.py`;
+    - `theme` and `contrast`, how it looks, see `contrast.py`.
     """
     answers = session.answers
     level, too_large = None, None
+    places: list[dict[str, Any]] = []
+    fields: dict[str, Any] = {}
     try:
         level = answers.page()
+        if session.level is not None and session.document is not None:
+            fields = expanded(own_fields(session.document.data))
+            places = places_of(session.level, session.document)
     except TooLargeError as error:
         too_large = str(error)
     size = answers.level.size if answers.level is not None else (0, 0)
@@ -41,5 +52,8 @@ def state_of(session: Session) -> dict[str, Any]:
         "unreachable": answers.unreachable,
         "answers": answers.to_dict(),
         "level": level,
+        "places": places,
+        "fields": fields,
         "too_large": too_large,
+        **({} if session.level is None else look_of(session.level.resolved_theme)),
     }

@@ -65,6 +65,8 @@ export function mount(place, connection, style = "") {
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
   new Panels(editor, find("tabs"), find("panels"));
   find("zoom").append(...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))));
+  new Inspector(editor, find("inspector"));
+  new World(editor, find("world"));
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
   editor.on("said", () => {
