@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.edit import cells, walls
+from babyrobot_levels.edit import cells, fields, things, walls
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture, Paint, Walls
+from babyrobot_levels.edit.gestures import Gesture, Move, Paint, Path, Remove, Set, Walls, Warp
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -16,7 +16,19 @@ def change(draft: Draft, gesture: Gesture) -> None:
     match gesture:
         case Walls():
             walls.build(draft, gesture)
+        case Paint(brush="item" | "switch"):
+            things.add_things(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)
+        case Warp():
+            things.add_warp(draft, gesture)
+        case Path():
+            things.add_mover(draft, gesture)
+        case Move():
+            fields.move_entry(draft, gesture)
+        case Remove():
+            fields.remove_entry(draft, gesture)
+        case Set():
+            fields.set_field(draft, gesture)
         case _:
             raise RefusedError(f"`{gesture.do}` is not known yet")

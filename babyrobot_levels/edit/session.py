@@ -6,7 +6,8 @@ from pathlib import Path
 
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture
+from babyrobot_levels.edit.fields import fixed
+from babyrobot_levels.edit.gestures import Fix, Gesture
 from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_source
@@ -73,6 +74,9 @@ class Session:
             RefusedError: it cannot be carried out, or the level would not be valid; nothing has
                 changed.
         """
+        if isinstance(gesture, Fix):
+            self._change(fixed(self.report, gesture))
+            return
         if self.report.level is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
         document = read(self._source())
