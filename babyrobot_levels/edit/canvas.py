@@ -52,10 +52,12 @@ class Canvas:
         for x, y in run.cells:
             rows[y][x] = mark
 
-    def marked(self, run: Run) -> list[str]:
-        """Return the marks of the sides of a run. None of them may be of the outer wall."""
+    def unmark(self, run: Run, mark: str) -> None:
+        """Remove a mark from the sides of a run."""
         rows = self._east if run.axis == "E" else self._south
-        return [rows[y][x] for x, y in run.cells]
+        for x, y in run.cells:
+            if y < len(rows) and x < len(rows[y]) and rows[y][x] == mark:
+                rows[y][x] = d.OPEN
 
     def resize(self, width: int, height: int, right: int, down: int) -> None:
         """Move everything to the right and down within another size; what is new is plain."""

@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.edit import cells, fields, things, walls
+from babyrobot_levels.edit import cells, fields, frame, things, walls
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture, Move, Paint, Path, Remove, Set, Walls, Warp
+from babyrobot_levels.edit.gestures import (
+    Fill,
+    Gesture,
+    Move,
+    Paint,
+    Path,
+    Remove,
+    Resize,
+    Resolve,
+    Set,
+    Walls,
+    Warp,
+    Wind,
+)
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -30,5 +43,13 @@ def change(draft: Draft, gesture: Gesture) -> None:
             fields.remove_entry(draft, gesture)
         case Set():
             fields.set_field(draft, gesture)
+        case Fill():
+            cells.fill(draft, gesture)
+        case Resize():
+            frame.resize(draft, gesture)
+        case Wind():
+            frame.blow(draft, gesture)
+        case Resolve():
+            frame.resolve(draft)
         case _:
             raise RefusedError(f"`{gesture.do}` is not known yet")

@@ -88,16 +88,16 @@ def _pieces(entry: Entry, run: Run) -> list[Entry]:
     if own.stop <= run.first or run.stop <= own.first:
         return [entry]
     pieces = [own.part(own.first, run.first), own.part(run.stop, own.stop)]
-    return [shortened(entry, piece) for piece in pieces if piece.first < piece.stop]
+    return [placed(entry, piece) for piece in pieces if piece.first < piece.stop]
 
 
-def shortened(entry: Entry, run: Run) -> Entry:
-    """Return an entry with another place or length on its line, on the side that it names."""
-    own = Run.of_entry(entry)
-    x, y = entry["at"]
-    step = run.first - own.first
-    at = [x, y + step] if own.axis == "E" else [x + step, y]
-    fields = {**entry, "at": at if step else entry["at"], "length": run.stop - run.first}
+def placed(entry: Entry, run: Run) -> Entry:
+    """Return an entry with another run, on the side that it names."""
+    x, y = run.cell(run.first)
+    side = SIDE_NAMES.get(entry["side"], entry["side"])
+    at = [x + (side == "W"), y + (side == "N")]
+    fields = {"at": at, "side": entry["side"], "length": 0, **entry}
+    fields |= {"at": at, "length": run.stop - run.first}
     if fields["length"] == 1:
         del fields["length"]
     return fields
