@@ -6,9 +6,10 @@ from typing import Any
 
 from babyrobot_levels.edit import on_drawing, routes
 from babyrobot_levels.edit.draft import Draft, RefusedError
+from babyrobot_levels.edit.erasing import forget_missing
 from babyrobot_levels.edit.gestures import Fix, Move, Remove, Set
+from babyrobot_levels.edit.names import replace_names
 from babyrobot_levels.edit.routes import Route
-from babyrobot_levels.edit.things import replace_name
 from babyrobot_levels.language.geometry import Cell, show_cell
 from babyrobot_levels.lint.fixer import apply
 from babyrobot_levels.lint.runner import Report
@@ -88,7 +89,7 @@ def _put(draft: Draft, route: Route, value: Any) -> None:
         routes.put(draft.data, route, value)
     new = _name(draft, route)
     if old is not None and new is not None and old != new:
-        replace_name(draft, old, new)
+        replace_names(draft, {old: new})
 
 
 def _remove(draft: Draft, route: Route) -> None:
@@ -100,11 +101,9 @@ def _remove(draft: Draft, route: Route) -> None:
         case [*above, "start" | "exit" | "exit_one_of" | "one_of" as field, int()]:
             _remove_cell(draft, [*above, field], route)
         case _:
-            name = _name(draft, route) if len(route) == 2 else None
             with on_drawing.redrawn(draft, route):
                 routes.remove(draft.data, route)
-            if name is not None:
-                replace_name(draft, name, None)
+            forget_missing(draft)
 
 
 def _remove_cell(draft: Draft, cells: Route, route: Route) -> None:

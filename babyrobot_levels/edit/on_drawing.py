@@ -9,9 +9,9 @@ from typing import Any
 from babyrobot_levels.edit.canvas import Canvas
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.drawn_places import Place, drawn_places
+from babyrobot_levels.edit.erasing import forget_missing
 from babyrobot_levels.edit.routes import Route, get, shown
 from babyrobot_levels.edit.sides import Entry, Run
-from babyrobot_levels.edit.things import replace_name
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.map import GLASS_PASS
@@ -52,14 +52,10 @@ def remove_drawn(draft: Draft, route: Route) -> None:
     place, canvas, _ = _place_of(draft, route)
     if place["sides"]:
         canvas.mark(Run.of_entry(place["fields"]), d.OPEN)
-        return
-    (cell,) = place["cells"]
-    character = canvas.at(cell)
-    canvas.put(cell, d.PLAIN)
-    if character in draft.level.legend and not canvas.find(character):
-        del draft.data["legend"][character]
-        if place["kind"] != "area":
-            replace_name(draft, place["label"], None)
+    else:
+        (cell,) = place["cells"]
+        canvas.put(cell, d.PLAIN)
+        forget_missing(draft)
 
 
 def move_drawn(draft: Draft, route: Route, shift: tuple[int, int]) -> None:

@@ -1,18 +1,17 @@
-"""Items, switches, warps and movers that are added, and the names by which doors need them."""
+"""Items, switches, warps and movers that are added."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from itertools import count, pairwise
+from itertools import pairwise
 from typing import Any
 
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.gestures import Paint, Path, Warp
+from babyrobot_levels.edit.names import unused_name
 from babyrobot_levels.edit.routes import ordered, plain_value
-from babyrobot_levels.edit.sides import Run
-from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell, show_cell
-from babyrobot_levels.language.things import SHAPES, as_names
+from babyrobot_levels.language.things import SHAPES
 
 _NAMES = {"item": "key", "switch": "switch"}
 """What new things are called."""
@@ -32,7 +31,7 @@ def add_things(draft: Draft, gesture: Paint) -> None:
     if gesture.brush == "item" and base in SHAPES:
         fields.setdefault("shape", base)
     for cell in cells:
-        name = _unused_name(draft, base)
+        name = unused_name(draft, base)
         entry = {**fields, "name": name, "at": [*cell]}
         if entry.get("shape") == name:
             # The shape of its name is that of an item anyway.
@@ -60,43 +59,6 @@ def add_mover(draft: Draft, gesture: Path) -> None:
     is_loop = _distance(path[-1], path[0]) <= 1
     back = {} if is_loop else {"back": True}
     draft.entries("movers").append({"path": [[*cell] for cell in path], **back})
-
-
-def replace_name(draft: Draft, old: str, new: str | None) -> None:
-    """Give an item or a switch another name wherever it is needed, or None.
-
-    A door without anything that it needs, or that closes it, would always be open: it is removed.
-    """
-    _replace(draft.data, "exit_needs", old, new)
-    for door in [*draft.data.get("doors", [])]:
-        replaced = [_replace(door, field, old, new) for field in ("needs", "unless")]
-        if any(replaced) and not ("needs" in door or "unless" in door):
-            draft.data["doors"].remove(door)
-            if draft.canvas is not None:
-                draft.canvas.mark(Run.of_entry(door), d.OPEN)
-
-
-def _replace(holder: dict[str, Any], field: str, old: str, new: str | None) -> bool:
-    """Replace a name in a field, and tell whether it was there."""
-    names = as_names(holder.get(field, ()))
-    if old not in names:
-        return False
-    left = [new if name == old else name for name in names if name != old or new is not None]
-    if left:
-        holder[field] = left[0] if len(left) == 1 else left
-    else:
-        del holder[field]
-    return True
-
-
-def _unused_name(draft: Draft, base: str) -> str:
-    """Return a name that no item, switch or mover has: `key`, `key-2` and so on."""
-    data = draft.data
-    entries = [entry for field in ("items", "switches", "movers") for entry in data.get(field, [])]
-    used = {entry.get("name") for entry in entries}
-    used |= {entry.get(kind) for entry in data.get("legend", {}).values() for kind in _NAMES}
-    names = (base if number == 1 else f"{base}-{number}" for number in count(1))
-    return next(name for name in names if name not in used)
 
 
 def _rectangle(one: Cell, other: Cell) -> dict[str, Any]:
