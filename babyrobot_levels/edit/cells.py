@@ -269,7 +269,7 @@ def _alike(level: Level, first: Cell) -> list[Cell]:
                 found[cell] = None
                 waiting.append(cell)
         _check_count(len(found))
-    return [*found]
+    return sorted(found, key=lambda cell: (cell[1], cell[0]))
 
 
 _STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
