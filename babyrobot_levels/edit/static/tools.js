@@ -172,10 +172,7 @@ function thingsAt(editor, { cell, side }) {
 
 function isAtSide({ sides }, cell, side) {
   const [[x, y], usual] = usualSide(cell, side);
-  return sides.some(([left, top, each]) => {
-    const [own, name] = usualSide([left, top], each);
-    return own[0] === x && own[1] === y && name === usual;
-  });
+  return sides.some((each) => each[0] === x && each[1] === y && each[2] === usual);
 }
 
 /** Return the selected entry if it is at a spot, else the topmost one there, or null. */
