@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 import pytest
 from playwright.sync_api import Locator, expect
@@ -49,9 +48,9 @@ class Hand(Mouse):
 
 
 @pytest.fixture
-def hand(editor_page: OpenEditor) -> Iterator[Hand]:
+def hand(editor_page: OpenEditor) -> Hand:
     """A mouse at an empty level of six columns and four rows."""
-    yield Hand(editor_page(LEVEL))
+    return Hand(editor_page(LEVEL))
 
 
 @pytest.mark.parametrize(
