@@ -43,11 +43,20 @@ SCRIPTS = (
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
+    "dialogs.js",
     "mount.js",
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "inspector.css", "world.css", "findings.css", "text_pane.css")
+STYLES = (
+    "editor.css",
+    "stage.css",
+    "inspector.css",
+    "world.css",
+    "findings.css",
+    "text_pane.css",
+    "dialogs.css",
+)
 """Its style sheets: of the layout, and of the parts."""
 
 
