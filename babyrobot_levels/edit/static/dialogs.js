@@ -155,6 +155,7 @@ class CopyDialog {
     this.download.toggleAttribute("hidden", form !== "yaml");
     const { copy = "", error = "" } = await this.editor.send({ do: "copy", form });
     this.shown.value = copy;
+    this.shown.classList.toggle("one-line", form === "code" || form === "link");
     this.error.replaceChildren(...prose(error));
   }
 
