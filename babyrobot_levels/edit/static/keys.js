@@ -149,7 +149,7 @@ class Keyboard {
   }
 
   look() {
-    this.editor.tell("cursor");
+    this.editor.tell("look");
   }
 
   /** Choose a tool, or switch what changes the tools on or off. */
