@@ -54,6 +54,33 @@ const KEYS = [
     ["Alt + Shift + arrow", "remove the column or row at that side",
       arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1))],
   ] },
+  { title: "Playing", mode: "play", keys: [
+    ["← ↑ → ↓ or W A S D", "move the robot", {
+      ...arrows([], ({ editor }, side) => editor.playing.go(side)),
+      ...Object.fromEntries([..."WDSA"].map((key, at) => [key, ({ editor }) => editor.playing.go("NESW"[at])])),
+    }],
+    ["Space", "stay", { Space: ({ editor }) => editor.playing.take(0) }],
+    ["Z", "undo an action", { Z: ({ editor }) => editor.playing.undo() }],
+    ["R", "retry with the same luck", { R: ({ editor }) => editor.playing.begin() }],
+    ["N", "take new luck", { N: ({ editor }) => editor.playing.newLuck() }],
+  ] },
+  { title: "Policy", mode: "policy", keys: [
+    ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
+    ["Shift + arrow", "draw an arrow in the cell, and go on", arrows(["Shift"], ({ editor }, side) => editor.policy.step(side))],
+    ["Space, Enter", "give the cell the next action", {
+      Space: ({ editor }) => editor.policy.turn(editor.cursor.cell),
+      Enter: ({ editor }) => editor.policy.turn(editor.cursor.cell),
+    }],
+    ["Delete", "clear the cell", {
+      Delete: ({ editor }) => editor.policy.erase(editor.cursor.cell),
+      Backspace: ({ editor }) => editor.policy.erase(editor.cursor.cell),
+    }],
+  ] },
+  { title: "Answers and modes", keys: [
+    ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
+    ["B", "show the optimal actions, or no longer", { B: ({ editor }) => editor.answers.toggle("policy") }],
+    ["P", "play the level, or edit it again", { P: ({ editor }) => editor.playing.toggle() }],
+  ] },
   { title: "Anywhere", keys: [
     ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
     ["Ctrl + Y, Ctrl + Shift + Z", "redo", {

@@ -16,7 +16,8 @@ const LAYOUT = `
 <svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
 <p class="notice"></p>
 </div>
-<div class="playing"></div>
+<div class="playing" hidden></div>
+<div class="policy" hidden></div>
 <div class="below">
 <p class="said" role="status" aria-live="polite"></p>
 <p class="spoken unseen" role="status" aria-live="polite"></p>
@@ -54,12 +55,16 @@ export function mount(place, connection, style = "") {
   root.innerHTML = LAYOUT;
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
+  new Answers(editor, find("answers"));
   const stage = new Stage(editor, find("stage"), find("map"), find("notice"));
+  new MarksOverlay(editor, find("view"));
   const overlay = new Overlay(editor, stage);
   editor.pointer = new Pointer(editor, stage, overlay);
   new Touch(stage, editor.pointer);
   new Help(editor, find("help"), new Keyboard(editor, root, overlay));
   new Announcer(editor, find("spoken"));
+  new Playing(editor, find("playing"));
+  new PolicyDrawing(editor, find("policy"));
   new Rail(editor, find("tools"));
   new Options(editor, find("options"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
