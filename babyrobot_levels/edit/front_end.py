@@ -51,6 +51,7 @@ SCRIPTS = (
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
+    "dialogs.js",
     "mount.js",
 )
 """Its own scripts, in the order of their dependencies."""
@@ -65,6 +66,7 @@ STYLES = (
     "world.css",
     "findings.css",
     "text_pane.css",
+    "dialogs.css",
     "help.css",
 )
 """Its style sheets: of the layout, and of the parts."""

@@ -74,6 +74,7 @@ export function mount(place, connection, style = "") {
   new World(editor, find("world"));
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
+  new FileButtons(editor, find("files"), find("editor"));
   editor.on("said", () => {
     find("said").textContent = editor.said;
     find("said").dataset.kind = editor.saidKind;

@@ -222,6 +222,7 @@ class TextPane {
     const isCommand = event.ctrlKey || event.metaKey;
     const isLeaving = this.leaves;
     this.leaves = key === "Escape";
+    if (isCommand) this.flush(); // What commands are about has been typed.
     if (isCommand && !altKey && "zy".includes(key.toLowerCase())) {
       this.ask(key.toLowerCase() === "y" || shiftKey ? "redo" : "undo");
     } else if (key === "Tab" && !isCommand && !altKey && !shiftKey && !isLeaving) {
