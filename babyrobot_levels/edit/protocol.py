@@ -8,7 +8,8 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
-  `conflict`, with the file's `text` (None if it has none): then `force` overwrites it, and `reload` takes its text instead;
+  `conflict`, with the file's `text` (None if it has none): then `force` overwrites it, and
+  `reload` takes its text instead;
 - `reload`: take the text that the file has now.
 
 These have `revision`, that of the state that they were made from. If the text has changed since,
