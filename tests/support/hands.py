@@ -19,14 +19,6 @@ SIDES: dict[str, Point] = {"N": (0.5, 0), "E": (1, 0.5), "S": (0.5, 1), "W": (0,
 """Where the middles of a cell's sides are in it."""
 
 TOOL_KEYS = {"walls": "1", "small": "2", "large": "3", "select": "9"}
-    "walls": "1",
-    "small": "2",
-    "large": "3",
-    "blocked": "4",
-    "erase": "8",
-    "select": "9",
-    "exit": "e",
-}
 
 
 class Hand(ABC):
