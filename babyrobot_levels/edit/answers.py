@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Lock
-from time import perf_counter
+from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +37,9 @@ BUDGET = 0.1
 
 _USUAL_TIME = 5e-5
 """How long a state takes to be solved and shown, in seconds, before that was measured."""
+
+_LEAST_MEASURED = 200
+"""The least number of states of a level whose time is measured."""
 
 _SEEN, _SEEN_SHARE = 0.005, 0.01
 """A value is another one if it differs by this much, or by this share of the largest one."""
@@ -101,6 +104,7 @@ class Answers:
         self.unreachable: list[Cell] = []
         self._page: dict[str, Any] | None = None
         self._time_of_state = _USUAL_TIME
+        self._is_first = True
         self._solving = Lock()
 
     def follow(self, level: Level) -> None:
@@ -132,10 +136,14 @@ class Answers:
                 self.optimum = optimum
 
     def _solved(self, level: Level) -> Optimum:
-        began = perf_counter()
+        began = thread_time()
         optimum = solved(level)
         _ = optimum.page
-        self._time_of_state = (perf_counter() - began) / level.compile().num_states
+        states = level.compile().num_states
+        # Small levels tell nothing of larger ones, nor does what the first one loads.
+        if states >= _LEAST_MEASURED and not self._is_first:
+            self._time_of_state = (self._time_of_state + (thread_time() - began) / states) / 2
+        self._is_first = False
         return optimum
 
     def page(self) -> dict[str, Any] | None:
