@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.convert.babyrobot.reading import from_setup as from_setup
     from babyrobot_levels.convert.conversion import ConversionWarning as ConversionWarning
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
+    from babyrobot_levels.edit.notebook import edit as edit
     from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
     from babyrobot_levels.envs.samplers import PrioritizedSampler as PrioritizedSampler
@@ -72,6 +73,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.tables import Mdp as Mdp
     from babyrobot_levels.scoring.plays.files import Play as Play
     from babyrobot_levels.scoring.plays.files import read_plays as read_plays
+    from babyrobot_levels.scoring.plays.grades import Grade as Grade
+    from babyrobot_levels.scoring.plays.grades import Grades as Grades
+    from babyrobot_levels.scoring.plays.grades import grade as grade
     from babyrobot_levels.scoring.plays.record import RecordPlay as RecordPlay
     from babyrobot_levels.scoring.plays.verify import Verification as Verification
     from babyrobot_levels.scoring.plays.verify import verify_play as verify_play
@@ -98,6 +102,8 @@ _HOMES = {
     "Difference": "analysis.diff",
     "EpisodeTooLongError": "analysis.solver.results",
     "Evaluation": "analysis.solver.results",
+    "Grade": "scoring.plays.grades",
+    "Grades": "scoring.plays.grades",
     "Grid": "mdp.grid",
     "Level": "library.level",
     "LevelEnv": "envs.single",
@@ -132,9 +138,11 @@ _HOMES = {
     "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",
+    "edit": "edit.notebook",
     "evaluate": "analysis.solver.evaluation",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
+    "grade": "scoring.plays.grades",
     "levels": "library.catalogue",
     "load": "library.catalogue",
     "load_suite": "generate.suites",

@@ -37,6 +37,10 @@ SCRIPTS = (
     "policy.js",
     "rail.js",
     "bar.js",
+    "announce.js",
+    "keys.js",
+    "touch.js",
+    "help.js",
     "controls.js",
     "field_row.js",
     "inspector.js",
@@ -61,6 +65,7 @@ STYLES = (
     "world.css",
     "findings.css",
     "text_pane.css",
+    "help.css",
 )
 """Its style sheets: of the layout, and of the parts."""
 

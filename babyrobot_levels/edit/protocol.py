@@ -1,35 +1,57 @@
 """The messages between the editor's page or widget and Python.
 
-A message is a mapping with `id`, a number that the reply repeats, and `do`, what is asked for: a
-gesture (`edit/gestures.py`, with its fields), or
+A message is a mapping with `id`, which the reply repeats, and `do`, what is asked for: a gesture
+(`edit/gestures.py`, with its fields), or one of
 
-- `state`: the state, for one who begins; its reply also has `forms`, see `edit/forms.py`;
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
 - `undo`, `redo`;
-- `answers`: the state again, with the optimum, however long that takes; if the text has changed
-  meanwhile, the reply has no state. See `prepare`;
+- `open`: another level: `source`, a name, a share code, the text of a level or a map of another
+  program; `format` if the map may be in several (`convert/formats.py`);
+- `save`: write the text to its file. If another program has changed the file, the reply has
+  `conflict`: then `force` overwrites it, and `reload` takes its text instead;
+- `reload`: take the text that the file has now.
+
+These have `revision`, that of the state that they were made from. If the text has changed since,
+by another page, they are refused. Others change nothing and need none:
+
+- `state`: the state, for one who begins, which then also has `forms`, see `edit/forms.py`;
+- `copy`: the level in a `form` (`edit/copies.py`), as `copy` of the reply;
+- `quit`: end the server. It is refused with `unsaved` in the reply if there are unsaved changes,
+  except with `force`. The last reply has `ended`.
+
+Two ask for what may take long, and are answered beside other messages, see `prepare`:
+
+- `answers`: the state again, with the optimum; if the text has changed meanwhile, the reply has no
+  state;
 - `policy`: what a policy drawn by hand is worth: `actions`, see `policy.worth_of`. The reply has
   `policy`, and no state.
 
-A message that changes the text also has `revision`, that of the state that it was made from. If
-the text has changed since, by another page, it is refused. A reply has `id`; `state`, see
-`edit/state.py`; and, if the message was refused, `error`, a sentence.
+A reply has `id`, as it was given; `state`, see `edit/state.py`, unless nothing can have changed;
+and, if the message was refused, `error`, a sentence.
 """
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from pydantic import ValidationError
 
+from babyrobot_levels.edit.copies import FORMS, copied
 from babyrobot_levels.edit.draft import RefusedError
+from babyrobot_levels.edit.edited_file import ConflictError
 from babyrobot_levels.edit.forms import forms
 from babyrobot_levels.edit.gestures import gesture_of
 from babyrobot_levels.edit.policy import worth_of
 from babyrobot_levels.edit.session import Session
+from babyrobot_levels.edit.sources import opened
 from babyrobot_levels.edit.state import state_of
+from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
+
+QUESTIONS = {"state", "copy", "quit"}
+"""What changes nothing."""
 
 
 def prepare(session: Session, message: dict[str, Any]) -> None:
@@ -50,11 +72,23 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     if fields.get("do") == "answers" and revision != session.revision:
         return reply
     try:
-        if fields.get("do") != "state" and revision != session.revision:
+        _check(message)
+        is_question = fields.get("do") in QUESTIONS
+        if not is_question and revision != session.revision:
             raise RefusedError(STALE)
-        if fields.get("do") == "policy":
-            return {**reply, "policy": _policy(session, fields.get("actions"))}
-        _do(session, fields)
+        match fields.get("do"):
+            case "answers":
+                pass
+            case "policy":
+                return {**reply, "policy": _policy(session, fields.get("actions"))}
+            case question if is_question:
+                reply |= _asked(session, fields)
+                if question != "state":
+                    return reply
+            case _:
+                reply |= _done(session, fields)
+    except ConflictError as error:
+        reply |= {"error": str(error), "conflict": True}
     except RefusedError as error:
         reply["error"] = str(error)
     state = state_of(session)
@@ -63,22 +97,51 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     return {**reply, "state": state}
 
 
-def _do(session: Session, fields: dict[str, Any]) -> None:
+def _check(message: dict[str, Any]) -> None:
+    """Refuse texts that no file can hold."""
+    try:
+        json.dumps(message, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError:
+        raise RefusedError("the message is not valid Unicode") from None
+    for text in (message.get("text"), message.get("source")):
+        if isinstance(text, str) and len(text.encode("utf-8")) > MAX_BYTES:
+            raise RefusedError("a level file has at most 1 MiB")
+
+
+def _asked(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
     match fields:
-        case {"do": "state" | "answers"}:
-            pass
+        case {"do": "copy", "form": str(form)} if form in FORMS:
+            return {"copy": copied(session, form)}
+        case {"do": "quit"}:
+            if not session.is_saved and fields.get("force") is not True:
+                return {"unsaved": True, "error": "there are unsaved changes"}
+            return {"ended": True}
+        case {"do": "state"}:
+            return {}
+    raise RefusedError("this question is not known")
+
+
+def _done(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
+    match fields:
         case {"do": "text", "text": str(text)}:
             session.type(text, joined=fields.get("joined") is True)
         case {"do": "undo"}:
             session.undo()
         case {"do": "redo"}:
             session.redo()
+        case {"do": "open", "source": str(source)}:
+            session.open(*opened(source, fields.get("format")))
+        case {"do": "save"}:
+            session.save(force=fields.get("force") is True)
+        case {"do": "reload"}:
+            session.reload()
         case _:
             try:
                 gesture = gesture_of.validate_python(fields)
             except ValidationError:
                 raise RefusedError("this gesture is not known") from None
             session.apply(gesture)
+    return {}
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:

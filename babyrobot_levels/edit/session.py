@@ -7,6 +7,7 @@ from pathlib import Path
 from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
+from babyrobot_levels.edit.edited_file import EditedFile
 from babyrobot_levels.edit.gestures import Gesture
 from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
@@ -24,8 +25,14 @@ from babyrobot_levels.text.splice import splice
 class Session:
     """A level text that is edited by gestures and by typing.
 
+    Args:
+        text: the text.
+        name: what it is called where there is no file.
+        file: the file that it is saved to.
+
     Attributes:
-        path: the file that it is saved to; None where there is none yet.
+        file: the file that it is saved to; None where there is none.
+        name: what it is called where there is no file.
         revision: a number that grows with each change of the text.
         level: the level of the text, or of the last text that was valid; None if none was.
         document: the text that `level` is from, as it was read.
@@ -33,8 +40,10 @@ class Session:
         answers: the optimum of the level.
     """
 
-    def __init__(self, text: str, *, name: str | None = None, path: Path | None = None) -> None:
-        self.path = path
+    def __init__(
+        self, text: str, *, name: str | None = None, file: EditedFile | None = None
+    ) -> None:
+        self.file = file
         self.name = name
         self.revision = 0
         self.level: Level | None = None
@@ -48,6 +57,11 @@ class Session:
     def text(self) -> str:
         """The text at hand."""
         return self._history.text
+
+    @property
+    def path(self) -> Path | None:
+        """The path of the file, None where there is none."""
+        return None if self.file is None else self.file.path
 
     @property
     def source(self) -> SourceFile:
@@ -109,6 +123,36 @@ class Session:
         """Do the step again that was undone last."""
         self._history.redo()
         self._read()
+
+    def open(self, text: str, name: str) -> None:
+        """Replace the level by another one, which can be undone. The file stays the same."""
+        self._change(text)
+        if self.file is None:
+            self.name, self._saved = name, text
+
+    def save(self, *, force: bool = False) -> None:
+        """Write the text to the file; see `EditedFile.write`.
+
+        Raises:
+            ConflictError: another program has changed the file; `force` overwrites it.
+            RefusedError: there is no file, or it cannot be written.
+        """
+        if self.file is None:
+            raise RefusedError("this level has no file; download it instead")
+        self.file.write(self.text, force=force)
+        self._saved = self.text
+
+    def reload(self) -> None:
+        """Take the text that the file has now, which can be undone.
+
+        Raises:
+            RefusedError: there is no file, or it cannot be read.
+        """
+        if self.file is None:
+            raise RefusedError("this level has no file")
+        self.file.reread()
+        self._change(self.file.text)
+        self._saved = self.text
 
     def _change(self, text: str, *, joined: bool = False) -> None:
         self._history.change(text, joined=joined)

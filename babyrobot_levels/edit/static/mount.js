@@ -20,6 +20,7 @@ const LAYOUT = `
 <div class="policy" hidden></div>
 <div class="below">
 <p class="said" role="status" aria-live="polite"></p>
+<p class="spoken unseen" role="status" aria-live="polite"></p>
 <div class="zoom" role="group" aria-label="Zoom"></div>
 </div>
 </main>
@@ -31,6 +32,7 @@ const LAYOUT = `
 <section class="findings" data-tab="Findings"></section>
 <section class="file" data-tab="Text"></section>
 </aside>
+<dialog class="help"></dialog>
 </div>
 `;
 
@@ -58,6 +60,9 @@ export function mount(place, connection, style = "") {
   new MarksOverlay(editor, find("view"));
   const overlay = new Overlay(editor, stage);
   editor.pointer = new Pointer(editor, stage, overlay);
+  new Touch(stage, editor.pointer);
+  new Help(editor, find("help"), new Keyboard(editor, root, overlay));
+  new Announcer(editor, find("spoken"));
   new Playing(editor, find("playing"));
   new PolicyDrawing(editor, find("policy"));
   new Rail(editor, find("tools"));
@@ -73,6 +78,7 @@ export function mount(place, connection, style = "") {
     find("said").textContent = editor.said;
     find("said").dataset.kind = editor.saidKind;
   });
+  editor.on("state", () => (find("editor").dataset.revision = editor.state.revision));
   editor.on("mode", () => (find("editor").dataset.mode = editor.mode));
   editor.send({ do: "state" });
   return editor;

@@ -21,27 +21,41 @@ const connection = {
       throw new Error(UNREACHABLE);
     }
     if (!response.ok) throw new Error(`The editor's server answered: ${(await response.text()).trim()}`);
-    return response.json();
+    const reply = await response.json();
+    if (reply.ended) end();
+    return reply;
   },
 };
 
+/** Show that there is no server any more. */
+function end() {
+  window.removeEventListener("beforeunload", keep);
+  document.removeEventListener("visibilitychange", refresh);
+  document.body.textContent = "The editor has ended. You can close this window.";
+}
+
+/** Ask the user before unsaved changes are left. */
+function keep(event) {
+  if (editor.state !== null && !editor.state.is_saved) event.preventDefault();
+}
+
+/** Show what another window or program has changed, when one comes back. */
+function refresh() {
+  if (document.visibilityState === "visible") editor.send({ do: "state" });
+}
+
 const page = new CSSStyleSheet();
-page.replaceSync("html, body, #editor { height: 100%; margin: 0 }");
+page.replaceSync("html, body, #editor { height: 100%; margin: 0; font-family: system-ui, sans-serif }");
 document.adoptedStyleSheets = [page];
 
 const style = await (await fetch("editor.css")).text();
 const editor = mount(document.querySelector("#editor"), connection, style);
+editor.stage.place.focus(); // The window's keys are the editor's.
 
 editor.on("state", () => {
   const { is_saved, level, name, path } = editor.state;
   document.title = `${is_saved ? "" : "* "}${level?.title ?? path ?? name ?? "Level"} – editor`;
 });
 
-// What another window or program has changed is seen when one comes back.
-document.addEventListener("visibilitychange", () => {
-  if (document.visibilityState === "visible") editor.send({ do: "state" });
-});
-
-window.addEventListener("beforeunload", (event) => {
-  if (editor.state !== null && !editor.state.is_saved) event.preventDefault();
-});
+document.addEventListener("visibilitychange", refresh);
+window.addEventListener("beforeunload", keep);
