@@ -94,14 +94,14 @@ class Answers:
         level: the level at hand; None before the first one. Its maze has a seed.
         optimum: its solution; None while it is not known.
         before: the solution of the level before; None if it was not known.
-        unreachable: the cells of the level at hand in which no episode can ever be.
+        unreachable: the cells `[x, y]` of the level at hand in which no episode can ever be.
     """
 
     def __init__(self) -> None:
         self.level: Level | None = None
         self.optimum: Optimum | None = None
         self.before: Optimum | None = None
-        self.unreachable: list[Cell] = []
+        self.unreachable: list[list[int]] = []
         self._page: dict[str, Any] | None = None
         self._time_of_state = _USUAL_TIME
         self._is_first = True
@@ -217,12 +217,13 @@ def solved(level: Level) -> Optimum:
     return Optimum(level, solution_guide(level, solution), endless(solution))
 
 
-def unreachable(level: Level) -> list[Cell]:
-    """Return the cells in which no episode can ever be, but for blocked ones."""
+def unreachable(level: Level) -> list[list[int]]:
+    """Return the cells `[x, y]` in which no episode can ever be, but for blocked ones."""
     mdp = level.compile()
     steps = np.array(reach_of(level, mdp).steps).reshape(-1, mdp.height, mdp.width)
     missed = (steps < 0).all(axis=0) & ~level.grid().blocked
-    return [(x, y) for y, x in np.argwhere(missed).tolist()]
+    cells: list[list[int]] = np.argwhere(missed)[:, ::-1].tolist()
+    return cells
 
 
 def endless(found: Evaluation) -> str:
