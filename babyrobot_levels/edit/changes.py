@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.edit import cells
+from babyrobot_levels.edit import cells, frame, walls
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture, Paint
+from babyrobot_levels.edit.gestures import Fill, Gesture, Paint, Resize, Resolve, Walls, Wind
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -14,7 +14,17 @@ def change(draft: Draft, gesture: Gesture) -> None:
         RefusedError: it cannot be carried out.
     """
     match gesture:
+        case Walls():
+            walls.build(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)
+        case Fill():
+            cells.fill(draft, gesture)
+        case Resize():
+            frame.resize(draft, gesture)
+        case Wind():
+            frame.blow(draft, gesture)
+        case Resolve():
+            frame.resolve(draft)
         case _:
             raise RefusedError(f"`{gesture.do}` is not known yet")

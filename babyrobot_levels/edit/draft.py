@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
+from babyrobot_levels.edit.canvas import Canvas
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import BabyRobotError
@@ -14,7 +14,6 @@ class RefusedError(BabyRobotError):
     """A gesture that cannot be carried out; the text stays as it is."""
 
 
-@dataclass(slots=True)
 class Draft:
     """The fields of a level while they change.
 
@@ -22,18 +21,33 @@ class Draft:
         data: the fields as the text gives them, which gestures change in place.
         level: the level before the gesture.
         document: the text before the gesture.
+        canvas: the drawing of `map`, which gestures change in place; None if there is none.
     """
 
-    data: dict[str, Any]
-    level: Level
-    document: Document
-
-    @property
-    def is_drawn(self) -> bool:
-        """Whether the level is drawn: `map` gives size, start, exit, puddles and blocked cells."""
-        return self.level.map is not None
+    def __init__(self, document: Document, level: Level) -> None:
+        self.document, self.level = document, level
+        self.data: dict[str, Any] = _copied(document.data)
+        self.canvas = None if level.drawing is None else Canvas(level.drawing)
 
     def entries(self, field: str) -> list[Any]:
         """Return the entries of a list, to be changed in place; a new list if there is none."""
         entries: list[Any] = self.data.setdefault(field, [])
         return entries
+
+    def result(self) -> dict[str, Any]:
+        """Return the fields as they are now, without lists and mappings that became empty."""
+        if self.canvas is not None and self.canvas.drawing() != self.level.drawing:
+            self.data["map"] = self.canvas.text()
+        before = self.document.data
+        return {
+            name: value
+            for name, value in self.data.items()
+            if value not in ([], {}) or before.get(name) == value
+        }
+
+
+def _copied(value: Any) -> Any:
+    """Return a copy of plain data, in which nothing is an alias of anything else."""
+    if isinstance(value, dict):
+        return {key: _copied(inner) for key, inner in value.items()}
+    return [*map(_copied, value)] if isinstance(value, list) else value

@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
-from babyrobot_levels.render.page import embedded_json, script_of
+from babyrobot_levels.render.page import code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 
 PAINTER = (
@@ -24,8 +24,14 @@ PAINTER = (
 
 SCRIPTS = (
     "html.js",
+    "spots.js",
+    "tools.js",
     "editor.js",
     "stage.js",
+    "overlay.js",
+    "pointer.js",
+    "rail.js",
+    "bar.js",
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
@@ -41,13 +47,13 @@ STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
 def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
-    return "\n".join([f"const COMMON = {embedded_json(common_data())};", script_of(PAINTER), *own])
+    return "\n".join([f"const COMMON = {embedded_json(common_data())};", code_of(PAINTER), *own])
 
 
 @cache
 def style() -> str:
-    """Return the style sheet."""
-    return "\n".join(map(static, STYLES))
+    """Return the style sheet: what the page shares of its own, and the editor's."""
+    return "\n".join([code_of(["picture.css"]), *map(static, STYLES)])
 
 
 def static(name: str) -> str:

@@ -46,6 +46,8 @@ class Paint(_Model):
     brush: Literal["small", "large", "blocked", "start", "exit", "area", "item", "switch", "erase"]
     cells: Cells
     """In the order in which they were painted. Of `start` and `exit`, several are several."""
+    add: bool = False
+    """Whether the starts or exits that are there stay."""
     rectangle: bool = False
     """Whether the cells are the first and the last corner of a rectangle, which is filled."""
     fields: dict[str, Any] = {}

@@ -29,7 +29,7 @@ from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, R
 from starlette.routing import Mount, Route
 
 from babyrobot_levels.edit.front_end import module, static, style
-from babyrobot_levels.edit.protocol import answer
+from babyrobot_levels.edit.protocol import answer, prepare
 from babyrobot_levels.edit.session import Session
 from babyrobot_levels.text.errors import BabyRobotError
 
@@ -139,6 +139,8 @@ def application(session: Session, token: str, stop: Callable[[], None] = lambda:
     lock = Lock()
 
     def answered(message: dict[str, Any]) -> dict[str, Any]:
+        prepare(session, message)
+        prepare(session, message)
         with lock:
             return answer(session, message)
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from pathlib import Path
 
+from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.edited_file import EditedFile
@@ -14,6 +14,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_source
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import Report, lint_source
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
@@ -34,7 +35,9 @@ class Session:
         name: what it is called where there is no file.
         revision: a number that grows with each change of the text.
         level: the level of the text, or of the last text that was valid; None if none was.
+        document: the text that `level` is from, as it was read.
         report: the findings in the text.
+        answers: the optimum of the level.
     """
 
     def __init__(
@@ -44,6 +47,8 @@ class Session:
         self.name = name
         self.revision = 0
         self.level: Level | None = None
+        self.document: Document | None = None
+        self.answers = Answers()
         self._history = History(text)
         self._saved = text
         self._read()
@@ -57,6 +62,11 @@ class Session:
     def path(self) -> Path | None:
         """The path of the file, None where there is none."""
         return None if self.file is None else self.file.path
+
+    @property
+    def source(self) -> SourceFile:
+        """The text, with the name under which messages speak of it."""
+        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
 
     @property
     def is_valid(self) -> bool:
@@ -87,15 +97,15 @@ class Session:
         """
         if self.report.level is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
-        document = read(self._source())
-        draft = Draft(deepcopy(document.data), self.report.level, document)
+        document = read(self.source)
+        draft = Draft(document, self.report.level)
         change(draft, gesture)
-        data = {name: value for name, value in draft.data.items() if value not in ([], {})}
+        data = draft.result()
         text = splice(self.text, data, list(Level.model_fields))
         if text is None:
             text = emit(data)
         try:
-            load_source(SourceFile(self._source().name, text), self.path)
+            load_source(SourceFile(self.source.name, text), self.path)
         except LevelError as error:
             raise RefusedError(error.diagnostics[0].message) from None
         self._change(text)
@@ -148,11 +158,9 @@ class Session:
         self._history.change(text, joined=joined)
         self._read()
 
-    def _source(self) -> SourceFile:
-        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
-
     def _read(self) -> None:
         self.revision += 1
-        self.report: Report = lint_source(self._source(), select(None), self.path)
+        self.report: Report = lint_source(self.source, select(None), self.path)
         if self.report.level is not None:
-            self.level = self.report.level
+            self.level, self.document = self.report.level, self.report.document
+            self.answers.follow(self.level)

@@ -3,11 +3,14 @@
 /**
  * The state of one editor. Its parts get it when they are made, and listen:
  *
- * - "state": another state came from Python (see `edit/state.py`);
+ * - "state": another state came from Python (see `edit/state.py`); `game` and `picture` are drawn;
  * - "cursor": the cell, and the side, at which the keyboard works;
  * - "selection": what is selected: the entry of `state.places`, or null;
  * - "caret": where the caret of the text was asked to go;
- * - "tool", "mode": another tool or mode ("edit", "play", "policy") was chosen;
+ * - "tool": another tool, other `options` of it, or other `modifiers` were chosen;
+ * - "mode": another mode ("edit", "play", "policy") was chosen;
+ * - "zoom": the picture has another size in the window;
+ * - "panel": another panel is to be shown: the name of its class;
  * - "said": a message for people.
  */
 class Editor {
@@ -18,7 +21,10 @@ class Editor {
     this.selection = null;
     this.caret = null;
     this.tool = "walls";
+    this.options = structuredClone(DEFAULT_OPTIONS);
+    this.modifiers = { rectangle: false, fill: false };
     this.mode = "edit";
+    this.panel = "inspector";
     this.listeners = new Map();
     this.last = Promise.resolve();
     this.count = 0;
@@ -38,6 +44,22 @@ class Editor {
     this.tell(event);
   }
 
+  /** Choose a tool; what is given of its options replaces those at hand. */
+  choose(tool, options = {}) {
+    const own = { ...this.options[tool], ...options };
+    this.set("tool", { tool, options: Object.keys(own).length > 0 ? { ...this.options, [tool]: own } : this.options });
+  }
+
+  /** Select an entry of `state.places`; null selects the level itself. */
+  select(selection) {
+    this.set("selection", { selection });
+  }
+
+  /** Remove what is selected. */
+  removeSelected() {
+    if (this.selection !== null) this.send({ do: "remove", route: this.selection.route });
+  }
+
   /** Show a message for people; screen readers read it out. */
   say(message, kind = "") {
     this.set("said", { said: message, saidKind: kind });
@@ -50,10 +72,18 @@ class Editor {
       const revision = this.state?.revision;
       const reply = await this.connection.send({ id: this.count, revision, ...message });
       if (reply.error !== undefined) this.say(reply.error, "refused");
-      if (reply.state !== undefined) this.set("state", { state: reply.state });
+      if (reply.state !== undefined) this.show(reply.state);
       return reply;
     });
     this.last = sent.catch((error) => this.say(String(error.message ?? error), "refused"));
     return sent;
+  }
+
+  /** Show another state; what was selected stays so if it is still there. */
+  show(state) {
+    const { selection } = this;
+    this.set("state", { state });
+    if (selection === null) return;
+    this.select((state.places ?? []).find((each) => each.kind === selection.kind && sameRoute(each, selection)) ?? null);
   }
 }

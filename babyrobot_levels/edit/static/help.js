@@ -1,41 +1,45 @@
-// The list of keys and gestures.
+// The list of all keys and gestures.
 const HAND_GESTURES = [
-  ["Mouse", [
-    ["Drag along sides", "build walls, or remove them; a click changes the wall at one side"],
-    ["Drag over cells", "paint with the tool"],
-    ["Shift + drag", "paint a rectangle"],
+  { title: "Mouse", keys: [
+    ["Drag along sides", "build or remove walls"],
+    ["Click at a side", "none, wall, glass, door, one after the other"],
+    ["Drag over cells", "use the tool"],
+    ["Drag start or exit", "move it, with any tool"],
+    ["Drag at the rim", "change the size"],
+    ["Shift + drag", "use the tool in a rectangle"],
     ["Right button", "erase"],
     ["Alt + click", "take the tool of what is there"],
     ["Ctrl + wheel", "zoom"],
-  ]],
-  ["Touch", [
-    ["One finger", "draw with the tool"],
+    ["Escape", "give up what is being drawn"],
+  ] },
+  { title: "Touch", keys: [
+    ["One finger", "draw as with the mouse"],
     ["Two fingers", "scroll and zoom"],
     ["Long press", "select what is there"],
-  ]],
+  ] },
 ];
 
-/** A dialog that lists all keys, and switches those of letters, digits and signs off. */
+/** A dialog that lists the keys and gestures, and turns those of letters, digits and signs off. */
 class Help {
   constructor(editor, dialog, keyboard) {
-    const heading = created("h2", {}, "Keys and gestures");
-    const box = created("input", { type: "checkbox", checked: true });
-    box.addEventListener("change", () => (keyboard.hasShortcuts = box.checked));
-    const close = created("button", { type: "button", className: "close", ariaLabel: "Close" }, "✕");
-    close.addEventListener("click", () => dialog.close());
-    const tools = TOOLS.map(({ key, title }) => [key, title]);
-    const groups = [["Tools", tools], ...KEYS.map(({ title, keys }) => [title, keys]), ...HAND_GESTURES];
-    dialog.ariaLabel = heading.textContent;
-    dialog.append(heading, close, created("label", { className: "check" }, box, " Letters, digits and signs are shortcuts"),
-      ...groups.map(([title, rows]) => created("section", {}, created("h3", {}, title), created("dl", {},
-        ...rows.map(([keys, words]) => created("div", {}, created("dt", {}, keys), created("dd", {}, words)))))));
+    const shortcuts = html("input", {
+      type: "checkbox",
+      checked: keyboard.hasShortcuts,
+      onchange: () => (keyboard.hasShortcuts = shortcuts.checked),
+    });
+    const tools = { title: "Tools", keys: TOOLS.map(({ key, title }) => [key, title]) };
+    dialog.append(
+      html("h2", { id: "help-title" }, "Keys and gestures"),
+      button("✕", { class: "close", "aria-label": "Close", onclick: () => dialog.close() }),
+      html("label", { class: "check" }, shortcuts, " Letters, digits and signs are shortcuts"),
+      html("div", { class: "help-groups" }, ...[tools, ...KEYS, ...HAND_GESTURES].map(helpGroup)),
+    );
+    dialog.setAttribute("aria-labelledby", "help-title");
     editor.on("help", () => dialog.showModal());
   }
 }
 
-/** Return an HTML element with properties and children. */
-function created(tag, properties = {}, ...children) {
-  const made = Object.assign(document.createElement(tag), properties);
-  made.append(...children);
-  return made;
+function helpGroup({ title, keys }) {
+  const rows = keys.map(([pressed, words]) => html("div", {}, html("dt", {}, pressed), html("dd", {}, words)));
+  return html("section", {}, html("h3", {}, title), html("dl", {}, ...rows));
 }

@@ -35,16 +35,14 @@ const KEYS = [
   ] },
   { title: "Drawing", mode: "edit", keys: [
     ["Space, Enter", "use the tool in the cell", {
-      Space: (keyboard) => keyboard.draw(),
-      Enter: (keyboard) => keyboard.draw(),
+      Space: (keyboard) => keyboard.use(),
+      Enter: (keyboard) => keyboard.use(),
     }],
-    ["Shift + arrow", "change the wall at that side", arrows(["Shift"], (keyboard, side) => keyboard.draw(side))],
+    ["Shift + arrow", "change the wall at that side", arrows(["Shift"], (keyboard, side) => keyboard.useStraight({}, side))],
     ["M", "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
       { M: (keyboard) => keyboard.hold() }],
     ["Shift + Space", "use the tool in the rectangle between where the drag began and the cursor",
-      { "Shift+Space": (keyboard) => keyboard.draw(null, { rectangle: true }) }],
-    ["F", "fill: use the tool here and in all cells like this around it",
-      { F: (keyboard) => keyboard.draw(null, { fill: true }) }],
+      { "Shift+Space": (keyboard) => keyboard.useStraight({ rectangle: true }) }],
     ["Delete", "erase the cell, or remove what is selected", {
       Delete: (keyboard) => keyboard.erase(),
       Backspace: (keyboard) => keyboard.erase(),
@@ -72,12 +70,13 @@ const KEYS = [
 
 /** The keys of one editor. */
 class Keyboard {
-  constructor(editor, root, stage) {
+  constructor(editor, root, pointer) {
     this.editor = editor;
     this.root = root;
-    this.stage = stage;
+    this.stage = root.querySelector(".stage");
+    this.pointer = pointer;
     this.hasShortcuts = true; // Whether letters, digits and signs do something.
-    this.way = []; // The cells that the cursor passed since a drag began; empty for none.
+    this.start = null; // The cell in which the last drag began.
     root.addEventListener("keydown", (event) => this.press(event));
     // In a notebook they would change its cells meanwhile.
     root.host.addEventListener("keydown", (event) => event.stopPropagation());
@@ -102,8 +101,8 @@ class Keyboard {
   /** Return what a key does now, or undefined. What is longer than a letter needs the picture. */
   actionOf(key, isStage) {
     const { mode: current } = this.editor;
-    const tool = current === "edit" ? TOOLS.find((each) => each.key === key) : undefined;
-    if (tool !== undefined) return () => this.choose(tool);
+    const chosen = [...TOOLS, ...MODIFIERS].find((each) => each.key === key);
+    if (chosen !== undefined && current === "edit") return () => this.choose(chosen);
     return KEYS
       .filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
       .flatMap(({ keys }) => keys)
@@ -116,7 +115,7 @@ class Keyboard {
   }
 
   goTo(cell) {
-    if (this.way.length > 0) this.way.push(...cellsAlong([this.cell, cell].map((each) => spotOf(each))).slice(1));
+    if (this.isDragging) this.pointer.drag(spotOf(cell));
     this.editor.set("cursor", { cursor: { cell, side: null } });
   }
 
@@ -135,7 +134,7 @@ class Keyboard {
   move(side) {
     const cell = beyond(this.cell, side);
     if (isSameCell(cell, this.within(cell))) this.goTo(cell);
-    else this.editor.say(`${named(this.cell)} is at the ${SIDE_NAMES[side]} edge.`);
+    else this.editor.say(`${cellName(this.cell)} is at the ${SIDE_NAMES[side]} edge.`);
   }
 
   run(side) {
@@ -152,34 +151,49 @@ class Keyboard {
     this.editor.tell("cursor");
   }
 
-  choose({ name, title }) {
-    this.editor.set("tool", { tool: name });
-    this.editor.say(`${title}.`);
+  /** Choose a tool, or switch what changes the tools on or off. */
+  choose(chosen) {
+    const { editor } = this;
+    if (TOOLS.includes(chosen)) editor.choose(chosen.name);
+    else editor.toggle(chosen.name);
+    editor.say(`${chosen.title}${editor.modifiers[chosen.name] === false ? " off" : ""}.`);
   }
 
+  /** Begin a drag, which the cursor's ways continue. */
   hold() {
-    this.way = [this.cell];
-    this.editor.say(`A drag begins at ${named(this.cell)}.`);
+    this.start = this.cell;
+    this.pointer.pressTool(spotOf(this.cell));
+    this.editor.say(`A drag begins at ${cellName(this.cell)}.`);
   }
 
-  /** Use the tool as a click or a drag does: at a side of the cursor's cell, or in it. */
-  draw(side = null, modifiers = {}) {
-    const ends = [this.way[0] ?? this.cell, this.cell];
-    const spots = side !== null ? ends.map((cell) => spotOf(cell, side)) :
-      this.way.length > 0 ? this.way.map((cell) => spotOf(cell)) : [spotOf(this.cell)];
-    this.way = [];
-    finish(this.editor, spots, modifiers);
+  get isDragging() {
+    return this.pointer.spots !== null;
+  }
+
+  /** Use the tool as a click does, or end a drag. */
+  use() {
+    if (!this.isDragging) this.pointer.pressTool(spotOf(this.cell));
+    this.pointer.release();
+  }
+
+  /** Use the tool from where the drag began straight to the cursor: in cells, or along their sides. */
+  useStraight(modifiers, side = null) {
+    const first = this.isDragging ? this.start : this.cell;
+    const tool = side === null ? this.editor.tool : "walls";
+    this.pointer.cancel();
+    this.pointer.press(spotOf(first, side), (spots) => gestureOf({ ...this.editor, tool }, spots, modifiers));
+    this.pointer.drag(spotOf(this.cell, side));
+    this.pointer.release();
   }
 
   erase() {
-    const { selection } = this.editor;
-    if (selection === null) this.draw(null, { erases: true });
-    else this.editor.send({ do: "remove", route: selection.route });
+    if (this.editor.selection !== null) this.editor.removeSelected();
+    else this.useStraight({ erases: true });
   }
 
   cancel() {
-    this.way = [];
-    this.editor.set("selection", { selection: null });
+    if (this.isDragging) this.pointer.cancel();
+    else this.editor.select(null);
   }
 
   /** Add columns or rows at a side of the level; negative numbers remove them. */
@@ -192,11 +206,12 @@ class Keyboard {
 
   /** Focus the first control of the next part of the editor, or of one before. */
   goOn(step) {
-    const parts = [...this.root.querySelectorAll("[data-part]")].filter((part) => part.checkVisibility());
+    const parts = [...this.root.querySelectorAll(PARTS)].filter((part) => part.checkVisibility());
     const at = parts.findIndex((part) => part.contains(this.root.activeElement));
     const part = parts.at((at + step) % parts.length);
     (part.matches(FOCUSABLE) ? part : part.querySelector(FOCUSABLE)).focus();
   }
 }
 
+const PARTS = ".bar, .tools, .options, .stage, .panels > .tabs, .panels > .shown";
 const FOCUSABLE = "button:not(:disabled), input:not(:disabled), textarea, select, summary, [tabindex='0']";
