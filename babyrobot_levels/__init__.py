@@ -73,6 +73,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.tables import Mdp as Mdp
     from babyrobot_levels.scoring.plays.files import Play as Play
     from babyrobot_levels.scoring.plays.files import read_plays as read_plays
+    from babyrobot_levels.scoring.plays.grades import Grade as Grade
+    from babyrobot_levels.scoring.plays.grades import Grades as Grades
+    from babyrobot_levels.scoring.plays.grades import grade as grade
     from babyrobot_levels.scoring.plays.record import RecordPlay as RecordPlay
     from babyrobot_levels.scoring.plays.verify import Verification as Verification
     from babyrobot_levels.scoring.plays.verify import verify_play as verify_play
@@ -99,6 +102,8 @@ _HOMES = {
     "Difference": "analysis.diff",
     "EpisodeTooLongError": "analysis.solver.results",
     "Evaluation": "analysis.solver.results",
+    "Grade": "scoring.plays.grades",
+    "Grades": "scoring.plays.grades",
     "Grid": "mdp.grid",
     "Level": "library.level",
     "LevelEnv": "envs.single",
@@ -137,6 +142,7 @@ _HOMES = {
     "evaluate": "analysis.solver.evaluation",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
+    "grade": "scoring.plays.grades",
     "levels": "library.catalogue",
     "load": "library.catalogue",
     "load_suite": "generate.suites",

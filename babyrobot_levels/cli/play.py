@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from babyrobot_levels.cli.console import fail, speaks_unicode, write
+from babyrobot_levels.cli.console import fail, note, speaks_unicode, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.mdp.actions import Action, Turn
@@ -21,6 +21,8 @@ from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
     import os
+
+    import gymnasium
 
     from babyrobot_levels.cli.keyboard import NextKey
     from babyrobot_levels.library.level import Level
@@ -76,6 +78,15 @@ def play(
             "forward.",
         ),
     ] = PlayActions.ALL,
+    record: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Append each episode to this file, for example ada.brlplay: see `babyrobot "
+            "replay`.",
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Play a level in the terminal with the arrow keys.
 
@@ -89,6 +100,8 @@ def play(
       babyrobot play frozen-lake --seed 7
 
       babyrobot play first-key --actions turns
+
+      babyrobot play final-maze --record ada.brlplay
     """
     from babyrobot_levels.cli.keyboard import keyboard
     from babyrobot_levels.render.terminal import moves_cursor
@@ -103,11 +116,14 @@ def play(
             "`babyrobot play` needs a terminal",
             "use `babyrobot preview` to look at a level",
         )
-    game = _Game(loaded, seed, maze_seed, turns=actions is PlayActions.TURNS)
+    game = _Game(loaded, seed, maze_seed, record, turns=actions is PlayActions.TURNS)
     # A closed terminal ends the game as q does.
     with _ended_by_signals(), suppress(EOFError), _whole_screen(), keyboard() as next_key:
         _play(game, next_key)
+    game.close()
     write(game.summary() + "\n")
+    if record is not None:
+        note(f"recorded in {record}")
 
 
 def _take_keys_from_the_terminal() -> None:
@@ -148,11 +164,19 @@ class _Game:
     """
 
     def __init__(
-        self, level: Level, seed: int | None, maze_seed: int | None, *, turns: bool
+        self,
+        level: Level,
+        seed: int | None,
+        maze_seed: int | None,
+        record: Path | None,
+        *,
+        turns: bool,
     ) -> None:
         self._turns = turns
         self.keys: dict[str, int] = {**(_TURNS if turns else _MOVES)}
         self._env = level.make(observation="index", actions="turns" if turns else "valid")
+        if record is not None:
+            self._env = _recorded(self._env, record)
         self._options = {} if maze_seed is None else {"maze_seed": maze_seed}
         self._colors, self._unicode = colors_of(sys.stdout), speaks_unicode(sys.stdout)
         self._name = printable(level.name or "level")
@@ -282,6 +306,10 @@ class _Game:
             f"{kind}: {', '.join(names) or 'nothing'}" for kind, things, names in kinds if things
         )
 
+    def close(self) -> None:
+        """End the last episode."""
+        self._env.close()
+
     def summary(self) -> str:
         """Return the result in one line."""
         steps = "1 step" if self._steps == 1 else f"{self._steps} steps"
@@ -333,6 +361,19 @@ class _Game:
         """Return a line that fits, in a style if the terminal takes colour."""
         text = " " + text[: room.columns - 2]
         return typer.style(text, **style) if style and self._colors and text.strip() else text
+
+
+def _recorded(env: gymnasium.Env[Any, Any], path: Path) -> gymnasium.Env[Any, Any]:
+    """Return an environment whose episodes are recorded; end the command if that is impossible."""
+    from babyrobot_levels.language.play import PlayError
+    from babyrobot_levels.scoring.plays.record import RecordPlay
+
+    try:
+        return RecordPlay(env, path)
+    except PlayError as error:
+        fail(str(error))
+    except OSError as error:
+        fail(f"{path} cannot be written ({error.strerror or error})")
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
+from babyrobot_levels.edit.contrast import themes
 from babyrobot_levels.render.page import code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 
@@ -27,11 +28,26 @@ SCRIPTS = (
     "spots.js",
     "tools.js",
     "editor.js",
+    "answers.js",
     "stage.js",
+    "marks_layer.js",
     "overlay.js",
     "pointer.js",
+    "playing.js",
+    "policy.js",
     "rail.js",
     "bar.js",
+    "announce.js",
+    "keys.js",
+    "touch.js",
+    "help.js",
+    "controls.js",
+    "field_row.js",
+    "inspector.js",
+    "maze.js",
+    "wind.js",
+    "theme.js",
+    "world.js",
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
@@ -39,7 +55,18 @@ SCRIPTS = (
 )
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
+STYLES = (
+    "editor.css",
+    "stage.css",
+    "answers.css",
+    "marks_layer.css",
+    "playing.css",
+    "inspector.css",
+    "world.css",
+    "findings.css",
+    "text_pane.css",
+    "help.css",
+)
 """Its style sheets: of the layout, and of the parts."""
 
 
@@ -47,7 +74,8 @@ STYLES = ("editor.css", "stage.css", "findings.css", "text_pane.css")
 def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
-    return "\n".join([f"const COMMON = {embedded_json(common_data())};", code_of(PAINTER), *own])
+    common = embedded_json({**common_data(), "themes": themes()})
+    return "\n".join([f"const COMMON = {common};", code_of(PAINTER), *own])
 
 
 @cache

@@ -33,9 +33,9 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
 
     Returns:
         `worth`, the expected return from the starts, and `best`, that of the optimal policy, both
-        as texts (empty where undefined); `share`, how far the policy is on the way from random actions
-        (0) to the best (1), None where unknown; `exits`, the probability of reaching an exit; and
-        `reason`, why the return is infinite or undefined.
+        as texts (empty where undefined); `share`, how far the policy is on the way from random
+        actions (0) to the best (1), None where unknown; `exits`, the probability of reaching an
+        exit; and `reason`, why the return is infinite or undefined.
 
     Raises:
         RefusedError: there is not one action for each cell.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from babyrobot_levels.edit.contrast import look_of
 from babyrobot_levels.edit.findings import findings_of
 from babyrobot_levels.edit.forms import expanded, own_fields
 from babyrobot_levels.edit.places import places_of
@@ -23,7 +24,8 @@ def state_of(session: Session) -> dict[str, Any]:
     - `unreachable`, the cells `[x, y]` in which no episode can ever be;
     - `answers`, see `Answers.to_dict`;
     - `places`, what stands where, see `places.py`;
-    - `fields`, its own fields as the file gives them, see `forms.py`.
+    - `fields`, its own fields as the file gives them, see `forms.py`;
+    - `theme` and `contrast`, how it looks, see `contrast.py`.
     """
     answers = session.answers
     level, too_large = None, None
@@ -53,4 +55,5 @@ def state_of(session: Session) -> dict[str, Any]:
         "places": places,
         "fields": fields,
         "too_large": too_large,
+        **({} if session.level is None else look_of(session.level.resolved_theme)),
     }

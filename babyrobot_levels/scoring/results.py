@@ -10,14 +10,20 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from babyrobot_levels.text.files import write_text
+from babyrobot_levels.text.files import write_bytes, write_text
+
+if TYPE_CHECKING:
+    from babyrobot_levels.render.scene.shapes import Scene
 
 SOLVED = 0.95
 """From this share of the optimum on, a level counts as solved."""
+
+MAX_BARS = 100
+"""The most levels in a picture."""
 
 WORST = 0.1
 """The share of the levels that the worst tenth is made of."""
@@ -63,6 +69,13 @@ class LevelScore:
     episodes: int
     low: float
     high: float
+
+    @property
+    def share_interval(self) -> tuple[float, float]:
+        """The 95 % confidence interval of `share`; both ends equal it if the score is exact."""
+        way = self.optimum - self.random
+        low, high = ((end - self.expected_return) / way for end in (self.low, self.high))
+        return self.share + low, self.share + high
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,21 +154,60 @@ class Scores(Sequence[LevelScore]):
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
         return {
-            "summary": _plain(asdict(self.summary)),
-            "levels": [_plain(asdict(score)) for score in self],
+            "summary": plain(asdict(self.summary)),
+            "levels": [plain(asdict(score)) for score in self],
         }
 
     def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return everything as JSON, and write it to a file if a path is given."""
-        return _written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
+        return written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
 
     def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
         """Return a table with a row for each level, and write it to a file if a path is given."""
         out = io.StringIO()
         rows = csv.writer(out, lineterminator="\n")
         rows.writerow([field.name for field in fields(LevelScore)])
-        rows.writerows(_plain(asdict(score)).values() for score in self)
-        return _written(out.getvalue(), path)
+        rows.writerows(plain(asdict(score)).values() for score in self)
+        return written(out.getvalue(), path)
+
+    def to_svg(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return a picture of the shares as an SVG document: a bar for each level.
+
+        Lines mark the random policy, 0, and the optimum, 1. Only the 100 levels with the lowest
+        shares are shown of more.
+
+        Args:
+            path: a file to write it to as well, atomically; an existing one is replaced.
+        """
+        from babyrobot_levels.render.svg import to_svg
+
+        return written(to_svg(self._scene()), path)
+
+    def to_png(self, path: str | os.PathLike[str] | None = None) -> bytes:
+        """Return the picture of `to_svg` as a PNG file."""
+        from babyrobot_levels.render.raster import to_png
+
+        scene = self._scene()
+        picture = to_png(scene, (round(2 * scene.width), round(2 * scene.height)))
+        if path is not None:
+            write_bytes(Path(path), picture)
+        return picture
+
+    def _scene(self) -> Scene:
+        from babyrobot_levels.render.bars import Bar, bars_scene
+
+        shown: Sequence[LevelScore] = self
+        title = f"Share of the optimum, mean {self.summary.mean:.3g}"
+        if len(self) > MAX_BARS:
+            shown = sorted(self, key=lambda each: (math.isnan(each.share), each.share))[:MAX_BARS]
+            title += f"; the lowest {MAX_BARS} of {len(self):,} levels"
+        bars = [Bar(each.level, each.share, *each.share_interval) for each in shown]
+        return bars_scene(bars, title=title, zero="random", one="optimum")
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        from babyrobot_levels.render.notebook.bundle import picture_mimebundle
+
+        return picture_mimebundle(self._scene(), repr(self))
 
     def __repr__(self) -> str:
         summary = self.summary
@@ -170,7 +222,7 @@ def _mean(numbers: Sequence[float]) -> float:
     return float(np.mean(numbers)) if numbers else math.nan
 
 
-def _plain(data: dict[str, Any]) -> dict[str, Any]:
+def plain(data: dict[str, Any]) -> dict[str, Any]:
     """Return a mapping with None for nan, and texts for infinities."""
     return {name: _number(value) for name, value in data.items()}
 
@@ -181,7 +233,8 @@ def _number(value: Any) -> Any:
     return None if math.isnan(value) else "inf" if value > 0 else "-inf"
 
 
-def _written(text: str, path: str | os.PathLike[str] | None) -> str:
+def written(text: str, path: str | os.PathLike[str] | None) -> str:
+    """Return a text, and write it to a file if a path is given."""
     if path is not None:
         write_text(Path(path), text)
     return text

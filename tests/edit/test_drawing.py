@@ -7,9 +7,8 @@ from pathlib import Path
 import pytest
 from support.editors import OpenEditor
 from support.hands import Finger, Hand, Keys, Mouse
-from typer.testing import CliRunner
+from support.packs import babyrobot
 
-from babyrobot_levels.cli.app import app
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.reading import load_file
 
@@ -36,5 +35,5 @@ def test_the_final_maze_is_drawn_from_an_empty_grid(
     path.write_text(hand.editor.session.text, encoding="utf-8")
     assert load_file(path).digest == wanted.digest
     for command in (["format", "--check"], ["lint"]):
-        result = CliRunner().invoke(app, [*command, str(path)])
-        assert result.exit_code == 0, result.output
+        result = babyrobot(*command, str(path))
+        assert result.status == 0, result.out + result.err

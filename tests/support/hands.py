@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, ClassVar
 
 from playwright.sync_api import Locator
 
@@ -23,7 +23,7 @@ TOOL_KEYS = {"walls": "1", "small": "2", "large": "3", "blocked": "4", "erase": 
 class Hand(ABC):
     """Draws in one editor."""
 
-    context: dict[str, Any] = {}
+    context: ClassVar[dict[str, Any]] = {}
     """Options of the browser's context in which it draws."""
 
     def __init__(self, editor: EditorPage) -> None:
@@ -140,7 +140,7 @@ class Mouse(Pointing):
 class Finger(Pointing):
     """A finger on the screen of a phone."""
 
-    context = {
+    context: ClassVar[dict[str, Any]] = {
         "viewport": {"width": 390, "height": 844},
         "has_touch": True,
         "is_mobile": True,

@@ -11,7 +11,7 @@ class Answers {
   constructor(editor, place) {
     this.editor = editor;
     editor.answers = this;
-    this.shown = new Set(["values"]);
+    this.shown = new Set();
     this.best = html("output", { class: "best-return" });
     this.change = html("span", { class: "change" });
     this.reason = html("p", { class: "reason" });

@@ -11,6 +11,8 @@
  * - "mode": another mode ("edit", "play", "policy") was chosen;
  * - "zoom": the picture has another size in the window;
  * - "panel": another panel is to be shown: the name of its class;
+ * - "done": Python did what `done`, a message, asked for;
+ * - "help": the list of keys and gestures is to be shown;
  * - "said": a message for people.
  */
 class Editor {
@@ -25,6 +27,7 @@ class Editor {
     this.modifiers = { rectangle: false, fill: false };
     this.mode = "edit";
     this.panel = "inspector";
+    this.done = null;
     this.listeners = new Map();
     this.last = Promise.resolve();
     this.count = 0;
@@ -50,6 +53,12 @@ class Editor {
     this.set("tool", { tool, options: Object.keys(own).length > 0 ? { ...this.options, [tool]: own } : this.options });
   }
 
+  /** Switch what changes brushes on, which switches the others off, or off. */
+  toggle(name) {
+    const others = Object.fromEntries(Object.keys(this.modifiers).map((each) => [each, false]));
+    this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });
+  }
+
   /** Select an entry of `state.places`; null selects the level itself. */
   select(selection) {
     this.set("selection", { selection });
@@ -73,6 +82,7 @@ class Editor {
       const reply = await this.connection.send({ id: this.count, revision, ...message });
       if (reply.error !== undefined) this.say(reply.error, "refused");
       if (reply.state !== undefined) this.show(reply.state);
+      if (reply.error === undefined) this.set("done", { done: message });
       return reply;
     });
     this.last = sent.catch((error) => this.say(String(error.message ?? error), "refused"));

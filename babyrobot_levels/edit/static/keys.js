@@ -38,7 +38,7 @@ const KEYS = [
       Space: (keyboard) => keyboard.use(),
       Enter: (keyboard) => keyboard.use(),
     }],
-    ["Shift + arrow", "change the wall at that side", arrows(["Shift"], (keyboard, side) => keyboard.useStraight({}, side))],
+    ["Shift + arrow", "change the wall at that side; with the tool of wind, blow to it", arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side))],
     ["M", "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
       { M: (keyboard) => keyboard.hold() }],
     ["Shift + Space", "use the tool in the rectangle between where the drag began and the cursor",
@@ -53,6 +53,33 @@ const KEYS = [
     ["Alt + arrow", "add a column or row at that side", arrows(["Alt"], (keyboard, side) => keyboard.resize(side, 1))],
     ["Alt + Shift + arrow", "remove the column or row at that side",
       arrows(["Alt", "Shift"], (keyboard, side) => keyboard.resize(side, -1))],
+  ] },
+  { title: "Playing", mode: "play", keys: [
+    ["← ↑ → ↓ or W A S D", "move the robot", {
+      ...arrows([], ({ editor }, side) => editor.playing.go(side)),
+      ...Object.fromEntries([..."WDSA"].map((key, at) => [key, ({ editor }) => editor.playing.go("NESW"[at])])),
+    }],
+    ["Space", "stay", { Space: ({ editor }) => editor.playing.take(0) }],
+    ["Z", "undo an action", { Z: ({ editor }) => editor.playing.undo() }],
+    ["R", "retry with the same luck", { R: ({ editor }) => editor.playing.begin() }],
+    ["N", "take new luck", { N: ({ editor }) => editor.playing.newLuck() }],
+  ] },
+  { title: "Policy", mode: "policy", keys: [
+    ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
+    ["Shift + arrow", "draw an arrow in the cell, and go on", arrows(["Shift"], ({ editor }, side) => editor.policy.step(side))],
+    ["Space, Enter", "give the cell the next action", {
+      Space: ({ editor }) => editor.policy.turn(editor.cursor.cell),
+      Enter: ({ editor }) => editor.policy.turn(editor.cursor.cell),
+    }],
+    ["Delete", "clear the cell", {
+      Delete: ({ editor }) => editor.policy.erase(editor.cursor.cell),
+      Backspace: ({ editor }) => editor.policy.erase(editor.cursor.cell),
+    }],
+  ] },
+  { title: "Answers and modes", keys: [
+    ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
+    ["B", "show the optimal actions, or no longer", { B: ({ editor }) => editor.answers.toggle("policy") }],
+    ["P", "play the level, or edit it again", { P: ({ editor }) => editor.playing.toggle() }],
   ] },
   { title: "Anywhere", keys: [
     ["Ctrl + Z", "undo", { "Ctrl+Z": ({ editor }) => editor.send({ do: "undo" }) }],
@@ -70,11 +97,12 @@ const KEYS = [
 
 /** The keys of one editor. */
 class Keyboard {
-  constructor(editor, root, pointer) {
+  constructor(editor, root, overlay) {
     this.editor = editor;
     this.root = root;
     this.stage = root.querySelector(".stage");
-    this.pointer = pointer;
+    this.pointer = editor.pointer;
+    this.overlay = overlay;
     this.hasShortcuts = true; // Whether letters, digits and signs do something.
     this.start = null; // The cell in which the last drag began.
     root.addEventListener("keydown", (event) => this.press(event));
@@ -176,12 +204,26 @@ class Keyboard {
     this.pointer.release();
   }
 
-  /** Use the tool from where the drag began straight to the cursor: in cells, or along their sides. */
-  useStraight(modifiers, side = null) {
+  /** Use the tool straight from where the drag began to the cursor. */
+  useStraight(modifiers) {
+    this.useBetween(null, (spots) => gestureOf(this.editor, spots, modifiers));
+  }
+
+  /** Draw along a side of the cells from where the drag began to the cursor, or blow to it. */
+  useAtSide(side) {
+    const { editor, overlay } = this;
+    if (editor.tool !== "wind") {
+      this.useBetween(side, (spots) => drawnWalls(editor, toolNamed("walls"), spots));
+      return;
+    }
+    const index = this.cell["NS".includes(side) ? 0 : 1];
+    editor.send(overlay.gestureOf({ dataset: { handle: "wind", side, index } })());
+  }
+
+  useBetween(side, messageOf) {
     const first = this.isDragging ? this.start : this.cell;
-    const tool = side === null ? this.editor.tool : "walls";
     this.pointer.cancel();
-    this.pointer.press(spotOf(first, side), (spots) => gestureOf({ ...this.editor, tool }, spots, modifiers));
+    this.pointer.press(spotOf(first, side), messageOf);
     this.pointer.drag(spotOf(this.cell, side));
     this.pointer.release();
   }

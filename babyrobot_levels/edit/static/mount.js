@@ -16,9 +16,11 @@ const LAYOUT = `
 <svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
 <p class="notice"></p>
 </div>
-<div class="playing"></div>
+<div class="playing" hidden></div>
+<div class="policy" hidden></div>
 <div class="below">
 <p class="said" role="status" aria-live="polite"></p>
+<p class="spoken unseen" role="status" aria-live="polite"></p>
 <div class="zoom" role="group" aria-label="Zoom"></div>
 </div>
 </main>
@@ -30,6 +32,7 @@ const LAYOUT = `
 <section class="findings" data-tab="Findings"></section>
 <section class="file" data-tab="Text"></section>
 </aside>
+<dialog class="help"></dialog>
 </div>
 `;
 
@@ -52,20 +55,30 @@ export function mount(place, connection, style = "") {
   root.innerHTML = LAYOUT;
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
+  new Answers(editor, find("answers"));
   const stage = new Stage(editor, find("stage"), find("map"), find("notice"));
+  new MarksOverlay(editor, find("view"));
   const overlay = new Overlay(editor, stage);
   editor.pointer = new Pointer(editor, stage, overlay);
+  new Touch(stage, editor.pointer);
+  new Help(editor, find("help"), new Keyboard(editor, root, overlay));
+  new Announcer(editor, find("spoken"));
+  new Playing(editor, find("playing"));
+  new PolicyDrawing(editor, find("policy"));
   new Rail(editor, find("tools"));
   new Options(editor, find("options"));
   new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
   new Panels(editor, find("tabs"), find("panels"));
   find("zoom").append(...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))));
+  new Inspector(editor, find("inspector"));
+  new World(editor, find("world"));
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
   editor.on("said", () => {
     find("said").textContent = editor.said;
     find("said").dataset.kind = editor.saidKind;
   });
+  editor.on("state", () => (find("editor").dataset.revision = editor.state.revision));
   editor.on("mode", () => (find("editor").dataset.mode = editor.mode));
   editor.send({ do: "state" });
   return editor;

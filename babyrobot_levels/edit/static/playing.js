@@ -43,6 +43,11 @@ class Playing {
     return this.editor.game;
   }
 
+  /** Play, or edit again. */
+  toggle() {
+    this.editor.set("mode", { mode: this.isOn ? "edit" : "play" });
+  }
+
   changeMode() {
     this.place.hidden = !this.isOn;
     if (this.isOn) this.begin();
@@ -112,6 +117,11 @@ class Playing {
     this.editor.picture.stand();
     this.trail.stand();
     this.tell(message);
+  }
+
+  /** Move to a side. */
+  go(side) {
+    this.take(1 + "NESW".indexOf(side));
   }
 
   take(action) {

@@ -58,6 +58,11 @@ class PolicyDrawing {
     this.editor.say(`${action < 0 ? "No arrow" : ACTION_NAMES[action]} at [${cell.join(", ")}].`);
   }
 
+  /** Take the action of a cell out. */
+  erase(cell) {
+    this.change(() => this.set(cell, -1));
+  }
+
   /** Draw an arrow in the cell of the cursor, and go where it leads. */
   step(side) {
     const { cell } = this.editor.cursor;

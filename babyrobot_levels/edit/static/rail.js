@@ -14,7 +14,7 @@ function toolButton({ icon, key, text, title, ...attributes }, onclick) {
 }
 
 const MODIFIERS = [
-  { name: "rectangle", title: "Rectangle", hint: "Brushes fill rectangles; Shift does the same", icon: "M4 6h16v12H4z" },
+  { name: "rectangle", title: "Rectangle", hint: "Brushes fill rectangles; Shift does the same", key: "R", icon: "M4 6h16v12H4z" },
   { name: "fill", title: "Fill", hint: "Brushes fill all connected cells of the same kind", key: "F",
     icon: "M11 4l8 8-7 7a1.5 1.5 0 0 1-2 0l-6-6a1.5 1.5 0 0 1 0-2zM4 12h14M21 16c1 1.5 1.3 2 1.3 2.7a1.3 1.3 0 0 1-2.6 0c0-.7.3-1.2 1.3-2.7z" },
 ];
@@ -27,19 +27,13 @@ class Rail {
       { icon, key, title: `${title} (${key}): ${hint}`, "aria-label": title, "aria-keyshortcuts": key, "data-tool": name },
       () => editor.choose(name)));
     this.modifiers = MODIFIERS.map(({ name, title, hint, icon, key }) => toolButton(
-      { icon, key, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name }, () => this.toggle(name)));
+      { icon, key, title: `${title}: ${hint}`, "aria-label": title, "data-modifier": name }, () => editor.toggle(name)));
     const line = html("span", { class: "divider", role: "separator" });
     place.append(...this.tools, line, ...this.modifiers);
     place.addEventListener("keydown", (event) => this.step(event));
     editor.on("tool", () => this.show());
     editor.on("mode", () => place.toggleAttribute("inert", editor.mode !== "edit"));
     this.show();
-  }
-
-  toggle(name) {
-    const { modifiers } = this.editor;
-    const others = Object.fromEntries(Object.keys(modifiers).map((each) => [each, false]));
-    this.editor.set("tool", { modifiers: { ...others, [name]: !modifiers[name] } });
   }
 
   show() {

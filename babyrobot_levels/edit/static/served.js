@@ -50,6 +50,7 @@ document.adoptedStyleSheets = [page];
 
 const style = await (await fetch("editor.css")).text();
 const editor = mount(document.querySelector("#editor"), connection, style);
+editor.stage.place.focus(); // The window's keys are the editor's.
 
 editor.on("state", () => {
   const { is_saved, level, name, path } = editor.state;

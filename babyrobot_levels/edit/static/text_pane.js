@@ -1,8 +1,8 @@
 // The text of the level: typed, and marked where findings and what is selected are.
-const PAUSE = 150; // Milliseconds after which what was typed is sent.
-const STEP = 1000; // Milliseconds without typing between two steps to undo.
+const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.
+const TYPING_STEP = 1000; // Milliseconds without typing between two steps to undo.
 const MOST_COLORED = 200000; // Characters of a text that is coloured.
-const INDENT = "  ";
+const TEXT_INDENT = "  ";
 
 /**
  * A text area without a colour of its own, over a mirror of its lines that has the colours and
@@ -186,9 +186,9 @@ class TextPane {
   // -- typing ------------------------------------------------------------------------------------
 
   typed() {
-    if (this.timer === null) this.isJoined = Date.now() - this.typedAt < STEP;
+    if (this.timer === null) this.isJoined = Date.now() - this.typedAt < TYPING_STEP;
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.flush(), PAUSE);
+    this.timer = setTimeout(() => this.flush(), TYPING_PAUSE);
     this.typedAt = Date.now();
     this.paint(false);
   }
@@ -225,7 +225,7 @@ class TextPane {
     if (isCommand && !altKey && "zy".includes(key.toLowerCase())) {
       this.ask(key.toLowerCase() === "y" || shiftKey ? "redo" : "undo");
     } else if (key === "Tab" && !isCommand && !altKey && !shiftKey && !isLeaving) {
-      this.insert(INDENT);
+      this.insert(TEXT_INDENT);
     } else if (key === "Enter" && !isCommand && !altKey) {
       const { value, selectionStart } = this.area;
       const line = value.slice(value.lastIndexOf("\n", selectionStart - 1) + 1, selectionStart);

@@ -4,7 +4,7 @@ const STILL = 10; // and pixels: a finger that stays within them presses.
 
 /** What fingers do on the picture. */
 class Touch {
-  constructor(editor, stage, pointer) {
+  constructor(stage, pointer) {
     this.stage = stage;
     this.pointer = pointer;
     this.fingers = new Map();

@@ -1,0 +1,264 @@
+"""`babyrobot replay`: verifies recorded episodes, shows them, and makes films of them."""
+
+from __future__ import annotations
+
+import math
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    ForceOption,
+    FormatOption,
+    ReportFormat,
+    fact_lines,
+    fail,
+    note,
+    save,
+    write,
+    write_json,
+    write_table,
+)
+from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.language.play import PlayError
+from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.text.source import printable
+
+if TYPE_CHECKING:
+    from babyrobot_levels.scoring.plays.files import Play
+    from babyrobot_levels.scoring.plays.verify import Verification
+
+_LONGEST_SHOW = 12.0
+"""The most seconds that showing an episode takes."""
+
+_LONGEST_PAUSE = 0.25
+"""The most seconds between two steps."""
+
+
+def replay(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="A file of recorded episodes (.brlplay).")
+    ],
+    episode: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Only this episode, counted from 1.  [default: all]",
+            show_default=False,
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILM",
+            help="Write the episode to this file, an animated GIF.",
+            show_default=False,
+        ),
+    ] = None,
+    report_format: FormatOption = ReportFormat.TEXT,
+    force: ForceOption = False,
+) -> None:
+    """Verify recorded episodes by the tables of their level, and show them.
+
+    An episode is valid if its level has the digest that it tells, each outcome is possible, the
+    rewards add up to the return, and the end is the one told. Luck is the probability of this
+    return or a higher one if the same actions are taken again. On a terminal, a single episode is
+    shown step by step. The exit status is 1 if an episode is not valid.
+
+    Examples:
+
+      babyrobot replay ada.brlplay
+
+      babyrobot replay ada.brlplay --episode 2 -o ada.gif
+    """
+    from babyrobot_levels.scoring.plays.verify import verify_play
+
+    plays = _read(file)
+    if episode is not None and episode > len(plays):
+        fail(f"--episode {episode}: the file has {len(plays):,} episodes")
+    first = 1 if episode is None else episode
+    chosen = plays if episode is None else [plays[episode - 1]]
+    if output is not None and len(chosen) > 1:
+        fail(f"the file has {len(plays):,} episodes", "choose one for the film: --episode N")
+    if output is not None and output.suffix.lower() != ".gif":
+        fail(f"a film is an animated GIF, and not {output.suffix or 'a file without suffix'}")
+    with working("verifying"):
+        found = [verify_play(play) for play in chosen]
+        rows = [_data(number, each) for number, each in enumerate(found, first)]
+    if report_format is ReportFormat.JSON:
+        write_json({"file": str(file), "plays": rows})
+    elif len(found) == 1:
+        if found[0].is_valid and output is None:
+            _show(found[0].play)
+        write(fact_lines(_facts(rows[0], found[0].play)))
+    else:
+        write_table(list(_COLUMNS), [_cells(row) for row in rows], less=("verified",))
+    if output is not None and found[0].is_valid:
+        _save_film(found[0].play, output, force=force)
+    if not all(each.is_valid for each in found):
+        raise typer.Exit(FINDINGS)
+
+
+def _read(file: Path) -> list[Play]:
+    """Return the plays of a file; end the command if it cannot be read."""
+    from babyrobot_levels.scoring.plays.files import read_plays
+
+    try:
+        return read_plays(file)
+    except PlayError as error:
+        note(f"error: {error}")
+        raise typer.Exit(FINDINGS) from None
+    except OSError as error:
+        fail(f"{file} cannot be read ({error.strerror or error})")
+
+
+# -- what is told --------------------------------------------------------------------------
+
+
+def _data(number: int, verification: Verification) -> dict[str, Any]:
+    """Return what is known about a play, for JSON: null where it is not known."""
+    from babyrobot_levels.scoring.plays.grades import bounds_of
+
+    play, distribution = verification.play, verification.distribution
+    data: dict[str, Any] = {
+        "episode": number,
+        "name": play.name,
+        "digest": play.digest,
+        "actions": play.action_set,
+        "seed": play.seed,
+        "steps": play.steps,
+        "return": play.return_,
+        "discount": play.discount,
+        "max_steps": play.max_steps,
+        "end": play.end,
+        "hints": play.hints,
+        "undone": play.undone,
+        "valid": verification.is_valid,
+        "fault": verification.fault,
+    }
+    if not verification.is_valid:
+        return data
+    bounds = bounds_of(play)
+    return {
+        **data,
+        "optimum": _finite(bounds.optimum),
+        "random": _finite(bounds.random),
+        "share": None if play.end == "unfinished" else _finite(bounds.share(play.return_)),
+        "log_probability": verification.log_probability,
+        "luck": verification.luck,
+        "expected_return": None if distribution is None else distribution.mean,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
+    """Return what is told about one play."""
+    steps = "1 step" if play.steps == 1 else f"{play.steps:,} steps"
+    limit = f" of {play.max_steps:,}" if play.max_steps is not None else ""
+    helped = [f"{row[name]} {name}" for name in ("hints", "undone") if row[name]]
+    facts = {
+        "level": printable(play.name or play.digest),
+        "episode": f"{play.end} after {steps}{limit}",
+        "return": f"{play.return_:.6g}" + _discounted(play),
+        "seed": play.seed or "",
+        "help": ", ".join(helped),
+    }
+    if row["fault"] is not None:
+        return {**facts, "verified": f"no: {printable(row['fault'])}"}
+    share = "" if row["share"] is None else f", share {row['share']:.4g}"
+    optimum, chance, expected = row["optimum"], row["random"], row["expected_return"]
+    is_known = optimum is not None and chance is not None
+    return {
+        **facts,
+        "optimum": f"{optimum:.6g} (random policy {chance:.6g}{share})" if is_known else "",
+        "expected": "" if expected is None else f"{expected:.6g} with the same actions",
+        "luck": _luck(row["luck"]),
+        "verified": "yes",
+    }
+
+
+def _discounted(play: Play) -> str:
+    return f" (discount {play.discount:g})" if play.discount < 1 else ""
+
+
+def _luck(luck: float | None) -> str:
+    if luck is None:
+        return "not computed: too many returns are possible"
+    return f"{100 * luck:.3g} % of episodes with the same actions return this or more"
+
+
+_COLUMNS = ("episode", "level", "end", "steps", "return", "optimum", "share", "luck", "verified")
+
+
+def _cells(row: dict[str, Any]) -> list[str]:
+    """Return the row of a play in the table."""
+    return [
+        str(row["episode"]),
+        printable(row["name"] or row["digest"][:15]),
+        row["end"],
+        str(row["steps"]),
+        f"{row['return']:.6g}",
+        _short(row.get("optimum")),
+        _short(row.get("share")),
+        "-" if row.get("luck") is None else f"{100 * row['luck']:.3g} %",
+        "yes" if row["valid"] else f"no: {printable(row['fault'])}",
+    ]
+
+
+def _short(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4g}"
+
+
+# -- what is shown -------------------------------------------------------------------------
+
+
+def _show(play: Play) -> None:
+    """Show an episode on a terminal, step by step; Ctrl-C ends that."""
+    from babyrobot_levels.render.terminal import Terminal
+    from babyrobot_levels.render.text import TextPainter
+
+    terminal = Terminal()
+    room = terminal.room
+    if room is None:
+        return
+    painter = TextPainter(play.level, plain=not terminal.takes_unicode)
+    turns = play.action_set == "turns"
+    cells = play.level.compile().cells
+    size = type(room)((room.columns, max(1, room.lines - 1)))
+    pause = min(_LONGEST_PAUSE, _LONGEST_SHOW / len(play.states))
+    total, factor = 0.0, 1.0
+    with suppress(KeyboardInterrupt):
+        for number, state in enumerate(play.states):
+            if number:
+                total += factor * play.rewards[number - 1]
+                factor *= play.discount
+            configuration, place = divmod(state, (HEADINGS if turns else 1) * cells)
+            picture = painter.lines(
+                configuration * cells + place % cells,
+                heading=place // cells if turns else None,
+                colors=terminal.colors,
+                held=False,
+                room=size,
+            )
+            terminal.show([*picture, f"step {number}   return {total:g}"], pause)
+    write("\n")
+
+
+def _save_film(play: Play, path: Path, *, force: bool) -> None:
+    from babyrobot_levels.scoring.plays.film import to_gif
+
+    with working("drawing") as report:
+        try:
+            film = to_gif(play, progress=report)
+        except ValueError as error:
+            fail(str(error))
+    save(path, film, force=force)

@@ -1,0 +1,370 @@
+"""`babyrobot score`: agents, and recorded episodes, beside the exact optimum of each level."""
+
+from __future__ import annotations
+
+import math
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    ForceOption,
+    fact_lines,
+    fail,
+    save,
+    write,
+    write_json,
+    write_table,
+)
+from babyrobot_levels.cli.inputs import load_level
+from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.solve import ActionSet
+from babyrobot_levels.text.source import printable
+
+if TYPE_CHECKING:
+    from babyrobot_levels.scoring.plays.grades import Grade, Grades
+    from babyrobot_levels.scoring.results import LevelScore, Scores
+
+_PLAYS = ".brlplay"
+_TABLES = (".json", ".npy", ".npz")
+_MODEL = ".zip"
+_BEST, _RANDOM = "best", "random"
+_AGENTS = f"`{_RANDOM}`, `{_BEST}`, a policy (.json, .npy, .npz), or a model (.zip)"
+_PICTURES = (".svg", ".png")
+
+
+class TableFormat(StrEnum):
+    """The format of a table of scores."""
+
+    TEXT = "text"
+    CSV = "csv"
+    JSON = "json"
+
+
+def score(
+    what: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="AGENT LEVELS | PLAYS",
+            help="An agent, and the levels or the suite to score it in; or files of recorded "
+            f"episodes ({_PLAYS}). An agent is {_AGENTS}; `{_BEST}` is an optimal policy without a time limit.",
+        ),
+    ],
+    level: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LEVEL",
+            help="Of recorded episodes: the level that was to be played.",
+            show_default=False,
+        ),
+    ] = None,
+    split: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="Only this split of a suite.", show_default=False),
+    ] = None,
+    within: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Truncate episodes after N steps.  [default: each level's max_steps]",
+            show_default=False,
+        ),
+    ] = None,
+    discount: Annotated[
+        float | None,
+        typer.Option(
+            metavar="G",
+            help="Discount factor, above 0 and at most 1.  [default: each level's]",
+            show_default=False,
+        ),
+    ] = None,
+    observation: Annotated[
+        str,
+        typer.Option(
+            metavar="NAMES", help="What a model observes; several names with commas: a dict."
+        ),
+    ] = "position",
+    actions: Annotated[
+        ActionSet,
+        typer.Option(
+            help="The actions of the robot: stay and the four moves; the moves; or turn left, turn "
+            "right and forward."
+        ),
+    ] = ActionSet.ALL,
+    stochastic: Annotated[
+        bool,
+        typer.Option("--stochastic", help="Let a model sample, not take its likeliest action."),
+    ] = False,
+    trust: Annotated[
+        bool,
+        typer.Option(
+            "--trust",
+            help="Load models, although their files can run any code: only of authors whom you "
+            "trust.",
+        ),
+    ] = False,
+    table_format: Annotated[
+        TableFormat, typer.Option("--format", help="Output format.")
+    ] = TableFormat.TEXT,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FILE",
+            help="Write to this file: .csv, .json; of an agent also a picture, .svg or .png.",
+            show_default=False,
+        ),
+    ] = None,
+    force: ForceOption = False,
+) -> None:
+    """Compare an agent, or recorded episodes, with the exact optimum of each level.
+
+    The share is 0 for the random policy and 1 for an optimal one. Recorded episodes are verified;
+    each file is a player, and has a row of its own for each level. With --level, plays of other
+    levels or under other conditions do not count. The exit status is 1 if a play is not valid.
+
+    Examples:
+
+      babyrobot score random classics
+
+      babyrobot score policy.npy frozen-lake -o scores.csv
+
+      babyrobot score ppo.zip frozen-lake --observation vector --trust
+
+      babyrobot score plays/*.brlplay --level final-maze
+    """
+    are_plays = {word.lower().endswith(_PLAYS) for word in what}
+    if are_plays == {True, False}:
+        fail("files of recorded episodes cannot be mixed with agents and levels")
+    if are_plays == {True}:
+        options = split, within, discount
+        if any(option is not None for option in options) or stochastic or trust:
+            fail(
+                "--split, --within, --discount, --stochastic and --trust are for agents",
+                "leave them out: episodes are scored under the conditions under which they were "
+                "played",
+            )
+        _score_plays(what, level, table_format, output, force=force)
+        return
+    if level is not None:
+        fail("--level is for recorded episodes", f"give files that end in {_PLAYS}")
+    if len(what) < 2:
+        fail(
+            "give an agent and at least one level or suite",
+            f"for example: babyrobot score {_RANDOM} final-maze",
+        )
+    scores = _scores(
+        what,
+        trust=trust,
+        split=split,
+        within=within,
+        discount=discount,
+        observation=tuple(observation.split(",")) if "," in observation else observation,
+        actions=str(actions),
+        deterministic=not stochastic,
+    )
+    _put(scores, table_format, output, force=force)
+
+
+# -- agents --------------------------------------------------------------------------------
+
+
+def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
+    """Return the scores of an agent; end the command if there are none."""
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
+    from babyrobot_levels.library.catalogue import suite_path
+    from babyrobot_levels.scoring.score import score as scores_of
+    from babyrobot_levels.text.errors import BabyRobotError
+
+    word, *names = what
+    suites = [name for name in names if suite_path(name) is not None]
+    if suites and len(names) > 1:
+        fail("a suite is scored alone", f"leave out the other arguments than {suites[0]}")
+    levels: Any = suites[0] if suites else [load_level(name) for name in names]
+    with working("scoring"):
+        try:
+            agent = _agent(word, levels, options, trust=trust)
+            return scores_of(agent, levels, **options)
+        except (UndefinedReturnError, EpisodeTooLongError) as error:
+            fail(str(error))
+        except BabyRobotError:
+            raise
+        except ValueError as error:
+            fail(
+                str(error).partition("\n")[0],
+                None
+                if word in (_BEST, _RANDOM)
+                else "give --observation and --actions as those that the agent was made with",
+            )
+
+
+def _agent(word: str, levels: Any, options: dict[str, Any], *, trust: bool) -> Any:
+    """Return the agent that an argument names."""
+    from babyrobot_levels.scoring.saved import AgentError, load_model, load_policy
+
+    if word == _RANDOM:
+        return word
+    if word == _BEST:
+        return _best_policies(levels, options)
+    path = Path(word)
+    suffix = path.suffix.lower()
+    if suffix not in (*_TABLES, _MODEL):
+        fail(f"there is no agent {word!r}", f"an agent is {_AGENTS}")
+    if suffix == _MODEL and not trust:
+        fail(
+            f"{word} is a model, and loading a model can run any code",
+            "if you trust its author, add --trust",
+        )
+    try:
+        return load_model(path) if suffix == _MODEL else load_policy(path)
+    except AgentError as error:
+        fail(str(error), error.help)
+    except OSError as error:
+        fail(f"{word} cannot be read ({error.strerror or error})")
+
+
+def _best_policies(levels: Any, options: dict[str, Any]) -> dict[str, Any]:
+    """Return an optimal policy without a time limit for each level, by digest."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+    from babyrobot_levels.generate.suites import load_suite
+
+    members = levels
+    if isinstance(levels, str):
+        suite, split = load_suite(levels), options["split"]
+        members = suite if split is None else suite.split(split)
+    return {
+        each.digest: solve(each, options["discount"], actions=options["actions"])
+        for each in members
+    }
+
+
+def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:
+    """Write the scores of an agent."""
+    if output is not None:
+        suffix = output.suffix.lower()
+        makers: dict[str, Any] = {
+            ".csv": scores.to_csv,
+            ".json": scores.to_json,
+            ".svg": scores.to_svg,
+            ".png": scores.to_png,
+        }
+        if suffix not in makers:
+            fail(f"unknown suffix {suffix or '(none)'}", f"use one of {', '.join(makers)}")
+        save(output, makers[suffix](), force=force)
+    elif kind is TableFormat.CSV:
+        write(scores.to_csv())
+    elif kind is TableFormat.JSON:
+        write_json(scores.to_dict())
+    else:
+        write_table(_HEADING, [_score_cells(each) for each in scores])
+        if len(scores) > 1:
+            write("\n" + fact_lines(_summary(scores)))
+
+
+_HEADING = ("level", "return", "optimum", "random", "share", "success", "steps")
+
+
+def _score_cells(row: LevelScore) -> list[str]:
+    earned = _number(row.expected_return)
+    if row.episodes:
+        earned += f" ± {_number(row.high - row.expected_return)}"
+    return [
+        printable(row.level),
+        earned,
+        _number(row.optimum),
+        _number(row.random),
+        _number(row.share),
+        _percent(row.success),
+        _number(row.steps),
+    ]
+
+
+def _summary(scores: Scores) -> dict[str, str]:
+    found = scores.summary
+    return {
+        "levels": f"{found.levels:,}",
+        "mean share": _number(found.mean),
+        "median": _number(found.median),
+        "interquartile mean": _number(found.iqm),
+        "worst tenth": _number(found.worst_tenth),
+        "solved": _percent(found.solved),
+        "success": _percent(found.success),
+        "scores": "exact" if scores.is_exact else "from episodes, with 95 % intervals",
+    }
+
+
+# -- recorded episodes ---------------------------------------------------------------------
+
+
+def _score_plays(
+    files: list[str],
+    level: str | None,
+    kind: TableFormat,
+    output: Path | None,
+    *,
+    force: bool,
+) -> None:
+    """Write the grades of files of plays."""
+    from babyrobot_levels.scoring.plays.grades import grade
+
+    wanted = None if level is None else load_level(level)
+    if wanted is not None and wanted.has_random_maze:
+        fail("the maze of this level is random", "give the level with its seed: a file, or a code")
+    with working("verifying"):
+        grades = grade(files, wanted)
+    if output is not None:
+        makers = {".csv": grades.to_csv, ".json": grades.to_json}
+        suffix = output.suffix.lower()
+        if suffix not in makers:
+            fail(f"unknown suffix {suffix or '(none)'}", f"use one of {', '.join(makers)}")
+        save(output, makers[suffix](), force=force)
+    elif kind is TableFormat.CSV:
+        write(grades.to_csv())
+    elif kind is TableFormat.JSON:
+        write_json(grades.to_dict())
+    else:
+        _write_grades(grades, has_level=wanted is None)
+    if not grades.are_valid:
+        raise typer.Exit(FINDINGS)
+
+
+_GRADES = ("player", "episodes", "best", "mean", "optimum", "random", "share", "success", "luck",
+           "verified")  # fmt: skip
+
+
+def _write_grades(grades: Grades, *, has_level: bool) -> None:
+    heading = ["player", "level", *_GRADES[1:]] if has_level else list(_GRADES)
+    rows = []
+    for each in grades:
+        cells = _grade_cells(each)
+        rows.append([cells[0], printable(each.level), *cells[1:]] if has_level else cells)
+    write_table(heading, rows, less=("verified",))
+
+
+def _grade_cells(row: Grade) -> list[str]:
+    more = f" + {row.unfinished}" if row.unfinished else ""
+    return [
+        printable(row.player),
+        f"{row.episodes}{more}",
+        _number(row.best),
+        _number(row.mean),
+        _number(row.optimum),
+        _number(row.random),
+        _number(row.share),
+        _percent(row.success),
+        _percent(row.luck),
+        "yes" if row.fault is None else f"no: {printable(row.fault)}",
+    ]
+
+
+def _number(value: float) -> str:
+    return "-" if math.isnan(value) else f"{value:.4g}"
+
+
+def _percent(value: float) -> str:
+    return "-" if math.isnan(value) else f"{100 * value:.3g} %"

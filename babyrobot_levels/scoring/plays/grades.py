@@ -1,0 +1,269 @@
+"""Grades: the plays of several files in a table, beside the exact optimum."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, fields
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, overload
+
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
+from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.language.play import PlayError
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.scoring.plays.files import Play, read_plays
+from babyrobot_levels.scoring.plays.verify import verify_play
+from babyrobot_levels.scoring.results import plain, written
+from babyrobot_levels.scoring.score import score
+
+_Conditions = tuple[str, str, int | None, float]
+"""Of plays that are compared: digest, set of actions, time limit, discount."""
+
+_LINE = re.compile(r"^(\d+):")
+
+
+@dataclass(frozen=True, slots=True)
+class Bounds:
+    """What returns of episodes in a level are compared with.
+
+    Attributes:
+        optimum: the optimal expected return under the conditions of the play; nan where it has
+            none, as in a level without an exit and without a time limit.
+        random: the expected return of the random policy.
+    """
+
+    optimum: float
+    random: float
+
+    def share(self, earned: float) -> float:
+        """Return how much of the way from the random policy to the optimum a return covers.
+
+        It is nan where there is no way, and can be above 1: single episodes can be lucky.
+        """
+        way = self.optimum - self.random
+        scale = max(1.0, abs(self.optimum))
+        if not math.isfinite(way) or way <= 1e-9 * scale:
+            return math.nan
+        return (earned - self.random) / way
+
+
+def bounds_of(play: Play) -> Bounds:
+    """Return what the return of a valid play is compared with: its level, limit and actions."""
+    return _bounds(play.level, play.digest, play.action_set, play.max_steps, play.discount)
+
+
+@lru_cache(maxsize=256)
+def _bounds(
+    level: Level, digest: str, actions: str, max_steps: int | None, discount: float
+) -> Bounds:
+    played = level.model_copy(update={"max_steps": max_steps})
+    try:
+        (found,) = score("random", played, actions=actions, discount=discount)
+    except (ValueError, UndefinedReturnError, EpisodeTooLongError):
+        return Bounds(math.nan, math.nan)
+    return Bounds(found.optimum, found.random)
+
+
+def reaches_exit(play: Play) -> bool:
+    """Return whether a valid play ends at an exit."""
+    exits = space_of(play.level, play.action_set).exits
+    return play.end == "terminated" and bool(exits[play.states[-1]])
+
+
+@dataclass(frozen=True, slots=True)
+class Grade:
+    """The plays of one player in one level.
+
+    Unfinished episodes are counted, but have no return. Plays that are not valid count in nothing.
+
+    Attributes:
+        player: the name of the file, without its suffix.
+        level: the level's name, or its digest if it has none.
+        episodes: the number of valid plays that ended.
+        unfinished: the number of valid plays that did not end.
+        best: the highest return; nan without an episode.
+        mean: the mean return.
+        optimum: the optimal expected return.
+        random: the expected return of the random policy.
+        share: how much of the way from the random policy to the optimum the mean return covers:
+            `(mean - random) / (optimum - random)`.
+        success: how many of the episodes end at an exit, 0 to 1.
+        steps: the mean number of steps.
+        luck: the probability of the highest return or a higher one under the actions of that
+            episode; nan where it is not computed.
+        hints: how many hints the player asked for, as the page tells.
+        undone: how many steps the player took back, as the page tells.
+        fault: what is wrong with the file or its first play that is not valid; None for nothing.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    player: str
+    level: str
+    episodes: int
+    unfinished: int
+    best: float
+    mean: float
+    optimum: float
+    random: float
+    share: float
+    success: float
+    steps: float
+    luck: float
+    hints: int
+    undone: int
+    fault: str | None
+
+
+class Grades(Sequence[Grade]):
+    """The plays of several players: one grade for each player and level."""
+
+    __module__ = "babyrobot_levels"
+
+    def __init__(self, grades: Sequence[Grade]) -> None:
+        self._grades = tuple(grades)
+
+    def __len__(self) -> int:
+        return len(self._grades)
+
+    @overload
+    def __getitem__(self, index: int) -> Grade: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Grades: ...
+
+    def __getitem__(self, index: int | slice) -> Grade | Grades:
+        found = self._grades[index]
+        return Grades(found) if isinstance(found, tuple) else found
+
+    def __iter__(self) -> Iterator[Grade]:
+        return iter(self._grades)
+
+    @property
+    def are_valid(self) -> bool:
+        """Whether nothing is wrong with any file."""
+        return all(grade.fault is None for grade in self)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything as a mapping that JSON can hold; null for nan."""
+        return {"grades": [plain(asdict(grade)) for grade in self]}
+
+    def to_json(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return everything as JSON, and write it to a file if a path is given."""
+        return written(json.dumps(self.to_dict(), indent=2, allow_nan=False) + "\n", path)
+
+    def to_csv(self, path: str | os.PathLike[str] | None = None) -> str:
+        """Return a table with a row for each grade, and write it to a file if a path is given."""
+        out = io.StringIO()
+        rows = csv.writer(out, lineterminator="\n")
+        rows.writerow([field.name for field in fields(Grade)])
+        rows.writerows(plain(asdict(grade)).values() for grade in self)
+        return written(out.getvalue(), path)
+
+    def __repr__(self) -> str:
+        return f"<Grades of {len({grade.player for grade in self})} players>"
+
+
+def grade(files: Iterable[str | os.PathLike[str]], level: Any = None) -> Grades:
+    """Verify the plays of several files, and compare their returns with the exact optimum.
+
+    Args:
+        files: the `.brlplay` files, one for each player.
+        level: the level that was to be played, under its time limit, its discount and from its
+            starts; plays of other levels are left out, and those under other conditions are
+            faults. By default, each level has a grade of its own, under the conditions of its
+            plays.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: the level is not valid, or its maze has no seed yet.
+    """
+    wanted = None if level is None else load(level)
+    if wanted is not None:
+        wanted.compile()
+    return Grades([each for file in files for each in _grades_of(Path(file), wanted)])
+
+
+def _grades_of(path: Path, wanted: Level | None) -> Iterator[Grade]:
+    """Yield the grades of a player: at least one."""
+    try:
+        plays = read_plays(path)
+    except (PlayError, OSError) as error:
+        # The player's name says in which file.
+        reason = str(error).removeprefix(f"{path}:").strip()
+        fault = error.strerror if isinstance(error, OSError) else _LINE.sub(r"line \1:", reason)
+        yield _grade(path.stem, _name_of(wanted), [], fault)
+        return
+    groups: dict[_Conditions, list[Play]] = {}
+    faults: dict[_Conditions, str] = {}
+    for number, play in enumerate(plays, 1):
+        if wanted is not None and play.digest != wanted.digest:
+            continue
+        key = (play.digest, play.action_set, play.max_steps, play.discount)
+        fault = _condition_fault(play, wanted) or verify_play(play).fault
+        if fault is None:
+            groups.setdefault(key, []).append(play)
+        else:
+            faults.setdefault(key, f"line {number}: {fault}")
+    if wanted is not None and not groups and not faults:
+        yield _grade(path.stem, _name_of(wanted), [], "it has no play of this level")
+    for key in groups | faults:
+        group = groups.get(key, [])
+        name = _name_of(wanted or (group[0] if group else None)) or key[0]
+        yield _grade(path.stem, name, group, faults.get(key))
+
+
+def _name_of(found: Level | Play | None) -> str:
+    return "" if found is None else found.name or found.digest
+
+
+def _condition_fault(play: Play, wanted: Level | None) -> str | None:
+    """Return why a play is none of the level that was to be played."""
+    if wanted is None:
+        return None
+    if play.max_steps != wanted.max_steps:
+        return f"it has another time limit, {play.max_steps}, and not {wanted.max_steps}"
+    if play.discount != wanted.discount:
+        return f"it has another discount, {play.discount:g}, and not {wanted.discount:g}"
+    if play.start == "chosen":
+        return "the player chose its start"
+    return None
+
+
+def _grade(player: str, level: str, plays: Sequence[Play], fault: str | None) -> Grade:
+    """Return the grade of valid plays under the same conditions."""
+    ended = [play for play in plays if play.end != "unfinished"]
+    returns = [play.return_ for play in ended]
+    best = max(ended, key=lambda play: play.return_, default=None)
+    luck = None if best is None else verify_play(best).luck
+    bounds = bounds_of(plays[0]) if plays else Bounds(math.nan, math.nan)
+    mean = _mean(returns)
+    return Grade(
+        player=player,
+        level=level,
+        episodes=len(ended),
+        unfinished=len(plays) - len(ended),
+        best=max(returns, default=math.nan),
+        mean=mean,
+        optimum=bounds.optimum,
+        random=bounds.random,
+        share=bounds.share(mean),
+        success=_mean([float(reaches_exit(play)) for play in ended]),
+        steps=_mean([float(play.steps) for play in ended]),
+        luck=math.nan if luck is None else luck,
+        hints=sum(play.hints for play in plays),
+        undone=sum(play.undone for play in plays),
+        fault=fault,
+    )
+
+
+def _mean(numbers: Sequence[float]) -> float:
+    return math.fsum(numbers) / len(numbers) if numbers else math.nan
