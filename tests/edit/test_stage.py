@@ -257,3 +257,21 @@ def test_an_invalid_text_dims_the_last_picture(hand: Hand) -> None:
     expect(hand.page.locator(".stage")).to_have_class(re.compile("dimmed"))
     expect(hand.picture).to_be_visible()
     expect(hand.page.locator(".grip")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("version: 1\nsize: [6, wide]\n", "the text is not a valid level"),
+        ("version: 1\nsize: [300, 300]\n", "too large"),
+    ],
+)
+def test_a_level_without_a_picture_is_told_and_its_text_shown(
+    editor_page: OpenEditor, text: str, told: str
+) -> None:
+    page = editor_page(text).page
+    expect(page.locator(".notice")).to_contain_text(told)
+    expect(page.locator(".text")).to_have_value(text)
+    page.locator(".stage").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator(".said")).to_have_text("")

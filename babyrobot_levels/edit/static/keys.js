@@ -127,11 +127,11 @@ class Keyboard {
 
   /** Return what a key does now, or undefined. What is longer than a letter needs the picture. */
   actionOf(key, isStage) {
-    const { mode: current } = this.editor;
+    const { mode: current, game } = this.editor;
     const chosen = [...TOOLS, ...MODIFIERS].find((each) => each.key === key);
     if (chosen !== undefined && current === "edit") return () => this.choose(chosen);
     return KEYS
-      .filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
+      .filter(({ mode }) => mode === undefined || (mode === current && game && (isStage || key.length === 1)))
       .flatMap(({ keys }) => keys)
       .map(([, , actions]) => actions[key])
       .find((action) => action !== undefined);
@@ -148,6 +148,7 @@ class Keyboard {
 
   /** Keep the cursor inside a level that became smaller. */
   stayInside() {
+    if (!this.editor.game) return;
     const inside = this.within(this.cell);
     if (!isSameCell(inside, this.cell)) this.goTo(inside);
   }
