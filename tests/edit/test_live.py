@@ -105,7 +105,7 @@ def test_playing_has_the_same_luck_each_time_and_leaves_a_trail(editor_page: Ope
 
 def test_an_episode_ends_with_its_result(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
-    editor.page.get_by_role("button", name="Play").click()
+    editor.page.get_by_role("button", name="Play", exact=True).click()
     for name in ("East", "East", "East", "South"):
         editor.page.get_by_role("button", name=name, exact=True).click()
     expect(part(editor, "episode-told")).to_contain_text("Exit reached after 4 steps! Return −3.")
@@ -121,7 +121,7 @@ def test_swipes_move_the_robot(editor_page: OpenEditor) -> None:
 
 def test_a_policy_drawn_by_hand_has_its_exact_worth(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
-    editor.page.get_by_role("button", name="Policy").click()
+    editor.page.get_by_role("button", name="Policy", exact=True).click()
     random = part(editor, "worth").locator("dd").first
     expect(random).not_to_have_text("−3")
     Mouse(editor).drag(*(middle(editor, *cell) for cell in ((0, 0), (3, 0), (3, 1))))
@@ -133,18 +133,18 @@ def test_a_policy_drawn_by_hand_has_its_exact_worth(editor_page: OpenEditor) -> 
     editor.page.mouse.click(*middle(editor, 1, 0))
     expect(random).not_to_have_text("−3")
     press(editor, "Control+z")
-    editor.page.get_by_role("button", name="Edit").click()
+    editor.page.get_by_role("button", name="Edit", exact=True).click()
     press(editor, "2", "ArrowDown", "Space")
     expect(editor.page.locator(".editor")).to_have_attribute("data-revision", re.compile("[^1]"))
     expect(arrows).to_have_count(0)
-    editor.page.get_by_role("button", name="Policy").click()
+    editor.page.get_by_role("button", name="Policy", exact=True).click()
     expect(arrows).to_have_count(5)
     assert "puddles" in editor.session.text
 
 
 def test_a_policy_is_drawn_by_keys(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
-    editor.page.get_by_role("button", name="Policy").click()
+    editor.page.get_by_role("button", name="Policy", exact=True).click()
     press(editor, "Shift+ArrowRight", "Shift+ArrowRight", "Shift+ArrowRight", "Shift+ArrowDown")
     expect(part(editor, "worth").locator("dd").first).to_have_text("−3")
     editor.page.get_by_role("button", name="Clear").click()
