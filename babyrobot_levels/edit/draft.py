@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.edit.canvas import Canvas
+from babyrobot_levels.language.formatting.tree import NOTHING, Fields, fields_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import BabyRobotError
@@ -35,13 +36,14 @@ class Draft:
         return entries
 
     def result(self) -> dict[str, Any]:
-        """Return the fields as they are now, without lists and mappings that became empty."""
+        """Return the fields as they are now, in order, without those that became empty."""
         if self.canvas is not None and self.canvas.drawing() != self.level.drawing:
             self.data["map"] = self.canvas.text()
         before = self.document.data
+        data = _in_order(self.data, fields_of(Level))
         return {
             name: value
-            for name, value in self.data.items()
+            for name, value in data.items()
             if value not in ([], {}) or before.get(name) == value
         }
 
@@ -51,3 +53,12 @@ def _copied(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _copied(inner) for key, inner in value.items()}
     return [*map(_copied, value)] if isinstance(value, list) else value
+
+
+def _in_order(value: Any, fields: Fields) -> Any:
+    """Return plain data with its fields in the order in which they are written."""
+    if isinstance(value, dict):
+        return {key: _in_order(value[key], fields.of(key)) for key in fields.order(value)}
+    if isinstance(value, list) and fields is not NOTHING:
+        return [_in_order(each, fields) for each in value]
+    return value

@@ -8,7 +8,8 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
-  `conflict`: then `force` overwrites it, and `reload` takes its text instead;
+  `conflict`, with the file's `text` (None if it has none): then `force` overwrites it, and
+  `reload` takes its text instead;
 - `reload`: take the text that the file has now.
 
 These have `revision`, that of the state that they were made from. If the text has changed since,
@@ -20,6 +21,7 @@ change nothing:
   text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
   `policy.worth_of`. The reply has `policy`;
+- `levels`: what can be opened by name, and from texts, see `sources.known`;
 - `copy`: the level in a `form` (`edit/copies.py`). The reply has `copy`;
 - `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
   refused, and the reply has `unsaved`.
@@ -41,13 +43,13 @@ from babyrobot_levels.edit.forms import forms
 from babyrobot_levels.edit.gestures import gesture_of
 from babyrobot_levels.edit.policy import worth_of
 from babyrobot_levels.edit.session import Session
-from babyrobot_levels.edit.sources import opened
+from babyrobot_levels.edit.sources import known, opened
 from babyrobot_levels.edit.state import state_of
 from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
 
-QUESTIONS = {"state", "answers", "policy", "copy", "quit"}
+QUESTIONS = {"state", "levels", "answers", "policy", "copy", "quit"}
 """What changes nothing."""
 
 
@@ -75,7 +77,7 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
             raise RefusedError(STALE)
         _change(session, fields)
     except ConflictError as error:
-        reply |= {"error": str(error), "conflict": True}
+        reply |= {"error": str(error), "conflict": {"text": error.found}}
     except RefusedError as error:
         reply["error"] = str(error)
     return reply if is_question else {**reply, "state": state_of(session)}
@@ -105,6 +107,8 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
             return {"policy": _policy(session, fields.get("actions"))}
         case {"do": "copy", "form": str(form)} if form in FORMS:
             return {"copy": copied(session, form)}
+        case {"do": "levels"}:
+            return known()
         case {"do": "quit"}:
             if not session.is_saved and fields.get("force") is not True:
                 return {"unsaved": True, "error": "there are unsaved changes"}

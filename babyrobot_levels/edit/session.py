@@ -8,18 +8,17 @@ from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.edited_file import EditedFile
-from babyrobot_levels.edit.gestures import Gesture
+from babyrobot_levels.edit.fields import fixed
+from babyrobot_levels.edit.gestures import Fix, Gesture
 from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_source
 from babyrobot_levels.lint.registry import select
-from babyrobot_levels.lint.runner import Report, lint_source
+from babyrobot_levels.lint.runner import Report, lint_document, lint_source
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile
-from babyrobot_levels.text.splice import splice
+from babyrobot_levels.text.source import MAX_BYTES, SourceFile
+from babyrobot_levels.text.splice import spliced
 
 
 class Session:
@@ -95,20 +94,35 @@ class Session:
             RefusedError: it cannot be carried out, or the level would not be valid; nothing has
                 changed.
         """
-        if self.report.level is None:
+        if isinstance(gesture, Fix):
+            self._fix(gesture)
+            return
+        document = self.report.document
+        if self.report.level is None or document is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
-        document = read(self.source)
         draft = Draft(document, self.report.level)
         change(draft, gesture)
         data = draft.result()
-        text = splice(self.text, data, list(Level.model_fields))
-        if text is None:
-            text = emit(data)
-        try:
-            load_source(SourceFile(self.source.name, text), self.path)
-        except LevelError as error:
-            raise RefusedError(error.diagnostics[0].message) from None
-        self._change(text)
+        after = spliced(document, data, [*Level.model_fields])
+        if after is document:
+            return
+        if after is None:
+            after = read(SourceFile(document.source.name, emit(data)))
+        if len(after.source.text.encode()) > MAX_BYTES:
+            raise RefusedError("the text would be larger than the file of a level may be")
+        report = lint_document(after, select(None), self.path)
+        if report.level is None:
+            raise RefusedError(report.diagnostics[0].message)
+        self._history.change(after.source.text)
+        self._take(report)
+
+    def _fix(self, fix: Fix) -> None:
+        text = fixed(self.report, fix)
+        report = lint_source(SourceFile(self.source.name, text), select(None), self.path)
+        if self.is_valid and not report.is_valid:
+            raise RefusedError(f"after this fix, {report.diagnostics[0].message}")
+        self._history.change(text)
+        self._take(report)
 
     def type(self, text: str, *, joined: bool = False) -> None:
         """Replace the text by what was typed; `joined` makes it one step with the change before."""
@@ -159,8 +173,12 @@ class Session:
         self._read()
 
     def _read(self) -> None:
+        self._take(lint_source(self.source, select(None), self.path))
+
+    def _take(self, report: Report) -> None:
+        """Take the report on the text at hand."""
         self.revision += 1
-        self.report: Report = lint_source(self.source, select(None), self.path)
+        self.report = report
         if self.report.level is not None:
             self.level, self.document = self.report.level, self.report.document
             self.answers.follow(self.level)

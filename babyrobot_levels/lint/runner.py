@@ -130,6 +130,12 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
         document = read(source)
     except LevelError as error:
         return Report(source, [*error.diagnostics])
+    return lint_document(document, rules, path)
+
+
+def lint_document(document: Document, rules: Sequence[Rule], path: Path | None = None) -> Report:
+    """Return the errors of a document or, if it has none, the findings; see `lint_source`."""
+    source = document.source
     level, errors = check_document(document, path)
     if not isinstance(level, Level):
         # Rules check levels; a suite only has errors.
