@@ -17,6 +17,7 @@ from babyrobot_levels.analysis.solver.distribution import (
     ReturnDistribution,
     open_loop_distribution,
 )
+from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.scoring.plays.files import Play
@@ -156,8 +157,10 @@ def _step_text(play: Play, space: StateSpace, step: int) -> str:
     """Describe a step that is not possible."""
     before, after = (space.text(state) for state in play.states[step - 1 : step + 1])
     action, reward = play.actions[step - 1], play.rewards[step - 1]
+    names = action_names(play.action_set)[space.first_action :]
+    name = names[action] if action < len(names) else f"action {action}"
     ends = ", at the end of the episode" if step == play.steps and play.end == "terminated" else ""
-    return f"action {action} from {before} to {after} with the reward {reward:g}{ends}"
+    return f"{name} from {before} to {after} with the reward {reward:g}{ends}"
 
 
 def _end_fault(play: Play, space: StateSpace) -> str | None:

@@ -32,8 +32,8 @@ def changed(values: list[Any], index: int, value: Any) -> list[Any]:
 def test_a_forged_play_is_refused(play: brl.Play) -> None:
     other = brl.load("first-key")
     cases: list[tuple[dict[str, Any], str]] = [
-        ({"rewards": changed(play.rewards, 1, 5.0)}, "step 2 is not possible: action"),
-        ({"states": changed(play.states, 2, play.states[2] + 3)}, "step 2 is not possible: action"),
+        ({"rewards": changed(play.rewards, 1, 5.0)}, "step 2 is not possible: "),
+        ({"states": changed(play.states, 2, play.states[2] + 3)}, "step 2 is not possible: "),
         ({"states": changed(play.states, 0, 10**9)}, "it has a state 1,000,000,000, and the"),
         ({"states": changed(play.states, 0, play.states[-1])}, "no episode of the level starts"),
         ({"return": play.return_ + 1}, "its rewards add up to a return of"),
