@@ -1,11 +1,18 @@
-"""What all tests share: which of them are slow, how much hypothesis tries, empty folders."""
+"""What all tests share: which of them are slow, how much hypothesis tries, folders, a browser."""
 
 from __future__ import annotations
 
+import os
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 from hypothesis import settings
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser, Page
 
 TESTS = Path(__file__).parent
 
@@ -23,6 +30,9 @@ SLOW = {
     "render/notebook/test_output.py",
 }
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
+
+NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
+"""Whatever a page asks for, nothing but this machine answers; it has a second name."""
 
 # `--hypothesis-profile thorough` chooses the second. A loaded machine is no reason to fail.
 settings.register_profile("fast", max_examples=50, deadline=None)
@@ -48,3 +58,31 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.delenv("BABYROBOT_LEVELS", raising=False)
     return folder
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    """A headless Chromium: the system's where there is one, else Playwright's own download."""
+    from playwright.sync_api import Error, sync_playwright
+
+    system = shutil.which("chromium") or shutil.which("chromium-browser")
+    options = [NO_NETWORK]
+    if hasattr(os, "geteuid") and os.geteuid() == 0:
+        # Chromium's sandbox refuses to work for root.
+        options.append("--no-sandbox")
+    with sync_playwright() as playwright:
+        try:
+            chromium = playwright.chromium.launch(executable_path=system, args=options)
+        except Error as error:
+            pytest.fail(f"no browser; `bash scripts/browser.sh` installs one\n{error}", False)
+        yield chromium
+        chromium.close()
+
+
+@pytest.fixture
+def page(browser: Browser) -> Iterator[Page]:
+    """A fresh page, 1280 by 1024 pixels, that has neither history nor storage."""
+    context = browser.new_context(viewport={"width": 1280, "height": 1024}, device_scale_factor=1)
+    context.set_default_timeout(20_000)
+    yield context.new_page()
+    context.close()

@@ -406,13 +406,24 @@ def guide_of(level: Level, *, turns: bool = False) -> Guide:
         UndefinedReturnError: the level has no solution.
     """
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.render.page_data import Guide
 
     solution = solve(level)
+    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
+    return replace(solution_guide(level, solution), turning=turning, **_luck(level, solution))
+
+
+def solution_guide(level: Level, solution: Solution) -> Guide:
+    """Return what a page shows of a solution but for what it tells of luck, which takes longer.
+
+    Args:
+        level: the level.
+        solution: its solution, for a robot that moves.
+    """
+    from babyrobot_levels.render.page_data import Guide
+
     overlay = overlay_of(level, {"values": solution, "policy": solution})
     assert overlay is not None
-    turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
-    return Guide(policy_of(solution), overlay, turning=turning, **_returns(level, solution))
+    return Guide(policy_of(solution), overlay, _expected_return(level, solution))
 
 
 def _turning_guide(level: Level) -> Guide | None:
@@ -428,37 +439,60 @@ def _turning_guide(level: Level) -> Guide | None:
     overlay = overlay_of(level, {"values": solution})
     assert overlay is not None
     policy: list[int] = solution.policy.ravel().tolist()
-    return Guide(policy, overlay, **_returns(level, solution))
+    guide = Guide(policy, overlay, _expected_return(level, solution))
+    return replace(guide, **_luck(level, solution))
 
 
-def _returns(level: Level, solution: Solution) -> dict[str, Any]:
+def _expected_return(level: Level, solution: Solution) -> float:
+    """Return the expected return of the optimal policy, within the level's time limit."""
+    if level.max_steps is None:
+        return solution.expected_return
+    return _worth(level, solution, solution.actions)
+
+
+def _worth(level: Level, policy: Any, actions: str) -> float:
+    """Return the expected return of a policy within the time limit that the level has."""
+    from babyrobot_levels.analysis.solver.chain import weights_of
+    from babyrobot_levels.analysis.solver.many import worth_within
+    from babyrobot_levels.analysis.solver.space import space_of
+
+    assert level.max_steps is not None
+    space = space_of(level, actions)
+    weights = weights_of(policy, space)
+    found = worth_within([space], [level.max_steps], [level.discount], [weights])
+    return float(found.returns[0])
+
+
+def _luck(level: Level, solution: Solution) -> dict[str, Any]:
     """Return what a page compares a return with, within the level's time limit.
 
-    These are the expected return of the optimal policy, quantiles of its return, and the expected
-    return of random actions.
+    These are quantiles of the optimal policy's return, and the expected return of random actions.
     """
     import numpy as np
 
     from babyrobot_levels.analysis.solver.distribution import return_distribution
-    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 
-    actions, discount = solution.actions, solution.discount
-    best, random = solution.expected_return, None
-    if level.max_steps is not None:
-        best, random = (
-            evaluation_of(level, policy, discount, actions, level.max_steps).expected_return
-            for policy in (solution, RANDOM)
-        )
-    else:
-        with suppress(ArithmeticError):
-            random = evaluation_of(level, RANDOM, actions=actions).expected_return
+    actions = solution.actions
     # Each stands for one in a hundred episodes.
     quantiles = return_distribution(level, solution, actions=actions).quantiles(
         (np.arange(100) + 0.5) / 100
     )
     alike = np.unique(quantiles).size == 1
     return {
-        "expected_return": best,
-        "random_return": random,
+        "random_return": random_return(level, actions),
         "quantiles": quantiles[: 1 if alike else None].tolist(),
     }
+
+
+def random_return(level: Level, actions: str = "all") -> float | None:
+    """Return the expected return of random actions, within the level's time limit.
+
+    It is None where that is undefined, or takes too long to be computed exactly.
+    """
+    from babyrobot_levels.analysis.solver.evaluation import evaluation_of
+
+    if level.max_steps is not None:
+        return _worth(level, RANDOM, actions)
+    with suppress(ArithmeticError):
+        return evaluation_of(level, RANDOM, actions=actions).expected_return
+    return None

@@ -40,6 +40,7 @@ class Line:
 COMMANDS = {
     "new-level": Line("Create", "new_level:new_level", "Write a new level file."),
     "generate": Line("Create", "generate:generate", "Generate many levels."),
+    "edit": Line("Create", "edit:edit", "Edit a level in the browser."),
     "import": Line("Create", "convert:import_level", "Convert a file of another program."),
     "validate": Line("Check", "validate:validate", "Check level files for errors."),
     "lint": Line("Check", "lint:lint", "Check level files for errors and likely mistakes."),

@@ -5,7 +5,8 @@ from __future__ import annotations
 from functools import cache
 from importlib.resources import files
 
-from babyrobot_levels.render.page import embedded_json, script_of
+from babyrobot_levels.edit.contrast import themes
+from babyrobot_levels.render.page import code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 
 PAINTER = (
@@ -22,10 +23,52 @@ PAINTER = (
 )
 """The scripts of the page that the editor shares."""
 
-SCRIPTS = ("editor.js", "stage.js", "text_pane.js", "mount.js")
+SCRIPTS = (
+    "html.js",
+    "spots.js",
+    "tools.js",
+    "editor.js",
+    "answers.js",
+    "stage.js",
+    "marks_layer.js",
+    "overlay.js",
+    "pointer.js",
+    "playing.js",
+    "policy.js",
+    "rail.js",
+    "bar.js",
+    "announce.js",
+    "keys.js",
+    "touch.js",
+    "controls.js",
+    "field_row.js",
+    "inspector.js",
+    "maze.js",
+    "wind.js",
+    "theme.js",
+    "world.js",
+    "findings.js",
+    "yaml_lines.js",
+    "text_pane.js",
+    "dialogs.js",
+    "help.js",
+    "mount.js",
+)
 """Its own scripts, in the order of their dependencies."""
 
-STYLES = ("editor.css", "stage.css", "text_pane.css")
+STYLES = (
+    "editor.css",
+    "stage.css",
+    "answers.css",
+    "marks_layer.css",
+    "playing.css",
+    "inspector.css",
+    "world.css",
+    "findings.css",
+    "text_pane.css",
+    "dialogs.css",
+    "help.css",
+)
 """Its style sheets: of the layout, and of the parts."""
 
 
@@ -33,13 +76,14 @@ STYLES = ("editor.css", "stage.css", "text_pane.css")
 def module() -> str:
     """Return the ES module. It exports `mount(place, connection)`; see `static/mount.js`."""
     own = [static(name) for name in SCRIPTS]
-    return "\n".join([f"const COMMON = {embedded_json(common_data())};", script_of(PAINTER), *own])
+    common = embedded_json({**common_data(), "themes": themes()})
+    return "\n".join([f"const COMMON = {common};", code_of(PAINTER), *own])
 
 
 @cache
 def style() -> str:
-    """Return the style sheet."""
-    return "\n".join(map(static, STYLES))
+    """Return the style sheet: what the page shares of its own, and the editor's."""
+    return "\n".join([code_of(["picture.css"]), *map(static, STYLES)])
 
 
 def static(name: str) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import takewhile
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,8 +70,14 @@ def _step(old: str, new: str) -> Step:
 
 def _common(left: str, right: str) -> int:
     """Return with how many characters both texts begin."""
-    pairs = zip(left, right, strict=False)
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+    least, most = 0, min(len(left), len(right))
+    while least < most:
+        middle = (least + most + 1) // 2
+        if left[least:middle] == right[least:middle]:
+            least = middle
+        else:
+            most = middle - 1
+    return least
 
 
 def _replaced(text: str, step: Step, *, undo: bool) -> str:

@@ -2,39 +2,52 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from pathlib import Path
 
+from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Gesture
+from babyrobot_levels.edit.edited_file import EditedFile
+from babyrobot_levels.edit.fields import fixed
+from babyrobot_levels.edit.gestures import Fix, Gesture
 from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_source
 from babyrobot_levels.lint.registry import select
-from babyrobot_levels.lint.runner import Report, lint_source
+from babyrobot_levels.lint.runner import Report, lint_document, lint_source
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
-from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile
-from babyrobot_levels.text.splice import splice
+from babyrobot_levels.text.source import MAX_BYTES, SourceFile
+from babyrobot_levels.text.splice import spliced
 
 
 class Session:
     """A level text that is edited by gestures and by typing.
 
+    Args:
+        text: the text.
+        name: what it is called where there is no file.
+        file: the file that it is saved to.
+
     Attributes:
-        path: the file that it is saved to; None where there is none yet.
+        file: the file that it is saved to; None where there is none.
+        name: what it is called where there is no file.
         revision: a number that grows with each change of the text.
         level: the level of the text, or of the last text that was valid; None if none was.
+        document: the text that `level` is from, as it was read.
         report: the findings in the text.
+        answers: the optimum of the level.
     """
 
-    def __init__(self, text: str, *, name: str | None = None, path: Path | None = None) -> None:
-        self.path = path
+    def __init__(
+        self, text: str, *, name: str | None = None, file: EditedFile | None = None
+    ) -> None:
+        self.file = file
         self.name = name
         self.revision = 0
         self.level: Level | None = None
+        self.document: Document | None = None
+        self.answers = Answers()
         self._history = History(text)
         self._saved = text
         self._read()
@@ -43,6 +56,16 @@ class Session:
     def text(self) -> str:
         """The text at hand."""
         return self._history.text
+
+    @property
+    def path(self) -> Path | None:
+        """The path of the file, None where there is none."""
+        return None if self.file is None else self.file.path
+
+    @property
+    def source(self) -> SourceFile:
+        """The text, with the name under which messages speak of it."""
+        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
 
     @property
     def is_valid(self) -> bool:
@@ -71,20 +94,35 @@ class Session:
             RefusedError: it cannot be carried out, or the level would not be valid; nothing has
                 changed.
         """
-        if self.report.level is None:
+        if isinstance(gesture, Fix):
+            self._fix(gesture)
+            return
+        document = self.report.document
+        if self.report.level is None or document is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
-        document = read(self._source())
-        draft = Draft(deepcopy(document.data), self.report.level, document)
+        draft = Draft(document, self.report.level)
         change(draft, gesture)
-        data = {name: value for name, value in draft.data.items() if value not in ([], {})}
-        text = splice(self.text, data, list(Level.model_fields))
-        if text is None:
-            text = emit(data)
-        try:
-            load_source(SourceFile(self._source().name, text), self.path)
-        except LevelError as error:
-            raise RefusedError(error.diagnostics[0].message) from None
-        self._change(text)
+        data = draft.result()
+        after = spliced(document, data, [*Level.model_fields])
+        if after is document:
+            return
+        if after is None:
+            after = read(SourceFile(document.source.name, emit(data)))
+        if len(after.source.text.encode()) > MAX_BYTES:
+            raise RefusedError("the text would be larger than the file of a level may be")
+        report = lint_document(after, select(None), self.path)
+        if report.level is None:
+            raise RefusedError(report.diagnostics[0].message)
+        self._history.change(after.source.text)
+        self._take(report)
+
+    def _fix(self, fix: Fix) -> None:
+        text = fixed(self.report, fix)
+        report = lint_source(SourceFile(self.source.name, text), select(None), self.path)
+        if self.is_valid and not report.is_valid:
+            raise RefusedError(f"after this fix, {report.diagnostics[0].message}")
+        self._history.change(text)
+        self._take(report)
 
     def type(self, text: str, *, joined: bool = False) -> None:
         """Replace the text by what was typed; `joined` makes it one step with the change before."""
@@ -100,15 +138,47 @@ class Session:
         self._history.redo()
         self._read()
 
+    def open(self, text: str, name: str) -> None:
+        """Replace the level by another one, which can be undone. The file stays the same."""
+        self._change(text)
+        if self.file is None:
+            self.name, self._saved = name, text
+
+    def save(self, *, force: bool = False) -> None:
+        """Write the text to the file; see `EditedFile.write`.
+
+        Raises:
+            ConflictError: another program has changed the file; `force` overwrites it.
+            RefusedError: there is no file, or it cannot be written.
+        """
+        if self.file is None:
+            raise RefusedError("this level has no file; download it instead")
+        self.file.write(self.text, force=force)
+        self._saved = self.text
+
+    def reload(self) -> None:
+        """Take the text that the file has now, which can be undone.
+
+        Raises:
+            RefusedError: there is no file, or it cannot be read.
+        """
+        if self.file is None:
+            raise RefusedError("this level has no file")
+        self.file.reread()
+        self._change(self.file.text)
+        self._saved = self.text
+
     def _change(self, text: str, *, joined: bool = False) -> None:
         self._history.change(text, joined=joined)
         self._read()
 
-    def _source(self) -> SourceFile:
-        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
-
     def _read(self) -> None:
+        self._take(lint_source(self.source, select(None), self.path))
+
+    def _take(self, report: Report) -> None:
+        """Take the report on the text at hand."""
         self.revision += 1
-        self.report: Report = lint_source(self._source(), select(None), self.path)
+        self.report = report
         if self.report.level is not None:
-            self.level = self.report.level
+            self.level, self.document = self.report.level, self.report.document
+            self.answers.follow(self.level)

@@ -65,7 +65,7 @@ def count_drawn(level: Level, field: str) -> int:
 
 def cell_mark(level: Level, x: int, y: int) -> Mark:
     """Return the position of a cell in the drawing."""
-    row, column = _corner(level)
+    row, column = _corner(level.map or "")
     # A cell takes two lines and four characters, three of which are its own.
     return Mark(row + 2 * y + 1, column + 4 * x + 1, 3)
 
@@ -78,8 +78,25 @@ def side_mark(level: Level, x: int, y: int, side: str) -> Mark:
     return Mark(cell.row + 1, cell.column, cell.length)
 
 
-def _corner(level: Level) -> tuple[int, int]:
-    """Return line and character of the drawing's top-left corner, after blank lines and indent."""
-    rows = [row.rstrip() for row in (level.map or "").split("\n")]
+def marked_at(drawing: str, mark: Mark) -> tuple[int, int, str] | None:
+    """Return the cell of which the drawing shows something at a mark, and which of its sides.
+
+    The side is empty at the cell itself. At a corner of cells there is None.
+    """
+    first, indent = _corner(drawing)
+    row, column = mark.row - first, mark.column - indent
+    (y, is_row), (x, between) = divmod(row, 2), divmod(column, 4)
+    if row < 0 or column < 0 or not (is_row or between):
+        return None
+    if is_row and between:
+        return x, y, ""
+    if is_row:
+        return (x - 1, y, "E") if x else (x, y, "W")
+    return (x, y - 1, "S") if y else (x, y, "N")
+
+
+def _corner(drawing: str) -> tuple[int, int]:
+    """Return line and character of a drawing's top-left corner, after blank lines and indent."""
+    rows = [row.rstrip() for row in drawing.split("\n")]
     first = next((number for number, row in enumerate(rows) if row), 0)
     return first, min((len(row) - len(row.lstrip(" ")) for row in rows if row), default=0)

@@ -19,6 +19,7 @@ from babyrobot_levels.lint.rule import REGISTERED, Rule
 from babyrobot_levels.lint.rules.files import EQUIVALENT_MDP, equivalent_mdp
 from babyrobot_levels.lint.settings import settings_for
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Severity
+from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.reader import read
@@ -33,11 +34,13 @@ class Report:
         source: the text, None if the file could not be read.
         diagnostics: the findings, sorted by position.
         level: the level; None if the text has errors.
+        document: the text as it was read, which gave the level; None if the text has errors.
     """
 
     source: SourceFile | None
     diagnostics: list[Diagnostic]
     level: Level | None = None
+    document: Document | None = None
 
     @property
     def digest(self) -> str | None:
@@ -127,6 +130,12 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
         document = read(source)
     except LevelError as error:
         return Report(source, [*error.diagnostics])
+    return lint_document(document, rules, path)
+
+
+def lint_document(document: Document, rules: Sequence[Rule], path: Path | None = None) -> Report:
+    """Return the errors of a document or, if it has none, the findings; see `lint_source`."""
+    source = document.source
     level, errors = check_document(document, path)
     if not isinstance(level, Level):
         # Rules check levels; a suite only has errors.
@@ -141,7 +150,7 @@ def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = N
         diagnostics = [_diagnostic(rule, finding, context) for finding in rule.check(context)]
         found += [each for each in diagnostics if not _is_suppressed(rule, each, context)]
     found.sort(key=lambda each: (each.line, each.column, each.code))
-    return Report(source, found, level)
+    return Report(source, found, level, document)
 
 
 def equivalent_levels(

@@ -79,6 +79,9 @@ SCRIPTS = (
 )
 """The parts of the page's script, in the order of their dependencies."""
 
+STYLES = ("picture.css", "page.css")
+"""Its style sheets: what the editor shares, and the page's own."""
+
 PLAY_VERSIONS = (1, 2)
 """The versions of play parts that a page reads: 2 is for levels with things or a heading."""
 
@@ -133,8 +136,8 @@ def to_html(
         "max_unpacked": MAX_UNPACKED,
         "dictionary": PLAY_DICTIONARY_1.decode("utf-8"),
     }
-    style = _code("page.css")
-    script = f'"use strict";\n{script_of(SCRIPTS)}'
+    style = code_of(STYLES)
+    script = f'"use strict";\n{code_of(SCRIPTS)}'
     theme = level.resolved_theme
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
@@ -202,8 +205,8 @@ def _static(name: str) -> str:
     return files("babyrobot_levels.render").joinpath("static", name).read_text("utf-8")
 
 
-def script_of(names: Iterable[str]) -> str:
-    """Return scripts of the page as one, without what is only for readers."""
+def code_of(names: Iterable[str]) -> str:
+    """Return scripts or style sheets as one, without what is only for readers."""
     return "\n".join(map(_code, names))
 
 

@@ -336,7 +336,7 @@ def _answers(guide: Guide | None) -> dict[str, Any]:
         return {"policy": None, "best": ""}
     data: dict[str, Any] = {"policy": list(guide.policy), "best": ""}
     if math.isfinite(guide.expected_return):
-        data["best"] = _rounded(guide.expected_return).replace("-", "\N{MINUS SIGN}")
+        data["best"] = rounded(guide.expected_return)
         random = guide.random_return
         data["returns"] = {
             "best": _brief(guide.expected_return),
@@ -346,11 +346,15 @@ def _answers(guide: Guide | None) -> dict[str, Any]:
     return data
 
 
-def _rounded(value: float) -> str:
-    """Return a number with two decimals, or two digits where it is small."""
-    if abs(value) >= 0.1 or abs(value) < 1e-6:
-        return number(value)
-    return np.format_float_positional(value, 2, unique=False, fractional=False, trim="-")
+def rounded(value: float) -> str:
+    """Return a return as text, with two decimals, or two digits where it is small."""
+    if math.isinf(value):
+        text = "-∞" if value < 0 else "∞"
+    elif abs(value) >= 0.1 or abs(value) < 1e-6:
+        text = number(value)
+    else:
+        text = np.format_float_positional(value, 2, unique=False, fractional=False, trim="-")
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def _brief(value: float) -> float | int:

@@ -80,6 +80,21 @@ class Document:
             span = self.span(issue.location)
         return diagnostic_of(issue, span, self.source)
 
+    def mark(self, place: Position) -> Mark | None:
+        """Return which character of the drawing in `map` is at a place of the text.
+
+        None if there is none, or if the drawing is no block of literal text.
+        """
+        node, depth = self.node(("map",))
+        if not node.block or depth < 1:
+            return None
+        span = node.span
+        first = span.start.line + 1
+        if not first <= place.line <= span.end.line:
+            return None
+        column = place.column - self._indent(node, first) - 1
+        return Mark(place.line - first, column, 1) if column >= 0 else None
+
     def _drawing_span(self, mark: Mark) -> Span | None:
         """Return where characters of the drawing are; None if it is no block of literal text."""
         node, depth = self.node(("map",))

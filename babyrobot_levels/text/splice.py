@@ -7,9 +7,10 @@ always stay, those behind a value as long as there is an entry that they can sta
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from difflib import SequenceMatcher
+from itertools import takewhile
 from typing import Any
 
 from babyrobot_levels.text.comments import Comment, comments
@@ -25,26 +26,34 @@ def splice(text: str, data: dict[str, Any], order: Sequence[str]) -> str | None:
 
     What is equal is not touched. New fields are put where `order` wants them.
     """
-    document = _read(text)
-    if document is None:
+    document = _read(SourceFile("", text))
+    after = None if document is None else spliced(document, data, order)
+    if after is None:
         return None
+    return text if after is document else after.source.text
+
+
+def spliced(document: Document, data: dict[str, Any], order: Sequence[str]) -> Document | None:
+    """Return a document with its fields changed to `data`; see `splice`.
+
+    A document that has these fields already is returned itself.
+    """
     if document.data == data:
-        return text
+        return document
     if document.source.line(document.root.span.start.line)[:1] == "{":
         return None
     for is_deep in (True, False):
         splicer = _Splicer(document, is_deep)
         splicer.change_mapping(document.root, data, order, 0)
-        result = splicer.result()
-        check = _read(result)
-        if check is not None and check.data == data:
-            return result
+        after = _read(SourceFile(document.source.name, splicer.result()))
+        if after is not None and after.data == data:
+            return after
     return None
 
 
-def _read(text: str) -> Document | None:
+def _read(source: SourceFile) -> Document | None:
     try:
-        document = read(SourceFile("", text))
+        document = read(source)
     except LevelError:
         return None
     return document if isinstance(document.data, dict) and not document.issues else None
@@ -91,22 +100,20 @@ class _Splicer:
                 self._change_value(name, node.children[name], data[name], place, indent)
         for name in [name for name in order if name in data and name not in node.keys]:
             row = self._place_for(node, name, order)
-            self._changes.append((row, row, self._field(name, data[name], indent)))
+            self._changes.append((row, row, self._new(name, data[name], indent)))
 
     def _change_list(self, node: Node, values: list[Any], indent: int) -> None:
         """Change the entries of a list that stand on lines of their own."""
-        places = [self._lines_of(each, each) for each in _entries(node)]
-        before, after = ([flow(value) for value in entries] for entries in (node.data, values))
-        matcher = SequenceMatcher(None, before, after, autojunk=False)
-        for kind, i, j, k, m in matcher.get_opcodes():
-            if kind == "equal":
-                continue
+        for i, j, k, m in _differences(node.data, values):
             pairs = min(j - i, m - k)
             for old, new in zip(range(i, i + pairs), range(k, k + pairs), strict=True):
-                self._change_value(None, node.children[old], values[new], places[old], indent)
+                place = self._lines_of(node.children[old], node.children[old])
+                self._change_value(None, node.children[old], values[new], place, indent)
             for old in range(i + pairs, j):
-                self._changes.append((*places[old], self._kept(places[old], indent)))
-            row = places[i + pairs - 1][1] if i + pairs else places[0][0]
+                place = self._lines_of(node.children[old], node.children[old])
+                self._changes.append((*place, self._kept(place, indent)))
+            above = node.children[max(i + pairs - 1, 0)]
+            row = self._lines_of(above, above)[1 if i + pairs else 0]
             lines = [line for value in values[k + pairs : m] for line in emit_entry(value, indent)]
             if lines:
                 self._changes.append((row, row, lines))
@@ -115,6 +122,10 @@ class _Splicer:
         self, name: str | None, node: Node, value: Any, place: Lines, indent: int
     ) -> None:
         """Change the value of an entry: a field with its name, or an entry of a list."""
+        if not _is_list_of_mappings(value) and self._is_canonical(name, node, place, indent):
+            # What is now short enough for one line is put on one.
+            self._changes.append((*place, self._new(name, value, indent)))
+            return
         inner = self._indent_of_block(node, place, name is None) if self.is_deep else None
         if inner is not None and type(value) is type(node.data):
             # What hangs on a dash keeps its first field, which shares the line.
@@ -130,7 +141,7 @@ class _Splicer:
         self, name: str | None, node: Node, value: Any, place: Lines, indent: int
     ) -> list[str]:
         """Return the lines of an entry that is written anew, with the comments that it had."""
-        new = emit_entry(value, indent) if name is None else self._field(name, value, indent)
+        new = self._new(name, value, indent)
         span, (first, last) = node.span, place
         fits = len(new) == 1 and last - first == 1
         if fits and span.start.line == span.end.line == first + 1:
@@ -140,8 +151,16 @@ class _Splicer:
             return [old[: span.start.column - 1] + shown + old[span.end.column - 1 :]]
         return [*self._kept(place, indent, behind=True), *new]
 
+    def _is_canonical(self, name: str | None, node: Node, place: Lines, indent: int) -> bool:
+        """Tell whether an entry is laid out in the canonical way, without any comment."""
+        lines = self.document.source.lines[slice(*place)]
+        return [*lines] == self._new(name, node.data, indent)
+
     @staticmethod
-    def _field(name: str, value: Any, indent: int) -> list[str]:
+    def _new(name: str | None, value: Any, indent: int) -> list[str]:
+        """Return the lines of an entry of a list or, with a name, of a field."""
+        if name is None:
+            return emit_entry(value, indent)
         return [
             (" " * indent + line) if line else "" for line in emit_field(name, value).splitlines()
         ]
@@ -203,6 +222,28 @@ class _Splicer:
         if lines:
             return max(last for _, last in lines)
         return min(key.span.start.line - 1 for key in node.keys.values())
+
+
+def _is_list_of_mappings(value: Any) -> bool:
+    return isinstance(value, list) and any(isinstance(each, dict) for each in value)
+
+
+def _differences(before: list[Any], after: list[Any]) -> Iterator[tuple[int, int, int, int]]:
+    """Yield where entries become others: `before[i:j]` becomes `after[k:m]`."""
+    # Most changes are in one place of a list that may be long.
+    same = sum(1 for _ in takewhile(_is_pair, zip(before, after, strict=False)))
+    rest = zip(reversed(before[same:]), reversed(after[same:]), strict=False)
+    last = sum(1 for _ in takewhile(_is_pair, rest))
+    texts = (map(flow, values[same : len(values) - last]) for values in (before, after))
+    matcher = SequenceMatcher(None, *map(list, texts), autojunk=False)
+    for kind, *numbers in matcher.get_opcodes():
+        if kind != "equal":
+            i, j, k, m = (same + number for number in numbers)
+            yield i, j, k, m
+
+
+def _is_pair(values: tuple[Any, Any]) -> bool:
+    return bool(values[0] == values[1])
 
 
 def _entries(node: Node) -> list[Node]:

@@ -3,10 +3,17 @@
 /**
  * The state of one editor. Its parts get it when they are made, and listen:
  *
- * - "state": another state came from Python (see `edit/state.py`);
+ * - "state": another state came from Python (see `edit/state.py`); `game` and `picture` are drawn;
  * - "cursor": the cell, and the side, at which the keyboard works;
  * - "selection": what is selected: the entry of `state.places`, or null;
- * - "tool", "mode": another tool or mode ("edit", "play", "policy") was chosen;
+ * - "caret": where the caret of the text was asked to go;
+ * - "tool": another tool, other `options` of it, or other `modifiers` were chosen;
+ * - "mode": another mode ("edit", "play", "policy") was chosen;
+ * - "zoom": the picture has another size in the window;
+ * - "panel": another panel is to be shown: the name of its class;
+ * - "done": Python did what `done`, a message, asked for;
+ * - "look": what is in the cell of the cursor is to be told;
+ * - "help": the list of keys and gestures is to be shown;
  * - "said": a message for people.
  */
 class Editor {
@@ -15,8 +22,13 @@ class Editor {
     this.state = null;
     this.cursor = { cell: [0, 0], side: null };
     this.selection = null;
+    this.caret = null;
     this.tool = "walls";
+    this.options = structuredClone(DEFAULT_OPTIONS);
+    this.modifiers = { rectangle: false, fill: false };
     this.mode = "edit";
+    this.panel = "inspector";
+    this.done = null;
     this.listeners = new Map();
     this.last = Promise.resolve();
     this.count = 0;
@@ -36,6 +48,28 @@ class Editor {
     this.tell(event);
   }
 
+  /** Choose a tool; what is given of its options replaces those at hand. */
+  choose(tool, options = {}) {
+    const own = { ...this.options[tool], ...options };
+    this.set("tool", { tool, options: Object.keys(own).length > 0 ? { ...this.options, [tool]: own } : this.options });
+  }
+
+  /** Switch what changes brushes on, which switches the others off, or off. */
+  toggle(name) {
+    const others = Object.fromEntries(Object.keys(this.modifiers).map((each) => [each, false]));
+    this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });
+  }
+
+  /** Select an entry of `state.places`; null selects the level itself. */
+  select(selection) {
+    this.set("selection", { selection });
+  }
+
+  /** Remove what is selected. */
+  removeSelected() {
+    if (this.selection !== null) this.send({ do: "remove", route: this.selection.route });
+  }
+
   /** Show a message for people; screen readers read it out. */
   say(message, kind = "") {
     this.set("said", { said: message, saidKind: kind });
@@ -48,10 +82,19 @@ class Editor {
       const revision = this.state?.revision;
       const reply = await this.connection.send({ id: this.count, revision, ...message });
       if (reply.error !== undefined) this.say(reply.error, "refused");
-      if (reply.state !== undefined) this.set("state", { state: reply.state });
+      if (reply.state !== undefined) this.show(reply.state);
+      if (reply.error === undefined) this.set("done", { done: message });
       return reply;
     });
     this.last = sent.catch((error) => this.say(String(error.message ?? error), "refused"));
     return sent;
+  }
+
+  /** Show another state; what was selected stays so if it is still there. */
+  show(state) {
+    const { selection } = this;
+    this.set("state", { state });
+    if (selection === null) return;
+    this.select((state.places ?? []).find((each) => each.kind === selection.kind && sameRoute(each, selection)) ?? null);
   }
 }

@@ -1,21 +1,45 @@
 // The editor in a place of a document: a shadow root, so that styles neither leave nor enter it.
 
 const LAYOUT = `
-<div class="editor">
-<header class="bar"></header>
-<nav class="tools" role="toolbar" aria-label="Tools"></nav>
+<div class="editor" data-mode="edit">
+<header class="bar" data-part="bar">
+<div class="title"></div>
+<div class="modes choices" role="group" aria-label="Mode"></div>
+<div class="history" role="group" aria-label="History"></div>
+<div class="files" role="group" aria-label="File"></div>
+</header>
+<div class="tools" data-part="tools" role="toolbar" aria-label="Tools" aria-orientation="vertical"></div>
+<main class="board">
+<div class="options"></div>
 <div class="view">
-<div class="stage" tabindex="0" role="application" aria-roledescription="level"></div>
-<p class="said" role="status" aria-live="polite"></p>
+<div class="stage" data-part="stage" tabindex="0" role="application" aria-roledescription="level editor" aria-label="Level"></div>
+<svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
+<p class="notice"></p>
 </div>
-<aside class="panels">
+<div class="playing" hidden></div>
+<div class="policy" hidden></div>
+<div class="below">
+<p class="said" role="status" aria-live="polite"></p>
+<p class="spoken unseen" role="status" aria-live="polite"></p>
+<div class="zoom" role="group" aria-label="Zoom"></div>
+</div>
+</main>
+<aside class="panels" data-part="panels">
 <section class="answers"></section>
-<section class="inspector"></section>
-<section class="findings"></section>
-<section class="file"><textarea class="text" spellcheck="false" aria-label="Level file"></textarea></section>
+<div class="tabs" role="tablist" aria-label="Panels"></div>
+<section class="inspector" data-tab="Selection"></section>
+<section class="world" data-tab="Level"></section>
+<section class="findings" data-tab="Findings"></section>
+<section class="file" data-tab="Text"></section>
 </aside>
 </div>
 `;
+
+const ZOOMS = [
+  ["Zoom out", "M6 12h12", (view) => view.zoomTo(view.zoom / ZOOM_STEP)],
+  ["Show the whole level", "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5", (view) => view.fit()],
+  ["Zoom in", "M6 12h12M12 6v12", (view) => view.zoomTo(view.zoom * ZOOM_STEP)],
+];
 
 /**
  * Show an editor in an element.
@@ -30,9 +54,32 @@ export function mount(place, connection, style = "") {
   root.innerHTML = LAYOUT;
   const find = (name) => root.querySelector(`.${name}`);
   const editor = new Editor(connection);
-  new Stage(editor, find("stage"));
-  new TextPane(editor, find("text"));
-  editor.on("said", () => (find("said").textContent = editor.said));
+  new Answers(editor, find("answers"));
+  const stage = new Stage(editor, find("stage"), find("map"), find("notice"));
+  new MarksOverlay(editor, find("view"));
+  const overlay = new Overlay(editor, stage);
+  editor.pointer = new Pointer(editor, stage, overlay);
+  new Touch(stage, editor.pointer);
+  new Announcer(editor, find("spoken"));
+  new Playing(editor, find("playing"));
+  new PolicyDrawing(editor, find("policy"));
+  new Rail(editor, find("tools"));
+  new Options(editor, find("options"));
+  new Bar(editor, { title: find("title"), modes: find("modes"), history: find("history") });
+  new Panels(editor, find("tabs"), find("panels"));
+  find("zoom").append(...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))));
+  new Inspector(editor, find("inspector"));
+  new World(editor, find("world"));
+  new Findings(editor, find("findings"));
+  new TextPane(editor, find("file"));
+  new FileButtons(editor, find("files"), find("editor"));
+  new Help(editor, find("files"), find("editor"), new Keyboard(editor, root, overlay));
+  editor.on("said", () => {
+    find("said").textContent = editor.said;
+    find("said").dataset.kind = editor.saidKind;
+  });
+  editor.on("state", () => (find("editor").dataset.revision = editor.state.revision));
+  editor.on("mode", () => (find("editor").dataset.mode = editor.mode));
   editor.send({ do: "state" });
   return editor;
 }

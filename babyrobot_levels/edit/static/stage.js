@@ -1,36 +1,91 @@
-// The stage: the picture of the level, and which cell or side a point of the window is at.
+// The stage: the picture of the level, which keeps its zoom while the level changes.
 
+/** A view that follows the robot only while one plays, and keeps its part of the picture. */
+class StageView extends View {
+  constructor(editor, stage, map) {
+    super(stage, map);
+    this.editor = editor;
+  }
+
+  show(svg, exits) {
+    const { stage, size, svg: before, zoom } = this;
+    const scale = before && before.getBoundingClientRect().width / size[0];
+    const { scrollLeft, scrollTop } = stage;
+    super.show(svg, exits);
+    if (!before) return;
+    // The cells keep their size on the screen if a part is seen, and else the whole is.
+    this.zoomTo(zoom === 1 ? 1 : (scale * this.size[0]) / this.fittingWidth());
+    stage.scrollTo(scrollLeft, scrollTop);
+  }
+
+  zoomTo(...args) {
+    super.zoomTo(...args);
+    if (this.svg === this.editor.picture?.svg) this.editor.tell("zoom");
+  }
+
+  follow(isGliding) {
+    if (this.editor.mode === "play") super.follow(isGliding);
+    else this.drawMap();
+  }
+}
+
+/** The picture of the state at hand: `editor.game` and `editor.picture`, drawn anew for each. */
 class Stage {
-  constructor(editor, place) {
+  constructor(editor, place, map, notice) {
     this.editor = editor;
     this.place = place;
+    this.notice = notice;
+    this.view = new StageView(editor, place, map);
+    editor.stage = this;
     editor.on("state", () => this.show());
-    place.addEventListener("pointerdown", (event) => {
-      const { cell } = this.spotAt(event);
-      if (cell !== null) editor.send({ do: "paint", brush: "small", cells: [cell] });
-    });
   }
 
   show() {
-    const { level } = this.editor.state;
-    this.place.classList.toggle("dimmed", !this.editor.state.is_valid);
-    if (level === null) return;
-    this.game = new Game(level);
-    this.svg = levelPicture(level);
-    this.place.replaceChildren(this.svg);
+    const { level, is_valid, too_large } = this.editor.state;
+    this.place.classList.toggle("dimmed", !is_valid);
+    this.notice.textContent = too_large ?? (level === null ? "There is no picture: the text is not a valid level." : "");
+    if (level === null) {
+      this.place.replaceChildren();
+      Object.assign(this.editor, { game: null, picture: null });
+      return;
+    }
+    const svg = levelPicture(level, this.symbols(level.robot));
+    const game = new Game(level);
+    this.layers = element("g", { class: "layers" });
+    svg.append(this.layers);
+    this.editor.game = game;
+    this.editor.picture = new Picture(game, svg, this.view);
+    this.editor.picture.stand();
   }
 
-  /** Return the cell at a point of the window, and the nearest side of it. */
-  spotAt({ clientX, clientY }) {
-    const { left, top, width } = this.svg.getBoundingClientRect();
-    const { width: columns, height: rows, margin } = this.game.data;
-    const scale = this.svg.viewBox.baseVal.width / width;
-    const [x, y] = [clientX - left, clientY - top].map((at) => (scale * at - margin) / COMMON.cell);
-    const cell = [Math.floor(x), Math.floor(y)];
-    const isInside = cell[0] >= 0 && cell[1] >= 0 && cell[0] < columns && cell[1] < rows;
-    const [dx, dy] = [x - cell[0], y - cell[1]];
-    const distances = { N: dy, E: 1 - dx, S: 1 - dy, W: dx };
-    const side = "NESW".split("").reduce((best, each) => (distances[each] < distances[best] ? each : best));
-    return { cell: isInside ? cell : null, side, distance: distances[side] };
+  /** Return the robot's symbols: those of the last picture if its colours are the same. */
+  symbols(robot) {
+    const colors = robot.join();
+    if (this.robot?.colors !== colors) this.robot = { colors, symbols: sprites(robot) };
+    return this.robot.symbols;
+  }
+
+  /** Return the group of a name above the picture, empty in every new picture. */
+  layer(name) {
+    return this.layers.querySelector(`:scope > .${name}`) ?? this.layers.appendChild(element("g", { class: name }));
+  }
+
+  /** Return how many units of the picture a pixel of the window has. */
+  get unit() {
+    const { svg } = this.view;
+    return svg.viewBox.baseVal.width / svg.getBoundingClientRect().width;
+  }
+
+  /** Return a point of the window as a point in cells. */
+  pointAt({ clientX, clientY }) {
+    const { left, top } = this.view.svg.getBoundingClientRect();
+    const { margin } = this.editor.game.data;
+    return [clientX - left, clientY - top].map((pixels) => (this.unit * pixels - margin) / COMMON.cell);
+  }
+
+  /** Return the spot at a point of the window. */
+  spotAt(event) {
+    const { width, height } = this.editor.game.data;
+    return spotAt(this.pointAt(event), [width, height], event.pointerType === "touch" ? FINGER_REACH : REACH);
   }
 }

@@ -1,12 +1,268 @@
-// The text beside the picture.
+// The text of the level: typed, and marked where findings and what is selected are.
+const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.
+const TYPING_STEP = 1000; // Milliseconds without typing between two steps to undo.
+const MOST_COLORED = 200000; // Characters of a text that is coloured.
+const TEXT_INDENT = "  ";
 
+/**
+ * A text area without a colour of its own, over a mirror of its lines that has the colours and
+ * marks. Both are as large as the text; what is around them scrolls.
+ */
 class TextPane {
-  constructor(editor, area) {
+  constructor(editor, place) {
     this.editor = editor;
-    this.area = area;
-    editor.on("state", () => {
-      if (area.value !== editor.state.text) area.value = editor.state.text;
+    this.shown = []; // What each line of the mirror was made of.
+    this.timer = null;
+    this.sending = 0;
+    this.typedAt = 0;
+    this.isJoined = false;
+    this.revision = null; // That which came of what was typed last.
+    this.leaves = false; // Whether Tab leaves the area, as it does after Escape.
+    this.note = html("p", { class: "at-caret", id: "at-caret" });
+    this.mirror = html("div", { class: "mirror", "aria-hidden": "true" });
+    this.area = html("textarea", {
+      class: "text",
+      wrap: "off",
+      spellcheck: "false",
+      autocapitalize: "off",
+      autocomplete: "off",
+      "aria-label": "Level file",
+      "aria-describedby": "at-caret",
     });
-    area.addEventListener("input", () => editor.send({ do: "text", text: area.value }));
+    this.pane = html("div", { class: "pane" }, html("div", { class: "paper" }, this.mirror, this.area));
+    place.append(this.pane, this.note);
+    editor.on("state", () => this.show());
+    editor.on("selection", () => {
+      this.paint(false);
+      this.choose();
+    });
+    editor.on("caret", () => this.goTo(editor.caret));
+    this.listen();
   }
+
+  listen() {
+    const { area } = this;
+    area.addEventListener("input", () => this.typed());
+    area.addEventListener("blur", () => this.flush());
+    area.addEventListener("keydown", (event) => this.press(event));
+    area.addEventListener("beforeinput", (event) => {
+      const asked = { historyUndo: "undo", historyRedo: "redo" }[event.inputType];
+      if (asked === undefined) return;
+      event.preventDefault();
+      this.ask(asked);
+    });
+    for (const name of ["keyup", "click"]) area.addEventListener(name, () => this.showCaret());
+    area.addEventListener("pointermove", ({ clientX, clientY }) => {
+      const below = area.getRootNode().elementsFromPoint(clientX, clientY);
+      const line = below.find((each) => each.classList.contains("line"));
+      const number = line === undefined ? 0 : [...this.mirror.children].indexOf(line) + 1;
+      area.title = this.findingsAt(number).map(({ message }) => message).join("\n");
+    });
+  }
+
+  // -- the state ---------------------------------------------------------------------------------
+
+  show() {
+    if (this.timer !== null || this.sending > 0) return; // What is typed is newer.
+    const { text: changed } = this.editor.state;
+    if (this.area.value !== changed) this.replace(changed);
+    this.paint(true);
+    this.choose(false);
+    this.tellFinding();
+  }
+
+  /** What is selected. Its lines are those of the last valid text, so an invalid one has none. */
+  get selection() {
+    return this.editor.state?.is_valid ? this.editor.selection : null;
+  }
+
+  /** Show another text; the caret stays where it is in what is the same. */
+  replace(changed) {
+    const { area } = this;
+    const { value } = area;
+    let first = 0;
+    while (first < value.length && value[first] === changed[first]) first += 1;
+    let same = 0;
+    const most = Math.min(value.length, changed.length) - first;
+    while (same < most && value.at(-1 - same) === changed.at(-1 - same)) same += 1;
+    const last = changed.length - same;
+    area.setRangeText(changed.slice(first, last), first, value.length - same, "preserve");
+    if (area.matches(":focus")) {
+      area.setSelectionRange(last, last);
+      this.scrollTo(lineAt(changed, last));
+    }
+  }
+
+  /** Bring the mirror up to date; the lines that changed by a gesture light up. */
+  paint(isFresh) {
+    const { value } = this.area;
+    const lines = value.split("\n");
+    const marks = new Map();
+    for (const finding of this.editor.state?.findings ?? []) {
+      const here = marks.get(finding.line) ?? [];
+      marks.set(finding.line, [...here, markOf(finding, lines)]);
+    }
+    // Of a drawing, the characters of what is selected are marked.
+    const { lines: [top, bottom] = [], columns: [left, right] = [] } = this.selection ?? {};
+    for (let number = left === undefined ? Infinity : top; number <= bottom; number += 1) {
+      marks.set(number, [...(marks.get(number) ?? []), { from: left - 1, to: right, kind: "part" }]);
+    }
+    const plain = value.length > MOST_COLORED ? lines.map(() => true) : plainLines(lines);
+    const keys = lines.map((line, index) =>
+      `${Number(plain[index])}${JSON.stringify(marks.get(index + 1) ?? "")}${line}`);
+    const most = Math.min(keys.length, this.shown.length);
+    let first = 0;
+    while (first < most && keys[first] === this.shown[first]) first += 1;
+    let same = 0;
+    while (same < most - first && keys.at(-1 - same) === this.shown.at(-1 - same)) same += 1;
+    const old = [...this.mirror.children].slice(first, this.shown.length - same);
+    const next = this.mirror.children[this.shown.length - same] ?? null;
+    const made = lines.slice(first, lines.length - same).map((line, index) => {
+      const number = first + index + 1;
+      const here = marks.get(number) ?? [];
+      const shown = lineElement(line, here, plain[number - 1]);
+      const isNew = isFresh && this.shown.length > 0 && line !== old[index]?.textContent.slice(0, -1);
+      shown.classList.toggle("fresh", isNew);
+      for (const { kind } of here) shown.classList.add(...kind.split(" "));
+      return shown;
+    });
+    for (const each of old) each.remove();
+    for (const each of made) this.mirror.insertBefore(each, next);
+    this.shown = keys;
+    this.mirror.style.setProperty("--digits", String(lines.length).length);
+    this.area.setAttribute("aria-invalid", String(this.editor.state?.is_valid === false));
+  }
+
+  /** Mark the lines of what is selected, and scroll to them. */
+  choose(scrolls = true) {
+    const { lines: [first, last] = [] } = this.selection ?? {};
+    [...this.mirror.children].forEach((line, index) =>
+      line.classList.toggle("chosen", first <= index + 1 && index + 1 <= last));
+    if (scrolls && first !== undefined && !this.area.matches(":focus")) this.scrollTo(first);
+  }
+
+  /** Scroll so that a line can be seen, and nothing but the pane. */
+  scrollTo(number) {
+    const line = this.mirror.children[number - 1];
+    if (line === undefined) return;
+    const { pane } = this;
+    const [top, bottom] = [line.offsetTop, line.offsetTop + line.offsetHeight];
+    const margin = 2 * line.offsetHeight;
+    if (top < pane.scrollTop + margin || bottom > pane.scrollTop + pane.clientHeight - margin) {
+      pane.scrollTop = top - pane.clientHeight / 3;
+    }
+  }
+
+  /** Put the caret at a place of the text. */
+  goTo({ line, column }) {
+    const lines = this.area.value.split("\n");
+    const before = lines.slice(0, line - 1).reduce((total, each) => total + each.length + 1, 0);
+    const at = before + [...(lines[line - 1] ?? "")].slice(0, column - 1).join("").length;
+    this.area.focus({ preventScroll: true });
+    this.area.setSelectionRange(at, at);
+    this.scrollTo(line);
+    this.showCaret();
+  }
+
+  // -- the caret ---------------------------------------------------------------------------------
+
+  /** Select in the picture what the line of the caret is about. */
+  showCaret() {
+    this.tellFinding();
+    const { state, selection } = this.editor;
+    if (this.timer !== null || this.sending > 0 || !state.is_valid) return;
+    const place = this.placeAt(this.area.value, this.area.selectionStart);
+    if (place !== selection) this.editor.select(place);
+  }
+
+  /** Return the entry that a place of the text is about: of several, that with the fewest lines. */
+  placeAt(content, at) {
+    const number = lineAt(content, at);
+    const column = [...content.slice(content.lastIndexOf("\n", at - 1) + 1, at)].length + 1;
+    const isIn = (place, [first, last]) => first <= place && place <= last;
+    const here = (this.editor.state.places ?? []).filter(({ lines, columns }) =>
+      isIn(number, lines) && (columns === undefined || isIn(column, columns)));
+    const size = ({ lines: [first, last] }) => last - first;
+    return here.reduce((best, each) => (best === null || size(each) < size(best) ? each : best), null);
+  }
+
+  findingsAt(number) {
+    return (this.editor.state?.findings ?? []).filter(({ line }) => line === number);
+  }
+
+  /** Say below the text what was found in the line of the caret. */
+  tellFinding() {
+    const number = lineAt(this.area.value, this.area.selectionStart);
+    const [found] = this.area.matches(":focus") ? this.findingsAt(number) : [];
+    const told = found === undefined ? "" : `Line ${number}: ${found.message} (${found.code})`;
+    this.note.replaceChildren(...prose(told));
+    this.note.dataset.severity = found?.severity ?? "";
+  }
+
+  // -- typing ------------------------------------------------------------------------------------
+
+  typed() {
+    if (this.timer === null) this.isJoined = Date.now() - this.typedAt < TYPING_STEP;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.flush(), TYPING_PAUSE);
+    this.typedAt = Date.now();
+    this.paint(false);
+  }
+
+  /** Send what was typed. */
+  async flush() {
+    if (this.timer === null) return;
+    clearTimeout(this.timer);
+    this.timer = null;
+    const { editor, area } = this;
+    const isOurs = this.sending > 0 || this.revision === editor.state.revision;
+    this.sending += 1;
+    try {
+      const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
+      this.revision = state.revision;
+    } finally {
+      this.sending -= 1;
+    }
+    this.show();
+    this.showCaret();
+  }
+
+  ask(what) {
+    this.flush();
+    this.typedAt = 0;
+    this.editor.send({ do: what });
+  }
+
+  press(event) {
+    const { key, shiftKey, altKey } = event;
+    const isCommand = event.ctrlKey || event.metaKey;
+    const isLeaving = this.leaves;
+    this.leaves = key === "Escape";
+    if (isCommand) this.flush(); // What commands are about has been typed.
+    if (isCommand && !altKey && "zy".includes(key.toLowerCase())) {
+      this.ask(key.toLowerCase() === "y" || shiftKey ? "redo" : "undo");
+    } else if (key === "Tab" && !isCommand && !altKey && !shiftKey && !isLeaving) {
+      this.insert(TEXT_INDENT);
+    } else if (key === "Enter" && !isCommand && !altKey) {
+      const { value, selectionStart } = this.area;
+      const line = value.slice(value.lastIndexOf("\n", selectionStart - 1) + 1, selectionStart);
+      this.insert(`\n${/^ */.exec(line)[0]}`);
+    } else {
+      return;
+    }
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  insert(typed) {
+    const { area } = this;
+    area.setRangeText(typed, area.selectionStart, area.selectionEnd, "end");
+    this.typed();
+    this.scrollTo(lineAt(area.value, area.selectionStart));
+  }
+}
+
+/** Return the number of the line of a place in a text. */
+function lineAt(content, place) {
+  return content.slice(0, place).split("\n").length;
 }

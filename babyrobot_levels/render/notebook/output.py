@@ -17,14 +17,15 @@ from babyrobot_levels.render.notebook.bundle import HTML, TEXT, Bundle
 
 _STYLE = """\
 <style class="{name}">
-.jp-OutputArea:has(canvas.{name}) .jp-OutputArea-child:has(style.{name}) + .jp-OutputArea-child,
-body:has(canvas.{name}) svg.{name},
+.jp-OutputArea:has(:is(canvas, div).{name}) .jp-OutputArea-child:has(style.{name})\
+ + .jp-OutputArea-child,
+body:has(:is(canvas, div).{name}) svg.{name},
 .jp-OutputArea-child:has(style.{name}) + * + .jp-OutputArea-child:has(> .lm-Panel:last-child)\
 :not(:has(> .lm-Panel > *)),
 .jp-OutputArea-child:has(style.{name}) {{ display: none }}
 </style>"""
-"""Hides the picture if the widget's canvas is shown: in JupyterLab and Notebook its whole output,
-elsewhere its SVG. Hides a widget's output that contains only an error, and itself."""
+"""Hides the picture if the widget's canvas or element is shown: in JupyterLab and Notebook its
+whole output, elsewhere its SVG. Hides a widget's output that contains only an error, and itself."""
 
 
 def display_bundle(bundle: Bundle) -> DisplayHandle:
@@ -89,5 +90,24 @@ class HiddenOutput(CellOutput):
     """
 
     def __init__(self, still: Callable[[], Bundle], name: str) -> None:
-        display_bundle({HTML: _STYLE.format(name=name), TEXT: ""})
+        _hide_beside(name)
         super().__init__(still)
+
+
+class StandIn(Output):
+    """A picture that is shown only if the widget that is displayed after it is not.
+
+    It is updated at once, also between cells.
+
+    Args:
+        still: returns the picture as it is now.
+        name: the CSS class of the widget's view, and of the picture.
+    """
+
+    def __init__(self, still: Callable[[], Bundle], name: str) -> None:
+        _hide_beside(name)
+        super().__init__(still)
+
+
+def _hide_beside(name: str) -> None:
+    display_bundle({HTML: _STYLE.format(name=name), TEXT: ""})

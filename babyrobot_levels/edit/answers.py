@@ -1,0 +1,242 @@
+"""The optimum of the level that is edited: what it is, and what the last change made of it.
+
+A level is solved as it changes if that is quick. Else the editor asks for it when nothing else is
+to be done.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+from time import thread_time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from babyrobot_levels.analysis.pictures import random_return, solution_guide
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.reachability import reach_of
+from babyrobot_levels.mdp.states import initial_configuration
+from babyrobot_levels.render.page_data import (
+    Guide,
+    TooLargeError,
+    page_data,
+    rounded,
+    without_panels,
+)
+
+if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.results import Evaluation
+
+Cell = tuple[int, int]
+
+BUDGET = 0.1
+"""How long a gesture may wait for the optimum, in seconds."""
+
+_USUAL_TIME = 5e-5
+"""How long a state takes to be solved and shown, in seconds, before that was measured."""
+
+_LEAST_MEASURED = 200
+"""The least number of states of a level whose time is measured."""
+
+_SEEN, _SEEN_SHARE = 0.005, 0.01
+"""A value is another one if it differs by this much, or by this share of the largest one."""
+
+_MOST_NAMED = 3
+"""How many cells a reason names."""
+
+
+@dataclass(frozen=True, eq=False)
+class Optimum:
+    """A level with its solution.
+
+    Attributes:
+        level: the level.
+        guide: its solution; None if it has none.
+        reason: why it has none, or why its return is infinite; empty for neither.
+    """
+
+    level: Level
+    guide: Guide | None
+    reason: str
+
+    @cached_property
+    def page(self) -> dict[str, Any]:
+        """What a page knows about the level, with its values and optimal actions."""
+        return page_data(self.level, guide=self.guide)
+
+    @cached_property
+    def values(self) -> dict[Cell, float]:
+        """The values of the cells, where episodes begin."""
+        if self.guide is None:
+            return {}
+        level = self.level
+        overlay = self.guide.overlay.at(initial_configuration(level) if level.has_things else None)
+        return {
+            (x, y): value
+            for y, row in enumerate(overlay.values or ())
+            for x, value in enumerate(row)
+            if value is not None
+        }
+
+    @cached_property
+    def random_return(self) -> float | None:
+        """The expected return of random actions; None where there is none."""
+        return random_return(self.level)
+
+
+class Answers:
+    """Solves one level after the other, as they are edited.
+
+    Attributes:
+        level: the level at hand; None before the first one. Its maze has a seed.
+        optimum: its solution; None while it is not known.
+        before: the solution of the level before; None if it was not known.
+        unreachable: the cells `[x, y]` of the level at hand in which no episode can ever be.
+    """
+
+    def __init__(self) -> None:
+        self.level: Level | None = None
+        self.optimum: Optimum | None = None
+        self.before: Optimum | None = None
+        self.unreachable: list[list[int]] = []
+        self._page: dict[str, Any] | None = None
+        self._time_of_state = _USUAL_TIME
+        self._is_first = True
+        self._solving = Lock()
+
+    def follow(self, level: Level) -> None:
+        """Go on to another level, and solve it if that is quick."""
+        self.before, self.optimum, self._page = self.optimum, None, None
+        self.level = level.with_maze_seed(0) if level.has_random_maze else level
+        self.unreachable = []
+        if level.has_random_maze:
+            reason = "each episode has another maze, so there is no single optimal policy"
+            self.optimum = Optimum(self.level, None, reason)
+            return
+        try:
+            without_panels(level)
+        except TooLargeError as error:
+            self.optimum = Optimum(level, None, str(error))
+            return
+        self.unreachable = unreachable(level)
+        if level.compile().num_states * self._time_of_state <= BUDGET:
+            self.optimum = self._solved(level)
+
+    def catch_up(self) -> None:
+        """Solve the level at hand, however long that takes, unless another one takes its place."""
+        with self._solving:
+            level = self.level
+            if level is None or self.optimum is not None:
+                return
+            optimum = self._solved(level)
+            if level is self.level:
+                self.optimum = optimum
+
+    def _solved(self, level: Level) -> Optimum:
+        began = thread_time()
+        optimum = solved(level)
+        _ = optimum.page
+        states = level.compile().num_states
+        # Small levels tell nothing of larger ones, nor does what the first one loads.
+        if states >= _LEAST_MEASURED and not self._is_first:
+            self._time_of_state = (self._time_of_state + (thread_time() - began) / states) / 2
+        self._is_first = False
+        return optimum
+
+    def page(self) -> dict[str, Any] | None:
+        """Return what a page knows about the level at hand; None before the first one.
+
+        Raises:
+            TooLargeError: the level is too large for a page.
+        """
+        if self.optimum is not None:
+            return self.optimum.page
+        if self._page is None and self.level is not None:
+            self._page = page_data(self.level)
+        return self._page
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return what the editor tells of the optimum.
+
+        The keys: `status` (`"done"`; `"pending"` while it is not known; `"none"` where there is
+        none); `best`, the optimal policy's expected return from the starts within `max_steps`, and
+        `before`, that of the level before (None where unknown or infinite); `best_text`; `changed`,
+        the cells `[x, y]` whose value is another one than before; `reason`, why there is no return,
+        or why it is infinite.
+        """
+        optimum = self.optimum
+        if optimum is None or optimum.guide is None:
+            status = "pending" if optimum is None and self.level is not None else "none"
+            reason = optimum.reason if optimum is not None else ""
+            return {
+                "status": status,
+                "best": None,
+                "best_text": "",
+                "before": None,
+                "changed": [],
+                "reason": reason,
+            }
+        guide, before = optimum.guide, self.before.guide if self.before is not None else None
+        best = guide.expected_return
+        return {
+            "status": "done",
+            "best": finite(best),
+            "best_text": rounded(best),
+            "before": finite(before.expected_return) if before is not None else None,
+            "changed": [[*cell] for cell in self._changed()],
+            "reason": optimum.reason,
+        }
+
+    def _changed(self) -> list[Cell]:
+        """Return the cells whose value is another one than before."""
+        if self.optimum is None or self.before is None:
+            return []
+        now, before = self.optimum.values, self.before.values
+        if self.optimum.level.size != self.before.level.size:
+            return []
+        largest = max((abs(value) for value in now.values() if math.isfinite(value)), default=0.0)
+        least = min(_SEEN, _SEEN_SHARE * largest)
+        return [
+            cell
+            for cell, value in now.items()
+            if value != before.get(cell, value) and not abs(value - before[cell]) < least
+        ]
+
+
+def solved(level: Level) -> Optimum:
+    """Solve a level."""
+    from babyrobot_levels.analysis.solver.optimum import solve
+
+    try:
+        solution = solve(level)
+    except ArithmeticError as error:
+        return Optimum(level, None, str(error))
+    return Optimum(level, solution_guide(level, solution), endless(solution))
+
+
+def unreachable(level: Level) -> list[list[int]]:
+    """Return the cells `[x, y]` in which no episode can ever be, but for blocked ones."""
+    mdp = level.compile()
+    steps = np.array(reach_of(level, mdp).steps).reshape(-1, mdp.height, mdp.width)
+    missed = (steps < 0).all(axis=0) & ~level.grid().blocked
+    cells: list[list[int]] = np.argwhere(missed)[:, ::-1].tolist()
+    return cells
+
+
+def endless(found: Evaluation) -> str:
+    """Return why an expected return is infinite, as a sentence; empty if it is finite."""
+    if math.isfinite(found.expected_return):
+        return ""
+    cells = found.diverging_cells
+    named = ", ".join(f"[{x}, {y}]" for x, y in cells[:_MOST_NAMED])
+    more = ", …" if len(cells) > _MOST_NAMED else ""
+    sums = "rewards" if found.expected_return > 0 else "costs"
+    return f"an episode may go on for ever around {named}{more}, where {sums} add up without bound"
+
+
+def finite(number: float) -> float | None:
+    """Return a number; None if it is infinite or undefined, which JSON has no word for."""
+    return number if math.isfinite(number) else None

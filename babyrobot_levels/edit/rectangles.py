@@ -1,0 +1,141 @@
+"""Rectangles of cells: entries of `blocked` and `areas` put together, cut, and taken apart."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any, NamedTuple
+
+from babyrobot_levels.language.geometry import Cell
+from babyrobot_levels.language.runs import rectangles
+
+Entry = dict[str, Any]
+
+
+class Box(NamedTuple):
+    """A rectangle of cells."""
+
+    x: int
+    y: int
+    columns: int
+    rows: int
+
+    @classmethod
+    def of(cls, entry: Entry) -> Box:
+        """Return the rectangle of an entry."""
+        (x, y), (columns, rows) = entry["at"], entry.get("size", (1, 1))
+        return cls(int(x), int(y), int(columns), int(rows))
+
+    def __contains__(self, cell: object) -> bool:
+        """Tell whether a cell is in the rectangle."""
+        if not isinstance(cell, tuple):
+            return False
+        x, y = cell
+        return bool(0 <= x - self.x < self.columns and 0 <= y - self.y < self.rows)
+
+    @property
+    def cells(self) -> Iterator[Cell]:
+        """The cells, row by row."""
+        for y in range(self.y, self.y + self.rows):
+            for x in range(self.x, self.x + self.columns):
+                yield x, y
+
+    def meets(self, other: Box) -> bool:
+        """Tell whether two rectangles have a cell in common."""
+        return self.within(other) is not None
+
+    def within(self, other: Box) -> Box | None:
+        """Return what two rectangles have in common."""
+        x, y = max(self.x, other.x), max(self.y, other.y)
+        columns = min(self.x + self.columns, other.x + other.columns) - x
+        rows = min(self.y + self.rows, other.y + other.rows) - y
+        return Box(x, y, columns, rows) if columns > 0 and rows > 0 else None
+
+    def joined(self, other: Box) -> Box | None:
+        """Return the rectangle that two of them side by side make together, if they make one."""
+        for one, two in ((self, other), (other, self)):
+            if (one.x, one.columns, one.y + one.rows) == (two.x, two.columns, two.y):
+                return Box(one.x, one.y, one.columns, one.rows + two.rows)
+            if (one.y, one.rows, one.x + one.columns) == (two.y, two.rows, two.x):
+                return Box(one.x, one.y, one.columns + two.columns, one.rows)
+        return None
+
+    def put(self, entry: Entry) -> Entry:
+        """Return an entry with this rectangle instead of its own."""
+        fields = {"at": [self.x, self.y], "size": [self.columns, self.rows], **entry}
+        fields |= {"at": [self.x, self.y], "size": [self.columns, self.rows]}
+        if (self.columns, self.rows) == (1, 1):
+            del fields["size"]
+        return fields
+
+
+def boxes_of(cells: Iterable[Cell]) -> list[Box]:
+    """Return rectangles that together have some cells."""
+    found = {*cells}
+    if not found:
+        return []
+    left, top = (min(each) for each in zip(*found, strict=True))
+    right, bottom = (max(each) for each in zip(*found, strict=True))
+    columns = right - left + 1
+    flags = bytearray(columns * (bottom - top + 1))
+    for x, y in found:
+        flags[(y - top) * columns + x - left] = 1
+    return [
+        Box(left + x, top + y, width, height) for x, y, width, height in rectangles(flags, columns)
+    ]
+
+
+def cut(entries: list[Entry], cells: set[Cell], where: Callable[[Entry], bool]) -> None:
+    """Take cells out of rectangles, each of which leaves smaller ones. A label stays with one.
+
+    Args:
+        entries: the entries, changed in place.
+        cells: the cells.
+        where: which of the entries are cut.
+    """
+    left = []
+    for entry in entries:
+        box = Box.of(entry)
+        if cells.isdisjoint(box.cells) or not where(entry):
+            left.append(entry)
+            continue
+        rest = boxes_of(cell for cell in box.cells if cell not in cells)
+        plain = {name: value for name, value in entry.items() if name != "label"}
+        left += [each.put(plain if number else entry) for number, each in enumerate(rest)]
+    entries[:] = left
+
+
+def add(entries: list[Entry], box: Box, fields: Entry, *, in_order: bool) -> None:
+    """Add a rectangle; entries that are like it and lie beside it become one with it.
+
+    Args:
+        entries: the entries, changed in place.
+        box: the rectangle.
+        fields: the entry's further fields.
+        in_order: whether later entries win over earlier ones. Then none grows below another.
+    """
+    place = len(entries)
+    found = _beside(entries, box, fields, in_order)
+    while found is not None:
+        place, box = found
+        fields = entries.pop(place)
+        found = None if in_order else _beside(entries, box, fields, in_order)
+    entries.insert(place, box.put(fields))
+
+
+def _beside(
+    entries: list[Entry], box: Box, fields: Entry, in_order: bool
+) -> tuple[int, Box] | None:
+    """Return the number of an entry that can grow by a rectangle, and what it becomes."""
+    for index in reversed(range(len(entries))):
+        other = Box.of(entries[index])
+        union = box.joined(other)
+        if union is not None and traits(entries[index]) == traits(fields):
+            return index, union
+        if in_order and box.meets(other):
+            return None
+    return None
+
+
+def traits(entry: Entry) -> Entry:
+    """Return the fields of an entry without its place."""
+    return {name: value for name, value in entry.items() if name not in ("at", "size")}

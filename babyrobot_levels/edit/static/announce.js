@@ -1,0 +1,98 @@
+// What is told to people who do not see the picture: what changed, and what is in a cell.
+const SIDE_NAMES = { N: "north", E: "east", S: "south", W: "west" };
+
+/** Return a cell as it is written in level files. */
+function cellName([x, y]) {
+  return `[${x}, ${y}]`;
+}
+
+/** Return what a side of a cell is: "open", "wall", or what is said of glass and doors. */
+function sideInWords(editor, cell, side) {
+  const wall = wallAt(editor, cell, side);
+  if (wall === null || wall === "wall") return wall ?? "open";
+  return thingsAt(editor, { cell, side }).find(({ kind }) => kind === "wall" || kind === "door").label;
+}
+
+/** Describe a cell: what stands in it, what closes its sides, and what is wrong there. */
+function cellInWords(editor, cell) {
+  const { unreachable = [], findings } = editor.state;
+  const isHere = (cells = []) => cells.some((each) => isSameCell(each, cell));
+  const inside = thingsAt(editor, { cell, side: null }).map(({ label }) => label);
+  const sides = [..."NESW"].map((side) => [SIDE_NAMES[side], sideInWords(editor, cell, side)]);
+  const kinds = [...new Set(sides.map(([, what]) => what))].filter((what) => what !== "open");
+  return [
+    `${cellName(cell)}: ${inside.length > 0 ? listed(inside) : "empty"}`,
+    ...kinds.map((kind) => `${kind} ${listed(sides.filter(([, what]) => what === kind).map(([name]) => name))}`),
+    ...(isHere(unreachable) ? ["cannot be reached"] : []),
+    ...findings.filter(({ cells }) => isHere(cells)).map(({ severity, message }) => `${severity}: ${message}`),
+  ].join("; ");
+}
+
+/** Return the cells of a gesture in words. */
+function cellsInWords(cells, isRectangle = false) {
+  const [first, last] = [cells[0], cells.at(-1)];
+  if (cells.length === 1 || isSameCell(first, last)) return cellName(first);
+  if (isRectangle) return `all cells from ${cellName(first)} to ${cellName(last)}`;
+  return `${cells.length} cells from ${cellName(first)} to ${cellName(last)}`;
+}
+
+function wallsInWords(editor, run) {
+  const sides = sidesOfRun(run);
+  const [[first, side], [last]] = [sides[0], sides.at(-1)];
+  const place = sides.length === 1 ? `side of ${cellName(first)}` : `sides of ${cellName(first)} to ${cellName(last)}`;
+  return capital(`${sideInWords(editor, first, side)} at the ${SIDE_NAMES[side]} ${place}`);
+}
+
+function windInWords({ side, index, strength }) {
+  const line = `${"NS".includes(side) ? "column" : "row"} ${index}`;
+  return strength === 0 ? `No wind in ${line}` : `Wind of ${strength} to the ${SIDE_NAMES[side]} in ${line}`;
+}
+
+function capital(words) {
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** What messages to Python did, in words; without any for what is typed, which is its own. */
+const DONE = {
+  walls: (editor, run) => wallsInWords(editor, run),
+  paint: (editor, { brush, cells, rectangle }) => brush === "erase" ?
+    `Erased ${cellsInWords(cells, rectangle)}` :
+    `${toolNamed(brush).title} in ${cellsInWords(cells, rectangle)}`,
+  fill: (editor, { brush, at }) => brush === "erase" ?
+    `Erased ${cellName(at)} and all cells like it around it` :
+    `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
+  warp: (editor, { at, to }) => `Warp from ${cellName(at)} to ${cellName(to)}`,
+  path: (editor, { cells }) => `Mover through ${cellsInWords(cells)}`,
+  move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
+  remove: () => "Removed",
+  set: (editor, { route, value }) => value === null ? `${route.at(-1)} removed` : `${route.at(-1)} set to ${JSON.stringify(value)}`,
+  resize: (editor, { size: [columns, rows] }) => `The level has ${columns} columns and ${rows} rows`,
+  wind: (editor, gesture) => windInWords(gesture),
+  resolve: () => "The maze is written out as walls",
+  fix: () => "The finding is fixed",
+  undo: () => "Undone",
+  redo: () => "Done again",
+};
+
+/** Says what was done, and what is in the cell of the cursor as it moves. */
+class Announcer {
+  constructor(editor, place) {
+    this.place = place;
+    this.cell = [0, 0];
+    editor.on("done", () => {
+      const words = editor.game && DONE[editor.done.do]?.(editor, editor.done);
+      if (words) editor.say(`${words}.`);
+    });
+    editor.on("cursor", () => {
+      const { cell } = editor.cursor;
+      if (editor.game && !isSameCell(cell, this.cell)) this.speak(cellInWords(editor, cell));
+      this.cell = cell;
+    });
+    editor.on("look", () => editor.game && this.speak(cellInWords(editor, editor.cursor.cell)));
+  }
+
+  /** Have words read out; what is said twice is another text, or it would not be read again. */
+  speak(words) {
+    this.place.textContent = this.place.textContent === words ? `${words}\u00a0` : words;
+  }
+}

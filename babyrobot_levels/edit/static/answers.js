@@ -1,0 +1,84 @@
+// The optimum of the level: its return, what the last change did to it, and what the picture shows.
+
+const IDLE = 400; // Milliseconds without a change before a level that takes longer is solved.
+const SHOWN = [
+  ["values", "Values", "V"],
+  ["policy", "Optimal actions", "B"],
+];
+
+/** The strip with the best return, and the switches of values and optimal actions. */
+class Answers {
+  constructor(editor, place) {
+    this.editor = editor;
+    editor.answers = this;
+    this.shown = new Set();
+    this.best = html("output", { class: "best-return" });
+    this.change = html("span", { class: "change" });
+    this.reason = html("p", { class: "reason" });
+    this.switches = SHOWN.map(([name, title, key]) =>
+      html("button", { type: "button", "data-shown": name, onclick: () => this.toggle(name) },
+        `${title} `, html("kbd", {}, key)));
+    place.append(
+      html("div", { class: "best-line" }, html("span", { class: "best-name" }, "Best average"), this.best, this.change),
+      this.reason,
+      html("div", { class: "switches", role: "group", "aria-label": "Show in the picture" }, ...this.switches),
+    );
+    // Before the picture is drawn, which shows what the data says.
+    editor.on("state", () => this.show());
+  }
+
+  /** Show values or optimal actions, or no longer. */
+  toggle(name) {
+    const { answers } = this.editor.state;
+    if (answers.status === "none") {
+      this.editor.say(answers.reason || "There is no level to solve yet.", "refused");
+      return;
+    }
+    if (!this.shown.delete(name)) this.shown.add(name);
+    this.editor.tell("state");
+  }
+
+  show() {
+    const { level, answers, revision } = this.editor.state;
+    if (level !== null) level.shown = [...this.shown];
+    const isPending = answers.status === "pending";
+    this.best.textContent = isPending ? "…" : answers.best_text || "none";
+    this.best.classList.toggle("pending", isPending);
+    this.change.textContent = isPending ? "is computed when you pause" : changeInWords(answers);
+    this.change.dataset.way = wayOf(answers);
+    this.reason.textContent = answers.reason && `${answers.reason[0].toUpperCase()}${answers.reason.slice(1)}.`;
+    this.reason.hidden = answers.reason === "";
+    for (const each of this.switches) {
+      each.setAttribute("aria-pressed", this.shown.has(each.dataset.shown));
+      each.disabled = answers.status === "none";
+    }
+    clearTimeout(this.timer);
+    if (isPending && this.asked !== revision) this.timer = setTimeout(() => this.ask(revision), IDLE);
+  }
+
+  /** Ask for the optimum of a level that takes longer, beside all other messages. */
+  async ask(revision) {
+    this.asked = revision;
+    const { editor } = this;
+    editor.count += 1;
+    try {
+      const reply = await editor.connection.send({ id: editor.count, revision, do: "answers" });
+      if (reply.state?.revision === editor.state.revision) editor.show(reply.state);
+    } catch {
+      this.asked = null; // The next change asks again, or tells that nobody answers.
+    }
+  }
+}
+
+/** Describe what the last change did to the optimum; the empty text for nothing. */
+function changeInWords({ best, before, changed }) {
+  const cells = changed.length === 0 ? "" : `${changed.length} cell${changed.length === 1 ? "" : "s"} changed`;
+  const isOther = best !== null && before !== null && formatted(best) !== formatted(before);
+  return [...(isOther ? [`was ${formatted(before)}`] : []), ...(cells ? [cells] : [])].join(", ");
+}
+
+/** Return whether the optimum went "up" or "down" by the last change; the empty text for neither. */
+function wayOf({ best, before }) {
+  if (best === null || before === null || formatted(best) === formatted(before)) return "";
+  return best > before ? "up" : "down";
+}

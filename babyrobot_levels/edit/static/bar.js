@@ -1,0 +1,82 @@
+// The bar: what is open and whether it is saved, undo and redo, and the mode.
+
+const MODES = [["edit", "Edit"], ["play", "Play"], ["policy", "Policy"]];
+
+class Bar {
+  constructor(editor, { title, modes, history }) {
+    this.editor = editor;
+    this.name = html("strong", { class: "name" });
+    this.file = html("span", { class: "file-state" });
+    title.append(this.name, this.file);
+    this.modes = MODES.map(([mode, text]) => toolButton({ text, "data-mode": mode }, () => editor.set("mode", { mode })));
+    modes.append(...this.modes);
+    this.undo = toolButton({ title: "Undo (Ctrl+Z)", icon: "M9 5L4 10l5 5M4 10h10a5.5 5.5 0 0 1 0 11h-3" }, () => editor.send({ do: "undo" }));
+    this.redo = toolButton({ title: "Redo (Ctrl+Shift+Z)", icon: "M15 5l5 5-5 5M20 10H10a5.5 5.5 0 0 0 0 11h3" }, () => editor.send({ do: "redo" }));
+    history.append(this.undo, this.redo);
+    editor.on("state", () => this.showState());
+    editor.on("mode", () => this.showMode());
+    this.showMode();
+  }
+
+  showState() {
+    const { state } = this.editor;
+    this.name.textContent = state.level?.title ?? state.path ?? state.name ?? "Level";
+    const file = state.path ?? "no file yet";
+    this.file.textContent = state.is_saved ? file : `${file}, not saved`;
+    this.file.classList.toggle("unsaved", !state.is_saved);
+    this.undo.disabled = !state.can_undo;
+    this.redo.disabled = !state.can_redo;
+  }
+
+  showMode() {
+    for (const button of this.modes) button.setAttribute("aria-pressed", button.dataset.mode === this.editor.mode);
+  }
+}
+
+/** The tabs of the panels: which one is shown. */
+class Panels {
+  constructor(editor, tabs, panels) {
+    this.editor = editor;
+    this.panels = panels;
+    this.tabs = [...panels.querySelectorAll(":scope > [data-tab]")].map((panel) => {
+      const name = panel.classList[0];
+      const tab = toolButton({ text: panel.dataset.tab, role: "tab", "data-panel": name }, () => editor.set("panel", { panel: name }));
+      panel.setAttribute("role", "tabpanel");
+      panel.setAttribute("aria-label", panel.dataset.tab);
+      return tab;
+    });
+    tabs.append(...this.tabs);
+    tabs.addEventListener("keydown", (event) => this.step(event));
+    editor.on("panel", () => this.show());
+    editor.on("selection", () => {
+      if (editor.selection !== null && editor.panel !== "file") editor.set("panel", { panel: "inspector" });
+    });
+    editor.on("state", () => {
+      const count = editor.state.findings.length;
+      const tab = this.tabs.find(({ dataset }) => dataset.panel === "findings");
+      tab.dataset.count = count || "";
+      tab.setAttribute("aria-label", `Findings: ${count}`);
+    });
+    this.show();
+  }
+
+  show() {
+    for (const tab of this.tabs) {
+      const isShown = tab.dataset.panel === this.editor.panel;
+      tab.setAttribute("aria-selected", isShown);
+      tab.tabIndex = isShown ? 0 : -1;
+      this.panels.querySelector(`:scope > .${tab.dataset.panel}`).classList.toggle("shown", isShown);
+    }
+  }
+
+  step(event) {
+    const way = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
+    if (way === undefined) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const seen = this.tabs.filter((tab) => tab.checkVisibility());
+    const next = seen[(seen.indexOf(event.target) + way + seen.length) % seen.length];
+    next.focus();
+    next.click();
+  }
+}

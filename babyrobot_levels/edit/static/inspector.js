@@ -1,0 +1,55 @@
+// The fields of what is selected.
+const NOTHING = "Long-press or click something with the tool Select, or put the caret into its line of the text. " +
+  "The fields of the level itself are under Level.";
+
+class Inspector {
+  constructor(editor, place) {
+    this.editor = editor;
+    this.rows = [];
+    this.key = null;
+    this.title = html("h2", {});
+    this.remove = button("Remove", { onclick: () => editor.removeSelected() });
+    this.others = html("p", { class: "others" });
+    this.body = html("div", { class: "fields" });
+    place.append(html("div", { class: "inspector-head" }, this.title, this.remove), this.others, this.body);
+    editor.on("state", () => this.show());
+    editor.on("selection", () => this.show());
+  }
+
+  show() {
+    const { state, selection } = this.editor;
+    this.forms = state.forms ?? this.forms ?? {};
+    const key = JSON.stringify([selection?.kind, selection?.route]);
+    if (key !== this.key) this.build(selection);
+    this.key = key;
+    this.title.textContent = selection === null ? "Nothing is selected" : titleOfPlace(selection);
+    this.remove.classList.toggle("hidden", selection === null);
+    this.showOthers(selection);
+    for (const row of this.rows) row.show(selection.fields, thingNames(state));
+  }
+
+  /** Make the rows of an entry. */
+  build(selection) {
+    const { kind, route } = selection ?? { kind: null, route: [] };
+    const form = (this.forms[kind] ?? []).filter(({ type }) => type in CONTROLS);
+    this.rows = form.map((field) => new FieldRow(this.editor, field, route));
+    const help = html("p", { class: "field-help" }, NOTHING);
+    this.body.replaceChildren(...(selection === null ? [help] : this.rows.map((row) => row.element)));
+  }
+
+  /** Offer what else stands in the same cells. */
+  showOthers(selection) {
+    const cells = new Set((selection?.cells ?? []).map(String));
+    const others = (this.editor.state.places ?? []).filter(
+      (place) => place !== selection && place.cells.some((cell) => cells.has(String(cell))));
+    const buttons = others.map((place) => button(place.label, { onclick: () => this.editor.select(place) }));
+    this.others.replaceChildren(...(buttons.length === 0 ? [] : ["Also here: ", ...buttons]));
+  }
+}
+
+/** Return what an entry is, and where. */
+function titleOfPlace({ label, cells, sides }) {
+  const [[x, y, side] = []] = [...sides, ...cells];
+  const where = x === undefined ? "" : ` at [${x}, ${y}]${side === undefined ? "" : ` ${side}`}`;
+  return `${label[0].toUpperCase()}${label.slice(1)}${where}`;
+}

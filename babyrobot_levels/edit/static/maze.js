@@ -1,0 +1,52 @@
+// The maze that the walls begin with.
+const MOST_SEEDS = 10000; // Dice give short seeds.
+
+class MazePanel {
+  constructor(editor, form) {
+    this.editor = editor;
+    this.rows = form.map((field) => new FieldRow(editor, { ...field, label: field.route.at(-1) }, []));
+    const seed = this.rows.find(({ field }) => field.route.at(-1) === "seed");
+    seed?.element.querySelector(".field-control").append(dice(() => this.roll()));
+    this.note = html("p", { class: "field-help" }, ...prose(
+      "The level removes walls of the maze: see `openings` in the text. They stay where they are if the " +
+      "maze changes. Written out as walls, the maze can be changed wall by wall."));
+    this.inner = html("div", { class: "fields" }, ...this.rows.map(({ element }) => element), this.note,
+      html("p", { class: "buttons" },
+        button("Write out as walls", { onclick: () => editor.send({ do: "resolve" }) }),
+        button("Remove the maze", { onclick: () => editor.send({ do: "remove", route: ["maze"] }) })));
+    this.add = button("Grow a maze", { onclick: () => this.set(["maze"], { seed: randomSeed() }) });
+    this.element = html("div", {}, this.inner, this.add);
+    editor.on("state", () => this.show());
+    this.show();
+  }
+
+  show() {
+    const { fields = {}, places = [] } = this.editor.state;
+    const hasMaze = fields.maze !== undefined;
+    this.inner.classList.toggle("hidden", !hasMaze);
+    this.add.classList.toggle("hidden", hasMaze);
+    const opened = places.filter(({ kind }) => kind === "opening").length;
+    this.note.classList.toggle("hidden", opened === 0);
+    for (const row of this.rows) row.show(fields, []);
+  }
+
+  roll() {
+    this.set(["maze", "seed"], randomSeed());
+  }
+
+  set(route, value) {
+    this.editor.send({ do: "set", route, value });
+  }
+}
+
+function randomSeed() {
+  return Math.floor(Math.random() * MOST_SEEDS);
+}
+
+/** Return a button with dice. */
+function dice(onclick) {
+  const dots = [[8, 8], [16, 8], [12, 12], [8, 16], [16, 16]].map(([cx, cy]) => element("circle", { cx, cy, r: 1.7 }));
+  const icon = element("svg", { viewBox: "0 0 24 24", class: "dice", "aria-hidden": "true" },
+    element("rect", { x: 3, y: 3, width: 18, height: 18, rx: 4 }), ...dots);
+  return button(icon, { class: "step", title: "Another maze", "aria-label": "Another seed", onclick });
+}

@@ -1,0 +1,172 @@
+// Playing the level at hand: with the same luck each time, and a trail that stays while one edits.
+
+const STROKE = 28; // Pixels that tell a swipe from a tap.
+const PAD = [
+  ["North", "n", 1, "M5 15l7-7 7 7"],
+  ["West", "w", 4, "M15 5l-7 7 7 7"],
+  ["Stay", "o", 0, "M12 9a3 3 0 1 0 0 6a3 3 0 1 0 0 -6z"],
+  ["East", "e", 2, "M9 5l7 7-7 7"],
+  ["South", "s", 3, "M5 9l7 7 7-7"],
+];
+
+class Playing {
+  constructor(editor, place) {
+    this.editor = editor;
+    editor.playing = this;
+    this.place = place;
+    this.seed = "0";
+    this.walked = []; // The cells of the last episode, in their order.
+    this.facts = html("dl", { class: "episode" });
+    this.message = html("p", { class: "episode-told", role: "status" });
+    this.pad = PAD.map(([name, area, action, d]) => html("button", {
+      type: "button", class: `to-${area}`, "aria-label": name, "data-action": action, onclick: () => this.take(action),
+    }, element("svg", { viewBox: "0 0 24 24", "aria-hidden": true }, element("path", { d }))));
+    const quick = [["Undo", "Z", () => this.undo()], ["Retry", "R", () => this.begin()], ["New luck", "N", () => this.newLuck()]];
+    place.append(
+      this.facts,
+      this.message,
+      html("div", { class: "pad", role: "group", "aria-label": "Actions" }, ...this.pad),
+      html("div", { class: "quick" }, ...quick.map(([name, key, onclick]) =>
+        html("button", { type: "button", onclick }, `${name} `, html("kbd", {}, key)))),
+    );
+    editor.on("state", () => this.follow());
+    editor.on("mode", () => this.changeMode());
+    this.changeMode();
+    this.listenToSwipes(editor.stage.place);
+  }
+
+  get isOn() {
+    return this.editor.mode === "play";
+  }
+
+  get game() {
+    return this.editor.game;
+  }
+
+  /** Play, or edit again. */
+  toggle() {
+    this.editor.set("mode", { mode: this.isOn ? "edit" : "play" });
+  }
+
+  changeMode() {
+    this.place.hidden = !this.isOn;
+    if (this.isOn) this.begin();
+    else if (this.wasOn) this.end();
+    this.wasOn = this.isOn;
+  }
+
+  /** Play the level that has changed, or show the trail in it. */
+  follow() {
+    if (!this.game) return;
+    if (this.isOn) this.begin();
+    else this.showWalked();
+  }
+
+  /** Begin an episode, with the same luck as before. */
+  begin() {
+    if (!this.game) return;
+    const { game, editor } = this;
+    game.begin(this.seed);
+    this.trail?.group.remove();
+    this.trail?.arrow.remove();
+    this.trail = new Trail(game, editor.picture.svg);
+    this.stand(game.data.goal ?? "Move the robot to an exit.");
+  }
+
+  /** Leave the episode: its trail stays. */
+  end() {
+    const { game } = this;
+    if (!game) return;
+    game.begin(game.data.seed);
+    this.editor.picture.stand();
+    this.showWalked();
+  }
+
+  /** Show the way of the last episode faintly, as far as its cells are there. */
+  showWalked() {
+    this.trail?.group.remove();
+    this.trail?.arrow.remove();
+    const { width, height } = this.game.data;
+    const gone = this.walked.findIndex(([x, y]) => x >= width || y >= height);
+    const cells = gone < 0 ? this.walked : this.walked.slice(0, gone);
+    const states = cells.map(([x, y]) => y * width + x);
+    if (states.length < 2) return;
+    const past = states.slice(0, -1).map((state) => ({ state }));
+    const episode = Object.assign(Object.create(this.game), { past, state: states.at(-1) });
+    this.trail = new Trail(episode, this.editor.picture.svg);
+    this.trail.group.classList.add("faint");
+    this.trail.stand();
+  }
+
+  newLuck() {
+    this.seed = this.game.nextSeed;
+    this.begin();
+  }
+
+  undo() {
+    if (this.game.past.length === 0) {
+      this.tell("There is no action to undo.");
+      return;
+    }
+    this.game.undo();
+    this.stand("Undone.");
+  }
+
+  /** Show the state of the game without a move. */
+  stand(message) {
+    this.editor.picture.stand();
+    this.trail.stand();
+    this.tell(message);
+  }
+
+  /** Move to a side. */
+  go(side) {
+    this.take(1 + "NESW".indexOf(side));
+  }
+
+  take(action) {
+    const { game } = this;
+    if (!this.isOn || !game) return;
+    if (game.end !== null) {
+      this.tell(`${game.describeEnd()} Retry, or take new luck.`, game.end);
+      return;
+    }
+    this.trail.stand();
+    const step = game.step(action);
+    const isOver = game.end !== null;
+    this.tell(isOver ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
+      isOver ? game.end : step.event);
+    this.editor.picture.go(step, () => this.trail.stand());
+  }
+
+  /** Show a message, and the numbers of the episode. */
+  tell(message, kind = "") {
+    const { game } = this;
+    this.message.textContent = message;
+    this.message.dataset.kind = kind;
+    this.walked = [...game.past.map(({ state }) => state), game.state].map((state) => game.place(state));
+    const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Luck", this.seed]];
+    this.facts.replaceChildren(...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))));
+    for (const each of this.pad) {
+      const isShut = game.end === null && !game.isPossible(Number(each.dataset.action));
+      each.classList.toggle("shut", isShut);
+      each.setAttribute("aria-disabled", game.end !== null);
+    }
+  }
+
+  /** Listen to one pointer that swipes over the picture; a second one ends the swipe. */
+  listenToSwipes(stage) {
+    let from = null;
+    stage.addEventListener("pointerdown", ({ isPrimary, button, clientX, clientY }) => {
+      from = this.isOn && isPrimary && button === 0 ? [clientX, clientY] : null;
+    });
+    stage.addEventListener("pointermove", ({ clientX, clientY }) => {
+      if (from === null) return;
+      const [dx, dy] = [clientX - from[0], clientY - from[1]];
+      if (Math.max(Math.abs(dx), Math.abs(dy)) < STROKE) return;
+      from = null;
+      this.take(Math.abs(dx) > Math.abs(dy) ? (dx > 0 ? 2 : 4) : dy > 0 ? 3 : 1);
+    });
+    for (const name of ["pointerup", "pointercancel"]) stage.addEventListener(name, () => (from = null));
+  }
+}

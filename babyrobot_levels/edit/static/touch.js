@@ -1,0 +1,70 @@
+// Fingers on the picture: one draws, two scroll and zoom, a long press selects.
+const LONG_PRESS = 500; // Milliseconds
+const STILL = 10; // and pixels: a finger that stays within them presses.
+
+/** What fingers do on the picture. */
+class Touch {
+  constructor(stage, pointer) {
+    this.stage = stage;
+    this.pointer = pointer;
+    this.fingers = new Map();
+    const { place } = stage;
+    const listen = (name, action) => place.addEventListener(name, (event) =>
+      event.pointerType === "touch" && action(event));
+    listen("pointerdown", (event) => this.down(event));
+    listen("pointermove", (event) => this.move(event));
+    listen("pointerup", (event) => this.up(event));
+    listen("pointercancel", (event) => this.up(event));
+    // Else the browser makes clicks, menus and flings of the same touches, and drops taps meanwhile.
+    place.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
+  }
+
+  down(event) {
+    this.stage.place.focus({ preventScroll: true });
+    this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    clearTimeout(this.timer);
+    if (this.fingers.size > 1) {
+      this.pointer.cancel();
+      return;
+    }
+    this.first = [event.clientX, event.clientY];
+    this.pointer.down(event);
+    this.timer = setTimeout(() => this.inspect(event), LONG_PRESS);
+  }
+
+  move(event) {
+    const { pointerId, clientX, clientY } = event;
+    const before = this.fingers.get(pointerId);
+    if (before === undefined) return;
+    if (this.fingers.size === 2) {
+      const [from, apart] = this.pair();
+      this.fingers.set(pointerId, [clientX, clientY]);
+      const [to, farther] = this.pair();
+      const { place, view } = this.stage;
+      place.scrollBy(from[0] - to[0], from[1] - to[1]);
+      view.zoomTo((view.zoom * farther) / Math.max(1, apart), to);
+      return;
+    }
+    this.fingers.set(pointerId, [clientX, clientY]);
+    const way = Math.hypot(clientX - this.first[0], clientY - this.first[1]);
+    if (way > STILL) clearTimeout(this.timer);
+    if (this.fingers.size === 1) this.pointer.move(event);
+  }
+
+  up({ pointerId }) {
+    clearTimeout(this.timer);
+    this.fingers.delete(pointerId);
+  }
+
+  /** Select what is under the finger instead of drawing. */
+  inspect(event) {
+    this.pointer.cancel();
+    this.pointer.selectAt(this.stage.spotAt(event));
+  }
+
+  /** Return the middle of two fingers, and how far they are apart. */
+  pair() {
+    const [[ax, ay], [bx, by]] = [...this.fingers.values()];
+    return [[(ax + bx) / 2, (ay + by) / 2], Math.hypot(bx - ax, by - ay)];
+  }
+}

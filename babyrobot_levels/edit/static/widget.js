@@ -1,0 +1,49 @@
+// The editor in a notebook cell: its messages go to the kernel.
+
+const SILENT = "The kernel does not answer: run the cell again, or copy the text.";
+const PATIENCE = 30000;
+let views = 0;
+
+function render({ model, el }) {
+  // Several views of one widget hear the replies of all.
+  const view = `${Date.now().toString(36)}-${(views += 1)}`;
+  const waiting = new Map();
+
+  const connection = {
+    ends: false,
+
+    send(message) {
+      const id = `${view}-${message.id}`;
+      return new Promise((resolve, reject) => {
+        const late = () => waiting.delete(id) && reject(new Error(SILENT));
+        const timer = setTimeout(late, PATIENCE);
+        waiting.set(id, (reply) => {
+          clearTimeout(timer);
+          resolve(reply);
+        });
+        model.send({ ...message, id });
+      });
+    },
+  };
+
+  const place = document.createElement("div");
+  el.append(place);
+  // Jupyter's keys and menus are for what is outside.
+  el.dataset.lmSuppressShortcuts = "true";
+  el.dataset.jpSuppressContextMenu = "true";
+  for (const type of ["keydown", "keyup", "keypress", "contextmenu"]) {
+    place.addEventListener(type, (event) => event.stopPropagation());
+  }
+  const editor = mount(place, connection, STYLE);
+
+  const hear = (reply) => {
+    const resolve = waiting.get(reply.id);
+    waiting.delete(reply.id);
+    if (resolve !== undefined) resolve(reply);
+    else if (reply.state !== undefined) editor.set("state", { state: { ...editor.state, ...reply.state } });
+  };
+  model.on("msg:custom", hear);
+  return () => model.off("msg:custom", hear);
+}
+
+export default { render };

@@ -1,0 +1,58 @@
+// The level itself: its size, maze, wind and theme, and all of its other fields.
+const SECTIONS = { text: "About the level", limit: "Episode" }; // Others are called as their fields.
+const OWN_CONTROLS = new Set(["size", "maze", "wind", "theme"]);
+
+class World {
+  constructor(editor, place) {
+    this.editor = editor;
+    this.place = place;
+    this.rows = [];
+    editor.on("state", () => this.show());
+  }
+
+  show() {
+    const { state } = this.editor;
+    if (state.forms !== undefined) this.build(state.forms.level);
+    const [width, height] = [state.level?.width, state.level?.height];
+    if (width !== undefined) this.size?.show([width, height]);
+    for (const row of this.rows) row.show(state.fields, thingNames(state));
+  }
+
+  /** Make all groups of fields. */
+  build(form) {
+    if (this.rows.length > 0) return;
+    const { editor } = this;
+    const known = form.filter(({ type }) => type in CONTROLS);
+    const own = (name) => known.filter(({ route }) => route[0] === name);
+    this.size = pairControl({ ...own("size")[0], label: "size" }, (size) => editor.send({ do: "resize", size }));
+    const sized = html("div", { class: "field" }, html("span", { class: "field-name" }, "size"), this.size.element);
+    const [about, ...others] = this.sections(known.filter(({ route }) => !OWN_CONTROLS.has(route[0])));
+    this.place.replaceChildren(
+      about,
+      section("Size", sized),
+      section("Maze", new MazePanel(editor, own("maze")).element),
+      section("Wind", new WindPanel(editor).element),
+      section("Theme", new ThemePanel(editor, own("theme")).element),
+      ...others);
+  }
+
+  /** Return the sections of fields: those of one mapping together, the others by what they are for. */
+  sections(fields) {
+    const groups = new Map();
+    for (const field of fields) {
+      const [name, ...inner] = field.route;
+      const group = inner.length > 0 ? name : field.group;
+      const label = (inner.length > 0 ? inner : [name]).join(" ").replaceAll("_", " ");
+      const row = new FieldRow(this.editor, { ...field, label }, []);
+      this.rows.push(row);
+      groups.set(group, [...(groups.get(group) ?? []), row.element]);
+    }
+    return [...groups].map(([group, rows]) =>
+      section(SECTIONS[group] ?? `${group[0].toUpperCase()}${group.slice(1).replaceAll("_", " ")}`, ...rows));
+  }
+}
+
+/** Return a group of controls that can be collapsed. */
+function section(title, ...children) {
+  return html("details", { class: "group" }, html("summary", {}, title), html("div", { class: "fields" }, ...children));
+}

@@ -1,0 +1,39 @@
+"""A level drawn from an empty grid: by mouse alone, by keyboard alone, by touch alone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from support.editors import OpenEditor
+from support.hands import Finger, Hand, Keys, Mouse
+from support.packs import babyrobot
+
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.reading import load_file
+
+pytestmark = pytest.mark.slow
+
+EMPTY = "version: 1\n"
+
+
+@pytest.mark.parametrize("kind", [Mouse, Keys, Finger])
+def test_the_final_maze_is_drawn_from_an_empty_grid(
+    kind: type[Hand], editor_page: OpenEditor, tmp_path: Path
+) -> None:
+    wanted = load("final-maze").resolve()
+    hand = kind(editor_page(EMPTY, **kind.context))
+    hand.resize(*wanted.size)
+    hand.move(hand.level.exits[0], wanted.exits[0])
+    hand.choose("walls")
+    for wall in wanted.walls:
+        hand.draw_wall(wall.at, wall.side, wall.length)
+    for size in ("small", "large"):
+        hand.choose(size)
+        hand.paint(*(puddle.at for puddle in wanted.puddles if puddle.size == size))
+    path = tmp_path / "drawn.yaml"
+    path.write_text(hand.editor.session.text, encoding="utf-8")
+    assert load_file(path).digest == wanted.digest
+    for command in (["format", "--check"], ["lint"]):
+        result = babyrobot(*command, str(path))
+        assert result.status == 0, result.out + result.err
