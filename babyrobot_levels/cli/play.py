@@ -22,8 +22,6 @@ from babyrobot_levels.text.source import printable
 if TYPE_CHECKING:
     import os
 
-    import gymnasium
-
     from babyrobot_levels.cli.keyboard import NextKey
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Configuration
@@ -368,7 +366,7 @@ class _Game:
         return typer.style(text, **style) if style and self._colors and text.strip() else text
 
 
-def _recorded(env: gymnasium.Env[Any, Any], path: Path) -> gymnasium.Env[Any, Any]:
+def _recorded(env: Any, path: Path) -> Any:
     """Return an environment whose episodes are recorded; end the command if that is impossible."""
     from babyrobot_levels.language.play import PlayError
     from babyrobot_levels.scoring.plays.record import RecordPlay
