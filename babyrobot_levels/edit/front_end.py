@@ -40,7 +40,6 @@ SCRIPTS = (
     "announce.js",
     "keys.js",
     "touch.js",
-    "help.js",
     "controls.js",
     "field_row.js",
     "inspector.js",
@@ -52,6 +51,7 @@ SCRIPTS = (
     "yaml_lines.js",
     "text_pane.js",
     "dialogs.js",
+    "help.js",
     "mount.js",
 )
 """Its own scripts, in the order of their dependencies."""

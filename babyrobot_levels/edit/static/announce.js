@@ -83,11 +83,17 @@ function written(value) {
 class Announcer {
   constructor(editor, place) {
     this.place = place;
+    this.cell = [0, 0];
     editor.on("done", () => {
       const words = editor.game && DONE[editor.done.do]?.(editor, editor.done);
       if (words) editor.say(`${words}.`);
     });
-    editor.on("cursor", () => editor.game && this.speak(`${capital(cellInWords(editor, editor.cursor.cell))}.`));
+    editor.on("cursor", () => {
+      const { cell } = editor.cursor;
+      if (editor.game && !isSameCell(cell, this.cell)) this.speak(cellInWords(editor, cell));
+      this.cell = cell;
+    });
+    editor.on("look", () => editor.game && this.speak(cellInWords(editor, editor.cursor.cell)));
   }
 
   /** Have words read out; what is said twice is another text, or it would not be read again. */

@@ -38,7 +38,8 @@ const KEYS = [
       Space: (keyboard) => keyboard.use(),
       Enter: (keyboard) => keyboard.use(),
     }],
-    ["Shift + arrow", "change the wall at that side; with the tool of wind, blow to it", arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side))],
+    ["Shift + arrow", "change the wall at that side; with the tool of wind, blow to it",
+      arrows(["Shift"], (keyboard, side) => keyboard.useAtSide(side))],
     ["M", "begin to drag here; Space ends at the cursor, Shift + arrow ends a run of walls",
       { M: (keyboard) => keyboard.hold() }],
     ["Shift + Space", "use the tool in the rectangle between where the drag began and the cursor",
@@ -87,11 +88,12 @@ const KEYS = [
       "Ctrl+Y": ({ editor }) => editor.send({ do: "redo" }),
       "Ctrl+Shift+Z": ({ editor }) => editor.send({ do: "redo" }),
     }],
+    ["Ctrl + S", "save", { "Ctrl+S": ({ editor }) => editor.tell("save") }],
     ["F6, Shift + F6", "go to the next or previous part of the editor", {
       F6: (keyboard) => keyboard.goOn(1),
       "Shift+F6": (keyboard) => keyboard.goOn(-1),
     }],
-    ["?", "list the keys and gestures", { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") }],
+    ["?, F1", "list the keys and gestures", { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") }],
   ] },
 ];
 
@@ -106,9 +108,6 @@ class Keyboard {
     this.hasShortcuts = true; // Whether letters, digits and signs do something.
     this.start = null; // The cell in which the last drag began.
     root.addEventListener("keydown", (event) => this.press(event));
-    // In a notebook they would change its cells meanwhile.
-    root.host.addEventListener("keydown", (event) => event.stopPropagation());
-    root.host.dataset.lmSuppressShortcuts = "true";
     editor.on("state", () => this.stayInside());
   }
 
@@ -176,7 +175,7 @@ class Keyboard {
   }
 
   look() {
-    this.editor.tell("cursor");
+    this.editor.tell("look");
   }
 
   /** Choose a tool, or switch what changes the tools on or off. */
@@ -248,12 +247,11 @@ class Keyboard {
 
   /** Focus the first control of the next part of the editor, or of one before. */
   goOn(step) {
-    const parts = [...this.root.querySelectorAll(PARTS)].filter((part) => part.checkVisibility());
+    const parts = [...this.root.querySelectorAll("[data-part]:not([inert])")];
     const at = parts.findIndex((part) => part.contains(this.root.activeElement));
     const part = parts.at((at + step) % parts.length);
     (part.matches(FOCUSABLE) ? part : part.querySelector(FOCUSABLE)).focus();
   }
 }
 
-const PARTS = ".bar, .tools, .options, .stage, .panels > .tabs, .panels > .shown";
 const FOCUSABLE = "button:not(:disabled), input:not(:disabled), textarea, select, summary, [tabindex='0']";

@@ -32,7 +32,6 @@ const LAYOUT = `
 <section class="findings" data-tab="Findings"></section>
 <section class="file" data-tab="Text"></section>
 </aside>
-<dialog class="help"></dialog>
 </div>
 `;
 
@@ -61,7 +60,6 @@ export function mount(place, connection, style = "") {
   const overlay = new Overlay(editor, stage);
   editor.pointer = new Pointer(editor, stage, overlay);
   new Touch(stage, editor.pointer);
-  new Help(editor, find("help"), new Keyboard(editor, root, overlay));
   new Announcer(editor, find("spoken"));
   new Playing(editor, find("playing"));
   new PolicyDrawing(editor, find("policy"));
@@ -75,6 +73,7 @@ export function mount(place, connection, style = "") {
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
   new FileButtons(editor, find("files"), find("editor"));
+  new Help(editor, find("files"), find("editor"), new Keyboard(editor, root, overlay));
   editor.on("said", () => {
     find("said").textContent = editor.said;
     find("said").dataset.kind = editor.saidKind;

@@ -194,15 +194,16 @@ class Overlay {
   }
 
   /** Return the gesture of a handle, as a function from spots to its message. */
-  gestureOf({ dataset }, isWeaker) {
+  gestureOf({ dataset }, isLess) {
     if (dataset.handle === "wind") {
       const [side, index] = [dataset.side, Number(dataset.index)];
-      const change = isWeaker ? STRONGEST_WIND : 1;
+      const change = isLess ? STRONGEST_WIND : 1;
       const strength = (this.strengthOf(side, index) + change) % (STRONGEST_WIND + 1);
       return () => ({ do: "wind", side, index, strength });
     }
     const ways = dataset.way.split(" ").map(Number);
-    return (spots) => resized(sizeOf(this.editor), ways, spots);
+    const size = sizeOf(this.editor);
+    return (spots) => resized(size, ways, isClick(spots) ? ways.map((way) => Math.abs(way) * (isLess ? -1 : 1)) : added(ways, spots));
   }
 
   /** Return a path of strokes, dark below and bright above, which are seen on any colours. */
@@ -225,14 +226,22 @@ function boxPath({ x, y, width, height }) {
   return `M${x} ${y}h${width}v${height}h${-width}z`;
 }
 
-/** Return the message for a border that was dragged: `ways` says which, for x and for y. */
-function resized(size, ways, spots) {
+/** Return whether a pointer stayed where it was pressed. */
+function isClick(spots) {
+  const [x, y] = spots[0].at;
+  return spots.every(({ at }) => Math.hypot(at[0] - x, at[1] - y) < 0.15);
+}
+
+/** Return how many columns and rows a border that is dragged adds; `ways` says which border. */
+function added(ways, spots) {
   const [first, last] = [spots[0].at, spots.at(-1).at];
-  const added = ways.map((way, axis) => {
-    const more = Math.round(way * (last[axis] - first[axis]));
-    return Math.max(1 - size[axis], way === 0 ? 0 : more);
-  });
-  if (added.every((more) => more === 0)) return null;
+  return ways.map((way, axis) => (way === 0 ? 0 : Math.round(way * (last[axis] - first[axis]))));
+}
+
+/** Return the message that adds columns and rows beyond a border, or removes them. */
+function resized(size, ways, counts) {
+  const added = counts.map((count, axis) => Math.max(1 - size[axis], count));
+  if (added.every((count) => count === 0)) return null;
   return {
     do: "resize",
     size: size.map((length, axis) => length + added[axis]),

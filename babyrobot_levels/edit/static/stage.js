@@ -49,13 +49,20 @@ class Stage {
       Object.assign(this.editor, { game: null, picture: null });
       return;
     }
-    const svg = levelPicture(level);
+    const svg = levelPicture(level, this.symbols(level.robot));
     const game = new Game(level);
     this.layers = element("g", { class: "layers" });
     svg.append(this.layers);
     this.editor.game = game;
     this.editor.picture = new Picture(game, svg, this.view);
     this.editor.picture.stand();
+  }
+
+  /** Return the robot's symbols: those of the last picture if its colours are the same. */
+  symbols(robot) {
+    const colors = robot.join();
+    if (this.robot?.colors !== colors) this.robot = { colors, symbols: sprites(robot) };
+    return this.robot.symbols;
   }
 
   /** Return the group of a name above the picture, empty in every new picture. */

@@ -15,9 +15,12 @@ class Touch {
     listen("pointermove", (event) => this.move(event));
     listen("pointerup", (event) => this.up(event));
     listen("pointercancel", (event) => this.up(event));
+    // Else the browser makes clicks, menus and flings of the same touches, and drops taps meanwhile.
+    place.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
   }
 
   down(event) {
+    this.stage.place.focus({ preventScroll: true });
     this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
     clearTimeout(this.timer);
     if (this.fingers.size > 1) {
