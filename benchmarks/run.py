@@ -34,6 +34,7 @@ BENCHMARKS = (
     "lint",
     "mazes",
     "generate",
+    "editor",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
 

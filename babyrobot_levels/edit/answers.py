@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 from threading import Lock
-from time import perf_counter
+from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,6 +37,9 @@ BUDGET = 0.1
 
 _USUAL_TIME = 5e-5
 """How long a state takes to be solved and shown, in seconds, before that was measured."""
+
+_LEAST_MEASURED = 200
+"""The least number of states of a level whose time is measured."""
 
 _SEEN, _SEEN_SHARE = 0.005, 0.01
 """A value is another one if it differs by this much, or by this share of the largest one."""
@@ -91,16 +94,17 @@ class Answers:
         level: the level at hand; None before the first one. Its maze has a seed.
         optimum: its solution; None while it is not known.
         before: the solution of the level before; None if it was not known.
-        unreachable: the cells of the level at hand in which no episode can ever be.
+        unreachable: the cells `[x, y]` of the level at hand in which no episode can ever be.
     """
 
     def __init__(self) -> None:
         self.level: Level | None = None
         self.optimum: Optimum | None = None
         self.before: Optimum | None = None
-        self.unreachable: list[Cell] = []
+        self.unreachable: list[list[int]] = []
         self._page: dict[str, Any] | None = None
         self._time_of_state = _USUAL_TIME
+        self._is_first = True
         self._solving = Lock()
 
     def follow(self, level: Level) -> None:
@@ -132,10 +136,14 @@ class Answers:
                 self.optimum = optimum
 
     def _solved(self, level: Level) -> Optimum:
-        began = perf_counter()
+        began = thread_time()
         optimum = solved(level)
         _ = optimum.page
-        self._time_of_state = (perf_counter() - began) / level.compile().num_states
+        states = level.compile().num_states
+        # Small levels tell nothing of larger ones, nor does what the first one loads.
+        if states >= _LEAST_MEASURED and not self._is_first:
+            self._time_of_state = (self._time_of_state + (thread_time() - began) / states) / 2
+        self._is_first = False
         return optimum
 
     def page(self) -> dict[str, Any] | None:
@@ -209,12 +217,13 @@ def solved(level: Level) -> Optimum:
     return Optimum(level, solution_guide(level, solution), endless(solution))
 
 
-def unreachable(level: Level) -> list[Cell]:
-    """Return the cells in which no episode can ever be, but for blocked ones."""
+def unreachable(level: Level) -> list[list[int]]:
+    """Return the cells `[x, y]` in which no episode can ever be, but for blocked ones."""
     mdp = level.compile()
     steps = np.array(reach_of(level, mdp).steps).reshape(-1, mdp.height, mdp.width)
     missed = (steps < 0).all(axis=0) & ~level.grid().blocked
-    return [(x, y) for y, x in np.argwhere(missed).tolist()]
+    cells: list[list[int]] = np.argwhere(missed)[:, ::-1].tolist()
+    return cells
 
 
 def endless(found: Evaluation) -> str:

@@ -52,6 +52,11 @@ class Canvas:
         for x, y in run.cells:
             rows[y][x] = mark
 
+    def marked(self, run: Run) -> list[str]:
+        """Return the marks of the sides of a run. None of them may be of the outer wall."""
+        rows = self._east if run.axis == "E" else self._south
+        return [rows[y][x] for x, y in run.cells]
+
     def unmark(self, run: Run, mark: str) -> None:
         """Remove a mark from the sides of a run."""
         rows = self._east if run.axis == "E" else self._south

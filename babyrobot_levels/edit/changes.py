@@ -2,9 +2,22 @@
 
 from __future__ import annotations
 
-from babyrobot_levels.edit import cells, frame, walls
+from babyrobot_levels.edit import cells, fields, frame, things, walls
 from babyrobot_levels.edit.draft import Draft, RefusedError
-from babyrobot_levels.edit.gestures import Fill, Gesture, Paint, Resize, Resolve, Walls, Wind
+from babyrobot_levels.edit.gestures import (
+    Fill,
+    Gesture,
+    Move,
+    Paint,
+    Path,
+    Remove,
+    Resize,
+    Resolve,
+    Set,
+    Walls,
+    Warp,
+    Wind,
+)
 
 
 def change(draft: Draft, gesture: Gesture) -> None:
@@ -16,8 +29,20 @@ def change(draft: Draft, gesture: Gesture) -> None:
     match gesture:
         case Walls():
             walls.build(draft, gesture)
+        case Paint(brush="item" | "switch"):
+            things.add_things(draft, gesture)
         case Paint():
             cells.paint(draft, gesture)
+        case Warp():
+            things.add_warp(draft, gesture)
+        case Path():
+            things.add_mover(draft, gesture)
+        case Move():
+            fields.move_entry(draft, gesture)
+        case Remove():
+            fields.remove_entry(draft, gesture)
+        case Set():
+            fields.set_field(draft, gesture)
         case Fill():
             cells.fill(draft, gesture)
         case Resize():

@@ -24,6 +24,7 @@ _LOOKS: dict[str, Look] = {
     d.EXIT: ("exit", "exit", {}),
     d.SMALL: ("puddle", "small puddle", {"size": "small"}),
     d.LARGE: ("puddle", "large puddle", {"size": "large"}),
+    d.BLOCKED: ("blocked", "blocked", {}),
 }
 
 
@@ -39,10 +40,7 @@ def drawn_places(level: Level, document: Document) -> Iterator[Place]:
     for y, row in enumerate(level.drawing.cells):
         for x, character in enumerate(row):
             if character in looks:
-                yield shown.place_of_cells(x, y, 1, looks[character])
-    for (x, y), length in level.drawing.row_runs(d.BLOCKED):
-        look = ("blocked", "blocked", {"size": [length, 1]})
-        yield shown.place_of_cells(x, y, length, look)
+                yield shown.place_of_cell(x, y, looks[character])
     plain = without_entries(level, level.drawing)
     for mark in (d.SOLID, d.GLASS):
         for (x, y), side, length in plain.runs(mark):
@@ -95,12 +93,11 @@ class _Drawing:
         self.corner = corner if node.block else None
         self.span = node.span
 
-    def place_of_cells(self, x: int, y: int, length: int, look: Look) -> Place:
+    def place_of_cell(self, x: int, y: int, look: Look) -> Place:
         kind, label, fields = look
-        cells = [(x + step, y) for step in range(length)]
-        spot = self._spot(2 * y, 4 * x, 1, 4 * length - 1)
+        spot = self._spot(2 * y, 4 * x, 1, 3)
         fields = {"at": [x, y], **fields}
-        return new_place(["map", x, y], kind, label, cells=cells, fields=fields, **spot)
+        return new_place(["map", x, y], kind, label, cells=[(x, y)], fields=fields, **spot)
 
     def place_of_sides(self, x: int, y: int, side: str, length: int, mark: str) -> Place:
         passes = 0 if mark == d.SOLID else GLASS_PASS

@@ -11,7 +11,15 @@ from babyrobot_levels.text.files import read_source, write_text
 
 
 class ConflictError(RefusedError):
-    """The file was changed by another program since it was read or written last."""
+    """The file was changed by another program since it was read or written last.
+
+    Attributes:
+        found: what it holds now; None if it was deleted, or holds no text.
+    """
+
+    def __init__(self, message: str, found: str | None) -> None:
+        super().__init__(message)
+        self.found = found
 
 
 class EditedFile:
@@ -97,9 +105,9 @@ class EditedFile:
         if found == self._held or force:
             return
         if found is None:
-            raise ConflictError(f"{self._name} was deleted by another program")
+            raise ConflictError(f"{self._name} was deleted by another program", None)
         done = "changed" if self._held is not None else "made"
-        raise ConflictError(f"{self._name} was {done} by another program meanwhile")
+        raise ConflictError(f"{self._name} was {done} by another program meanwhile", found)
 
     def _on_disk(self) -> str | None:
         """Return what it holds now, None if it does not exist."""

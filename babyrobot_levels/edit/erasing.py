@@ -7,10 +7,10 @@ from typing import Any
 
 from babyrobot_levels.edit import rectangles
 from babyrobot_levels.edit.draft import Draft
+from babyrobot_levels.edit.names import replace_names
 from babyrobot_levels.edit.rectangles import Box
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell
-from babyrobot_levels.language.things import as_names
 
 Entry = dict[str, Any]
 
@@ -110,8 +110,7 @@ def forget_missing(draft: Draft) -> None:
     before = {thing.name for thing in (*draft.level.items, *draft.level.switches)}
     gone = before - {*_names(draft)}
     if gone:
-        for place in (draft.data, *draft.data.get("doors", ())):
-            _forget(place, gone)
+        replace_names(draft, dict.fromkeys(gone))
 
 
 def _names(draft: Draft) -> list[str]:
@@ -124,15 +123,3 @@ def _names(draft: Draft) -> list[str]:
         if entry.get(kind) is not None
     ]
     return [*(thing["name"] for thing in things), *drawn]
-
-
-def _forget(entry: Entry, names: set[str]) -> None:
-    """Take names out of what an entry needs."""
-    for field in ("needs", "unless", "exit_needs"):
-        needed = as_names(entry.get(field, ()))
-        if not names.isdisjoint(needed):
-            left = [name for name in needed if name not in names]
-            if left:
-                entry[field] = left
-            else:
-                del entry[field]

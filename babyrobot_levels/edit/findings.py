@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from itertools import islice
-from typing import Any
+from typing import Any, TypeGuard
 
 from babyrobot_levels.lint.finding import marked_at
 from babyrobot_levels.lint.registry import find
@@ -91,25 +91,26 @@ def _holds(node: Node, index: int) -> bool:
 def _of_entry(entry: Any) -> Iterator[Place]:
     """Yield the cells or sides of an entry, which need not be valid."""
     if _is_pair(entry):
-        yield *entry, ""
+        yield entry[0], entry[1], ""
     elif isinstance(entry, list):
         for each in entry:
             yield from _of_entry(each)
     elif isinstance(entry, dict):
-        at, side, length = entry.get("at"), entry.get("side"), entry.get("length", 1)
+        at, size, side = entry.get("at"), entry.get("size"), entry.get("side")
+        length = entry.get("length", 1)
         if _is_pair(at) and side in ("N", "E", "S", "W"):
             for step in range(length if isinstance(length, int) else 1):
                 yield at[0] + step * (side in "NS"), at[1] + step * (side in "EW"), side
             return
-        if _is_pair(at) and _is_pair(entry.get("size")):
-            columns, rows = entry["size"]
+        if _is_pair(at) and _is_pair(size):
+            columns, rows = size
             yield from ((at[0] + x, at[1] + y, "") for y in range(rows) for x in range(columns))
             return
         for name in ("at", "one_of", "to", "path"):
             yield from _of_entry(entry.get(name))
 
 
-def _is_pair(value: Any) -> bool:
+def _is_pair(value: Any) -> TypeGuard[list[int]]:
     """Return whether a value may be a cell or a size."""
     is_list = isinstance(value, list) and len(value) == 2
     return is_list and all(type(number) is int and number >= 0 for number in value)

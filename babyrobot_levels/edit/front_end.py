@@ -40,7 +40,6 @@ SCRIPTS = (
     "announce.js",
     "keys.js",
     "touch.js",
-    "help.js",
     "controls.js",
     "field_row.js",
     "inspector.js",
@@ -51,6 +50,8 @@ SCRIPTS = (
     "findings.js",
     "yaml_lines.js",
     "text_pane.js",
+    "dialogs.js",
+    "help.js",
     "mount.js",
 )
 """Its own scripts, in the order of their dependencies."""
@@ -65,6 +66,7 @@ STYLES = (
     "world.css",
     "findings.css",
     "text_pane.css",
+    "dialogs.css",
     "help.css",
 )
 """Its style sheets: of the layout, and of the parts."""

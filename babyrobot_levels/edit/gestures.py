@@ -72,10 +72,14 @@ class Warp(_Model):
 
 
 class Path(_Model):
-    """Add a mover that walks through cells."""
+    """Add a mover: a guard that walks through cells, or a wanderer."""
 
     do: Literal["path"]
     cells: Cells
+    """In turn; those between two of a row or a column may be left out. Where the last one is no
+    neighbour of the first, the guard walks there and back."""
+    rectangle: bool = False
+    """Whether the cells are the first and the last corner of a rectangle, in which it wanders."""
 
 
 class Move(_Model):

@@ -3,7 +3,7 @@
 A place is a mapping that JSON can hold:
 
 - `route`: by which gestures name it: that of its entry in the file, such as `["walls", 2]`; of what
-  a drawing shows, `["map", x, y]` with its first cell or `["map", x, y, side]` with its first side;
+  a drawing shows, `["map", x, y]` with its cell or `["map", x, y, side]` with its first side;
 - `kind`: start, exit, puddle, blocked, area, item, switch, mover, warp, wall, opening or door;
 - `label`: what it is called;
 - `cells`: where it stands, as `[x, y]`: a warp at its cell, then at its target;

@@ -8,26 +8,25 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
-  `conflict`: then `force` overwrites it, and `reload` takes its text instead;
+  `conflict`, with the file's `text` (None if it has none): then `force` overwrites it, and
+  `reload` takes its text instead;
 - `reload`: take the text that the file has now.
 
 These have `revision`, that of the state that they were made from. If the text has changed since,
-by another page, they are refused. Others change nothing and need none:
+by another page, they are refused. Their replies have `state`, see `edit/state.py`. Questions
+change nothing:
 
-- `state`: the state, for one who begins, which then also has `forms`, see `edit/forms.py`;
-- `copy`: the level in a `form` (`edit/copies.py`), as `copy` of the reply;
-- `quit`: end the server. It is refused with `unsaved` in the reply if there are unsaved changes,
-  except with `force`. The last reply has `ended`.
+- `state`: the state, for one who begins; it also has `forms`, see `edit/forms.py`;
+- `answers`, with `revision`: the state again, with the optimum, however long that takes; if the
+  text has changed meanwhile, the reply has no state. See `prepare`;
+- `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
+  `policy.worth_of`. The reply has `policy`;
+- `levels`: what can be opened by name, and from texts, see `sources.known`;
+- `copy`: the level in a `form` (`edit/copies.py`). The reply has `copy`;
+- `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
+  refused, and the reply has `unsaved`.
 
-Two ask for what may take long, and are answered beside other messages, see `prepare`:
-
-- `answers`: the state again, with the optimum; if the text has changed meanwhile, the reply has no
-  state;
-- `policy`: what a policy drawn by hand is worth: `actions`, see `policy.worth_of`. The reply has
-  `policy`, and no state.
-
-A reply has `id`, as it was given; `state`, see `edit/state.py`, unless nothing can have changed;
-and, if the message was refused, `error`, a sentence.
+A reply has `id`, as it was given, and, if the message was refused, `error`, a sentence.
 """
 
 from __future__ import annotations
@@ -44,13 +43,13 @@ from babyrobot_levels.edit.forms import forms
 from babyrobot_levels.edit.gestures import gesture_of
 from babyrobot_levels.edit.policy import worth_of
 from babyrobot_levels.edit.session import Session
-from babyrobot_levels.edit.sources import opened
+from babyrobot_levels.edit.sources import known, opened
 from babyrobot_levels.edit.state import state_of
 from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
 
-QUESTIONS = {"state", "copy", "quit"}
+QUESTIONS = ("state", "levels", "answers", "policy", "copy", "quit")
 """What changes nothing."""
 
 
@@ -66,35 +65,22 @@ def prepare(session: Session, message: dict[str, Any]) -> None:
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     """Do what a message asks for, and return the reply."""
     fields = dict(message)
-    number, revision = fields.pop("id", None), fields.pop("revision", None)
-    reply: dict[str, Any] = {"id": number}
+    reply: dict[str, Any] = {"id": fields.pop("id", None)}
+    is_current = fields.pop("revision", None) == session.revision
+    is_question = fields.get("do") in QUESTIONS
     prepare(session, message)
-    if fields.get("do") == "answers" and revision != session.revision:
-        return reply
     try:
+        if is_question:
+            return reply | _asked(session, fields, is_current=is_current)
         _check(message)
-        is_question = fields.get("do") in QUESTIONS
-        if not is_question and revision != session.revision:
+        if not is_current:
             raise RefusedError(STALE)
-        match fields.get("do"):
-            case "answers":
-                pass
-            case "policy":
-                return {**reply, "policy": _policy(session, fields.get("actions"))}
-            case question if is_question:
-                reply |= _asked(session, fields)
-                if question != "state":
-                    return reply
-            case _:
-                reply |= _done(session, fields)
+        _change(session, fields)
     except ConflictError as error:
-        reply |= {"error": str(error), "conflict": True}
+        reply |= {"error": str(error), "conflict": {"text": error.found}}
     except RefusedError as error:
         reply["error"] = str(error)
-    state = state_of(session)
-    if fields.get("do") == "state":
-        state["forms"] = forms()
-    return {**reply, "state": state}
+    return reply if is_question else {**reply, "state": state_of(session)}
 
 
 def _check(message: dict[str, Any]) -> None:
@@ -108,20 +94,30 @@ def _check(message: dict[str, Any]) -> None:
             raise RefusedError("a level file has at most 1 MiB")
 
 
-def _asked(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
+def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dict[str, Any]:
+    """Answer a question."""
     match fields:
+        case {"do": "state"}:
+            return {"state": {**state_of(session), "forms": forms()}}
+        case {"do": "answers"}:
+            return {"state": state_of(session)} if is_current else {}
+        case {"do": "policy"}:
+            if not is_current:
+                raise RefusedError(STALE)
+            return {"policy": _policy(session, fields.get("actions"))}
         case {"do": "copy", "form": str(form)} if form in FORMS:
             return {"copy": copied(session, form)}
+        case {"do": "levels"}:
+            return known()
         case {"do": "quit"}:
             if not session.is_saved and fields.get("force") is not True:
                 return {"unsaved": True, "error": "there are unsaved changes"}
             return {"ended": True}
-        case {"do": "state"}:
-            return {}
     raise RefusedError("this question is not known")
 
 
-def _done(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
+def _change(session: Session, fields: dict[str, Any]) -> None:
+    """Change the level, or its file."""
     match fields:
         case {"do": "text", "text": str(text)}:
             session.type(text, joined=fields.get("joined") is True)
@@ -141,7 +137,6 @@ def _done(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
             except ValidationError:
                 raise RefusedError("this gesture is not known") from None
             session.apply(gesture)
-    return {}
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:

@@ -9,7 +9,8 @@ from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.edited_file import EditedFile
-from babyrobot_levels.edit.gestures import Gesture
+from babyrobot_levels.edit.fields import fixed
+from babyrobot_levels.edit.gestures import Fix, Gesture
 from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.registry import select
@@ -95,6 +96,9 @@ class Session:
             RefusedError: it cannot be carried out, or the level would not be valid; nothing has
                 changed.
         """
+        if isinstance(gesture, Fix):
+            self._fix(gesture)
+            return
         document = self.report.document
         if self.report.level is None or document is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
@@ -112,6 +116,14 @@ class Session:
         if report.level is None:
             raise RefusedError(report.diagnostics[0].message)
         self._history.change(after.source.text)
+        self._take(report)
+
+    def _fix(self, fix: Fix) -> None:
+        text = fixed(self.report, fix)
+        report = lint_source(SourceFile(self.source.name, text), select(None), self.path)
+        if self.is_valid and not report.is_valid:
+            raise RefusedError(f"after this fix, {report.diagnostics[0].message}")
+        self._history.change(text)
         self._take(report)
 
     def type(self, text: str, *, joined: bool = False) -> None:

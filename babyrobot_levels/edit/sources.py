@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from babyrobot_levels.convert.conversion import ConversionError
 from babyrobot_levels.convert.formats import FORMATS, file_text, guess
@@ -14,7 +15,7 @@ from babyrobot_levels.edit.edited_file import EditedFile
 from babyrobot_levels.edit.session import Session
 from babyrobot_levels.language.looks import BUILTIN_THEMES
 from babyrobot_levels.language.share_code import is_code
-from babyrobot_levels.library.catalogue import find, load, looks_like_path
+from babyrobot_levels.library.catalogue import find, levels, load, looks_like_path
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code
 from babyrobot_levels.library.search_path import gallery_folder
@@ -81,6 +82,16 @@ def _copied(name: str, path: Path) -> str:
         return text_of(load(name))
     except LevelError:
         return read_source(path).text
+
+
+def known() -> dict[str, Any]:
+    """Return what can be opened: `levels` by name, and the `formats` of texts, as plain data."""
+    return {
+        "levels": [
+            {"name": each.name, "title": each.title, "size": [*each.size]} for each in levels()
+        ],
+        "formats": [{"name": name, "title": each.title} for name, each in FORMATS.items()],
+    }
 
 
 def opened(source: str, kind: str | None = None) -> tuple[str, str]:

@@ -192,7 +192,7 @@ def test_what_another_program_wrote_is_overwritten_only_on_demand(
     else:
         file.write_bytes(meanwhile)
     reply = ask(session, "save")
-    assert reply["conflict"] is True
+    assert reply["conflict"]
     assert "another program" in reply["error"]
     assert meanwhile == (file.read_bytes() if file.exists() else None)
     assert "error" not in ask(session, "save", force=True)
@@ -203,7 +203,7 @@ def test_what_another_program_wrote_is_overwritten_only_on_demand(
 def test_a_new_file_that_another_program_made_first_is_a_conflict(tmp_path: Path) -> None:
     session = session_of(tmp_path / "new.yaml")
     (tmp_path / "new.yaml").write_text(OTHER, "utf-8")
-    assert ask(session, "save")["conflict"] is True
+    assert ask(session, "save")["conflict"]
     assert (tmp_path / "new.yaml").read_text("utf-8") == OTHER
 
 

@@ -24,7 +24,7 @@ def test_the_final_maze_is_drawn_from_an_empty_grid(
     wanted = load("final-maze").resolve()
     hand = kind(editor_page(EMPTY, **kind.context))
     hand.resize(*wanted.size)
-    hand.move((2, 2), wanted.exits[0])
+    hand.move(hand.level.exits[0], wanted.exits[0])
     hand.choose("walls")
     for wall in wanted.walls:
         hand.draw_wall(wall.at, wall.side, wall.length)

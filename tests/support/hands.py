@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from playwright.sync_api import Locator
 
+from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.scene.layout import CELL
 from support.editors import EditorPage
 
@@ -17,7 +18,7 @@ Point = tuple[float, float]
 SIDES: dict[str, Point] = {"N": (0.5, 0), "E": (1, 0.5), "S": (0.5, 1), "W": (0, 0.5)}
 """Where the middles of a cell's sides are in it."""
 
-TOOL_KEYS = {"walls": "1", "small": "2", "large": "3", "blocked": "4", "erase": "8", "select": "9"}
+TOOL_KEYS = {"walls": "1", "small": "2", "large": "3", "select": "9"}
 
 
 class Hand(ABC):
@@ -31,11 +32,16 @@ class Hand(ABC):
         self.page = editor.page
 
     @property
-    def size(self) -> tuple[int, int]:
-        """The columns and rows of the level at hand."""
+    def level(self) -> Level:
+        """The level at hand."""
         level = self.editor.session.level
         assert level is not None
-        return level.size
+        return level
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Its columns and rows."""
+        return self.level.size
 
     @contextmanager
     def changing(self) -> Iterator[None]:

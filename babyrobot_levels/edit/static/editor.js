@@ -12,6 +12,7 @@
  * - "zoom": the picture has another size in the window;
  * - "panel": another panel is to be shown: the name of its class;
  * - "done": Python did what `done`, a message, asked for;
+ * - "look": what is in the cell of the cursor is to be told;
  * - "help": the list of keys and gestures is to be shown;
  * - "said": a message for people.
  */

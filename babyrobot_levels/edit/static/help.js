@@ -19,27 +19,39 @@ const HAND_GESTURES = [
   ] },
 ];
 
-/** A dialog that lists the keys and gestures, and turns those of letters, digits and signs off. */
+/** A dialog that lists the keys and gestures, and a button that opens it. */
 class Help {
-  constructor(editor, dialog, keyboard) {
+  constructor(editor, place, root, keyboard) {
     const shortcuts = html("input", {
       type: "checkbox",
       checked: keyboard.hasShortcuts,
       onchange: () => (keyboard.hasShortcuts = shortcuts.checked),
     });
-    const tools = { title: "Tools", keys: TOOLS.map(({ key, title }) => [key, title]) };
-    dialog.append(
-      html("h2", { id: "help-title" }, "Keys and gestures"),
-      button("✕", { class: "close", "aria-label": "Close", onclick: () => dialog.close() }),
-      html("label", { class: "check" }, shortcuts, " Letters, digits and signs are shortcuts"),
-      html("div", { class: "help-groups" }, ...[tools, ...KEYS, ...HAND_GESTURES].map(helpGroup)),
-    );
-    dialog.setAttribute("aria-labelledby", "help-title");
+    const tools = { title: "Tools", keys: [...TOOLS, ...MODIFIERS].map(({ key, title }) => [key, title]) };
+    const dialog = dialogElement("Keys and gestures",
+      html("label", { class: "check with-keys" }, shortcuts, " Letters, digits and signs are shortcuts"),
+      html("div", { class: "help-groups" },
+        ...HAND_GESTURES.map((group) => helpGroup(group)),
+        ...[tools, ...KEYS].map((group) => helpGroup(group, keyElements))));
+    dialog.classList.add("help");
+    root.append(dialog);
+    place.append(toolButton({ title: "Keys and gestures (?)", icon: HELP_ICON }, () => dialog.showModal()));
     editor.on("help", () => dialog.showModal());
   }
 }
 
-function helpGroup({ title, keys }) {
-  const rows = keys.map(([pressed, words]) => html("div", {}, html("dt", {}, pressed), html("dd", {}, words)));
-  return html("section", {}, html("h3", {}, title), html("dl", {}, ...rows));
+const HELP_ICON = "M12 3a9 9 0 1 1 0 18a9 9 0 0 1 0-18zM9.5 9.5a2.5 2.5 0 1 1 3.600 2.200c-.7.4-1.100.9-1.100 1.800M12 16.500v.5";
+
+/** Return a group of the list; `shownKeys` makes elements of its keys, else they are words. */
+function helpGroup({ title, keys }, shownKeys = null) {
+  const rows = keys.map(([pressed, words]) => html("div", {},
+    html("dt", {}, ...(shownKeys?.(pressed) ?? [pressed])), html("dd", {}, words)));
+  const name = shownKeys !== null || title === "Mouse" ? "with-keys" : undefined;
+  return html("section", { class: name }, html("h3", {}, title), html("dl", {}, ...rows));
+}
+
+/** Return keys as they are shown, each in a frame. */
+function keyElements(pressed) {
+  const here = /Mac|iPad|iPhone/.test(navigator.platform) ? pressed.replaceAll("Ctrl", "\u2318") : pressed;
+  return here.split(/( \+ |, | or )/).map((part, index) => (index % 2 === 1 ? part : html("kbd", {}, part)));
 }

@@ -1,4 +1,6 @@
 // The fields of what is selected.
+const NOTHING = "Long-press or click something with the tool Select, or put the caret into its line of the text. " +
+  "The fields of the level itself are under Level.";
 
 class Inspector {
   constructor(editor, place) {
@@ -31,7 +33,8 @@ class Inspector {
     const { kind, route } = selection ?? { kind: null, route: [] };
     const form = (this.forms[kind] ?? []).filter(({ type }) => type in CONTROLS);
     this.rows = form.map((field) => new FieldRow(this.editor, field, route));
-    this.body.replaceChildren(...this.rows.map(({ element }) => element));
+    const help = html("p", { class: "field-help" }, NOTHING);
+    this.body.replaceChildren(...(selection === null ? [help] : this.rows.map((row) => row.element)));
   }
 
   /** Offer what else stands in the same cells. */

@@ -71,7 +71,7 @@ class MarksOverlay {
     const isUnreachable = cell !== null && this.editor.mode === "edit" &&
       this.editor.state.unreachable.some(([x, y]) => x === cell[0] && y === cell[1]);
     const words = found.map(({ message }) => prose(message));
-    if (isUnreachable) words.push(["no episode can come here"]);
+    if (isUnreachable && words.length === 0) words.push(["no episode can come here"]);
     this.note.hidden = words.length === 0;
     this.note.replaceChildren(...words.map((parts) => html("span", {}, ...parts)));
   }

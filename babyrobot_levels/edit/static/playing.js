@@ -145,7 +145,7 @@ class Playing {
     this.message.textContent = message;
     this.message.dataset.kind = kind;
     this.walked = [...game.past.map(({ state }) => state), game.state].map((state) => game.place(state));
-    const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Best average", game.known.best || "none"], ["Luck", this.seed]];
+    const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Luck", this.seed]];
     this.facts.replaceChildren(...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))));
     for (const each of this.pad) {
       const isShut = game.end === null && !game.isPossible(Number(each.dataset.action));

@@ -8,14 +8,13 @@ class StageView extends View {
   }
 
   show(svg, exits) {
-    const { stage, size, svg: before, zoom } = this;
-    const scale = before && before.getBoundingClientRect().width / size[0];
-    const { scrollLeft, scrollTop } = stage;
+    const { stage, size, svg: before, zoom, wide } = this;
+    const place = zoom > 1 ? [stage.scrollLeft, stage.scrollTop] : null;
     super.show(svg, exits);
     if (!before) return;
     // The cells keep their size on the screen if a part is seen, and else the whole is.
-    this.zoomTo(zoom === 1 ? 1 : (scale * this.size[0]) / this.fittingWidth());
-    stage.scrollTo(scrollLeft, scrollTop);
+    this.zoomTo(zoom === 1 ? 1 : ((wide / size[0]) * this.size[0]) / this.fittingWidth());
+    if (place !== null) stage.scrollTo(...place);
   }
 
   zoomTo(...args) {
@@ -49,13 +48,20 @@ class Stage {
       Object.assign(this.editor, { game: null, picture: null });
       return;
     }
-    const svg = levelPicture(level);
+    const svg = levelPicture(level, this.symbols(level.robot));
     const game = new Game(level);
     this.layers = element("g", { class: "layers" });
     svg.append(this.layers);
     this.editor.game = game;
     this.editor.picture = new Picture(game, svg, this.view);
     this.editor.picture.stand();
+  }
+
+  /** Return the robot's symbols: those of the last picture if its colours are the same. */
+  symbols(robot) {
+    const colors = robot.join();
+    if (this.robot?.colors !== colors) this.robot = { colors, symbols: sprites(robot) };
+    return this.robot.symbols;
   }
 
   /** Return the group of a name above the picture, empty in every new picture. */
@@ -65,8 +71,7 @@ class Stage {
 
   /** Return how many units of the picture a pixel of the window has. */
   get unit() {
-    const { svg } = this.view;
-    return svg.viewBox.baseVal.width / svg.getBoundingClientRect().width;
+    return this.view.size[0] / this.view.wide;
   }
 
   /** Return a point of the window as a point in cells. */

@@ -12,7 +12,6 @@ class TextPane {
   constructor(editor, place) {
     this.editor = editor;
     this.shown = []; // What each line of the mirror was made of.
-    this.chosen = [0, -1];
     this.timer = null;
     this.sending = 0;
     this.typedAt = 0;
@@ -33,7 +32,10 @@ class TextPane {
     this.pane = html("div", { class: "pane" }, html("div", { class: "paper" }, this.mirror, this.area));
     place.append(this.pane, this.note);
     editor.on("state", () => this.show());
-    editor.on("selection", () => this.choose());
+    editor.on("selection", () => {
+      this.paint(false);
+      this.choose();
+    });
     editor.on("caret", () => this.goTo(editor.caret));
     this.listen();
   }
@@ -69,6 +71,11 @@ class TextPane {
     this.tellFinding();
   }
 
+  /** What is selected. Its lines are those of the last valid text, so an invalid one has none. */
+  get selection() {
+    return this.editor.state?.is_valid ? this.editor.selection : null;
+  }
+
   /** Show another text; the caret stays where it is in what is the same. */
   replace(changed) {
     const { area } = this;
@@ -94,6 +101,11 @@ class TextPane {
     for (const finding of this.editor.state?.findings ?? []) {
       const here = marks.get(finding.line) ?? [];
       marks.set(finding.line, [...here, markOf(finding, lines)]);
+    }
+    // Of a drawing, the characters of what is selected are marked.
+    const { lines: [top, bottom] = [], columns: [left, right] = [] } = this.selection ?? {};
+    for (let number = left === undefined ? Infinity : top; number <= bottom; number += 1) {
+      marks.set(number, [...(marks.get(number) ?? []), { from: left - 1, to: right, kind: "part" }]);
     }
     const plain = value.length > MOST_COLORED ? lines.map(() => true) : plainLines(lines);
     const keys = lines.map((line, index) =>
@@ -123,10 +135,10 @@ class TextPane {
 
   /** Mark the lines of what is selected, and scroll to them. */
   choose(scrolls = true) {
-    const { lines: [first, last] = [0, -1] } = this.editor.selection ?? {};
+    const { lines: [first, last] = [] } = this.selection ?? {};
     [...this.mirror.children].forEach((line, index) =>
       line.classList.toggle("chosen", first <= index + 1 && index + 1 <= last));
-    if (scrolls && first > 0 && !this.area.matches(":focus")) this.scrollTo(first);
+    if (scrolls && first !== undefined && !this.area.matches(":focus")) this.scrollTo(first);
   }
 
   /** Scroll so that a line can be seen, and nothing but the pane. */
@@ -157,15 +169,19 @@ class TextPane {
   /** Select in the picture what the line of the caret is about. */
   showCaret() {
     this.tellFinding();
-    if (this.timer !== null || this.sending > 0) return;
-    const place = this.placeAt(lineAt(this.area.value, this.area.selectionStart));
-    if (place !== this.editor.selection) this.editor.set("selection", { selection: place });
+    const { state, selection } = this.editor;
+    if (this.timer !== null || this.sending > 0 || !state.is_valid) return;
+    const place = this.placeAt(this.area.value, this.area.selectionStart);
+    if (place !== selection) this.editor.select(place);
   }
 
-  /** Return the entry that a line is about: of several, that with the fewest lines. */
-  placeAt(number) {
-    const here = (this.editor.state.places ?? []).filter(
-      ({ lines: [first, last] }) => first <= number && number <= last);
+  /** Return the entry that a place of the text is about: of several, that with the fewest lines. */
+  placeAt(content, at) {
+    const number = lineAt(content, at);
+    const column = [...content.slice(content.lastIndexOf("\n", at - 1) + 1, at)].length + 1;
+    const isIn = (place, [first, last]) => first <= place && place <= last;
+    const here = (this.editor.state.places ?? []).filter(({ lines, columns }) =>
+      isIn(number, lines) && (columns === undefined || isIn(column, columns)));
     const size = ({ lines: [first, last] }) => last - first;
     return here.reduce((best, each) => (best === null || size(each) < size(best) ? each : best), null);
   }
@@ -222,6 +238,7 @@ class TextPane {
     const isCommand = event.ctrlKey || event.metaKey;
     const isLeaving = this.leaves;
     this.leaves = key === "Escape";
+    if (isCommand) this.flush(); // What commands are about has been typed.
     if (isCommand && !altKey && "zy".includes(key.toLowerCase())) {
       this.ask(key.toLowerCase() === "y" || shiftKey ? "redo" : "undo");
     } else if (key === "Tab" && !isCommand && !altKey && !shiftKey && !isLeaving) {

@@ -22,13 +22,13 @@ const TOOLS = [
     icon: "M9 20H20M13.5 4.5l6 6L11 19H7.5L4 15.5a1.400 1.400 0 0 1 0-2zM8.5 9.5l6 6", gesture: erased },
   { name: "select", key: "9", title: "Select and move", hint: "Click something to select it, drag it to move it",
     icon: "M6 3l12 9.5-5.5.7L16 20l-2.600 1.200-3.300-6.700L6 18z", gesture: moved },
-  { name: "start", key: "S", title: "Start", hint: "Click the cell; drag with Shift for several",
-    icon: "M6 21V4M6 4h12l-3 4 3 4H6", isSingle: true, gesture: painted },
-  { name: "exit", key: "E", title: "Exit", hint: "Click the cell; drag with Shift for several",
-    icon: "M10 4H5v16h5M9 12h11M16 7.5l4.5 4.5-4.5 4.5", isSingle: true, gesture: painted },
+  { name: "start", key: "S", title: "Start", hint: "Click the cell; with Shift, one more",
+    icon: "M6 21V4M6 4h12l-3 4 3 4H6", isSingle: true, isMore: true, gesture: painted },
+  { name: "exit", key: "E", title: "Exit", hint: "Click the cell; with Shift, one more",
+    icon: "M10 4H5v16h5M9 12h11M16 7.5l4.5 4.5-4.5 4.5", isSingle: true, isMore: true, gesture: painted },
   { name: "warp", key: "T", title: "Warp", hint: "Drag from the cell to its target",
     icon: "M5 20a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM5 12C5 7 9 5 13 5h6M15.5 1.5L19 5l-3.5 3.5", gesture: warped },
-  { name: "path", key: "G", title: "Mover", hint: "Drag through the cells that it walks",
+  { name: "path", key: "G", title: "Mover", hint: "Drag through the cells that it walks; with Shift, it wanders in a rectangle",
     icon: "M5 20a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM7 18h6a3 3 0 0 0 0-6h-2a3 3 0 0 1 0-6h8M16 3l3 3-3 3", gesture: walked },
   { name: "wind", key: "W", title: "Wind", hint: "Click an arrow at the rim; the right button weakens the wind",
     icon: "M3 9h11a3 3 0 1 0-3-3M3 13h15a3 3 0 1 1-3 3M3 17h7", gesture: () => null },
@@ -110,8 +110,9 @@ function painted(editor, tool, spots, { rectangle = false, fill = false }) {
   if (cells.length === 0) return null;
   const paint = fields === undefined ? { brush: tool.name } : { brush: tool.name, fields };
   if (fill && !tool.isSingle) return { do: "fill", ...paint, at: cells[0] };
+  if (tool.isSingle) return { do: "paint", ...paint, cells: cells.slice(-1), ...(rectangle && tool.isMore ? { add: true } : {}) };
   if (rectangle || tool.isRectangle) return { do: "paint", ...paint, cells: cornersOf(editor, spots), rectangle: true };
-  return { do: "paint", ...paint, cells: tool.isSingle ? cells.slice(-1) : cells };
+  return { do: "paint", ...paint, cells };
 }
 
 function erased(editor, tool, spots, modifiers) {
@@ -135,7 +136,8 @@ function warped(editor, tool, spots) {
   return { do: "warp", at: first.cell, to: last.cell };
 }
 
-function walked(editor, tool, spots) {
+function walked(editor, tool, spots, { rectangle }) {
+  if (rectangle) return { do: "path", cells: cornersOf(editor, spots), rectangle };
   const cells = insideOf(editor, cellsAlong(spots));
   return cells.length < 2 ? null : { do: "path", cells };
 }
@@ -171,10 +173,7 @@ function thingsAt(editor, { cell, side }) {
 
 function isAtSide({ sides }, cell, side) {
   const [[x, y], usual] = usualSide(cell, side);
-  return sides.some(([left, top, each]) => {
-    const [own, name] = usualSide([left, top], each);
-    return own[0] === x && own[1] === y && name === usual;
-  });
+  return sides.some((each) => each[0] === x && each[1] === y && each[2] === usual);
 }
 
 /** Return the selected entry if it is at a spot, else the topmost one there, or null. */

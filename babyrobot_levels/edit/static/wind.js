@@ -14,7 +14,7 @@ class WindPanel {
     this.side.addEventListener("change", () => this.showLabel());
     this.showLabel();
     this.element = html("div", { class: "fields" }, this.list,
-      html("div", { class: "wind-new" }, this.side, this.label, this.index.element, add));
+      html("div", { class: "wind-new" }, this.side, html("div", { class: "field-control" }, this.label, this.index.element, add)));
     editor.on("state", () => this.show());
     this.show();
   }

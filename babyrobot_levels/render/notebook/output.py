@@ -17,14 +17,15 @@ from babyrobot_levels.render.notebook.bundle import HTML, TEXT, Bundle
 
 _STYLE = """\
 <style class="{name}">
-.jp-OutputArea:has(:is(canvas, div).{name}) .jp-OutputArea-child:has(style.{name}) + .jp-OutputArea-child,
+.jp-OutputArea:has(:is(canvas, div).{name}) .jp-OutputArea-child:has(style.{name})\
+ + .jp-OutputArea-child,
 body:has(:is(canvas, div).{name}) svg.{name},
 .jp-OutputArea-child:has(style.{name}) + * + .jp-OutputArea-child:has(> .lm-Panel:last-child)\
 :not(:has(> .lm-Panel > *)),
 .jp-OutputArea-child:has(style.{name}) {{ display: none }}
 </style>"""
-"""Hides the picture if the widget is shown, by its canvas or its view: in JupyterLab and Notebook its whole output,
-elsewhere its SVG. Hides a widget's output that contains only an error, and itself."""
+"""Hides the picture if the widget's canvas or element is shown: in JupyterLab and Notebook its
+whole output, elsewhere its SVG. Hides a widget's output that contains only an error, and itself."""
 
 
 def display_bundle(bundle: Bundle) -> DisplayHandle:

@@ -2,9 +2,9 @@
 const SHIFTS = [[0, 0], [0, -1], [1, 0], [0, 1], [-1, 0]];
 const GLIDE = 220; // Milliseconds from cell to cell, at the usual speed.
 
-/** Return the picture of a level as an SVG element. */
-function levelPicture(data) {
-  const { title, picture, robot, shown } = data;
+/** Return the picture of a level as an SVG element; `symbols` are those of the robot. */
+function levelPicture(data, symbols = sprites(data.robot)) {
+  const { title, picture, shown } = data;
   need(picture !== null && typeof picture === "object");
   const { layers, palette } = picture;
   need(layers !== null && typeof layers === "object" && layers.base !== undefined);
@@ -27,7 +27,7 @@ function levelPicture(data) {
   },
   element("title", {}, title),
   element("desc", { id: "alt" }, data.alt ?? ""),
-  element("defs", {}, ...sprites(robot), ...things.definitions),
+  element("defs", {}, ...symbols, ...things.definitions),
   element(
     "g",
     { id: "ground", class: isDark(palette[0]) ? "dark" : undefined },

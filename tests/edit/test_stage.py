@@ -1,0 +1,277 @@
+"""What the mouse draws on the picture of a level, tool by tool."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+from playwright.sync_api import Locator, expect
+from support.editors import OpenEditor
+from support.hands import Mouse, Point
+
+pytestmark = pytest.mark.slow
+
+LEVEL = "version: 1\nsize: [6, 4]\n"
+
+
+class Hand(Mouse):
+    """A mouse with its buttons, and with keys that are held."""
+
+    @property
+    def text(self) -> str:
+        return self.editor.session.text
+
+    @property
+    def picture(self) -> Locator:
+        return self.page.locator(".stage > svg")
+
+    def drag(self, *points: Point, button: str = "left") -> None:
+        self.begin(*points, button=button)
+        self.page.mouse.up(button=button)
+
+    def begin(self, *points: Point, button: str = "left") -> None:
+        """Press at the first point, and move through the others."""
+        mouse = self.page.mouse
+        mouse.move(*points[0])
+        mouse.down(button=button)
+        for point in points[1:]:
+            mouse.move(*point, steps=5)
+
+    def draw(self, *points: Point, button: str = "left", held: str | None = None) -> None:
+        """Drag through points of the grid, in cells, and wait until the level has changed."""
+        with self.changing():
+            if held is not None:
+                self.page.keyboard.down(held)
+            self.drag(*(self.at(*point) for point in points), button=button)
+            if held is not None:
+                self.page.keyboard.up(held)
+
+
+@pytest.fixture
+def hand(editor_page: OpenEditor) -> Hand:
+    """A mouse at an empty level of six columns and four rows."""
+    return Hand(editor_page(LEVEL))
+
+
+@pytest.mark.parametrize(
+    ("tool", "points", "line"),
+    [
+        ("walls", [(1.3, 1), (3.7, 1.1)], "- {at: [1, 0], side: S, length: 3}"),
+        ("walls", [(3.05, 2.5), (3, 0.5)], "- {at: [2, 0], side: E, length: 3}"),
+        ("walls", [(1.1, 1.1), (1, 2.5)], "- {at: [0, 1], side: E, length: 2}"),
+        ("small", [(1.5, 1.5)], "- {at: [1, 1], size: small}"),
+        ("large", [(1.5, 1.5)], "- {at: [1, 1], size: large}"),
+        ("blocked", [(1.5, 1.5), (3.5, 1.5)], "- {at: [1, 1], size: [3, 1]}"),
+        ("area", [(2.5, 2.5), (1.5, 1.5)], '- {at: [1, 1], size: [2, 2], color: "#8fb996"}'),
+        ("item", [(4.5, 0.5)], "- {name: key, at: [4, 0]}"),
+        ("switch", [(4.5, 0.5)], "- {name: switch, at: [4, 0]}"),
+        ("start", [(4.5, 2.5)], "start: [4, 2]"),
+        ("exit", [(4.5, 2.5)], "exit: [4, 2]"),
+        ("warp", [(1.5, 1.5), (4.5, 2.5)], "- {at: [1, 1], to: [4, 2]}"),
+    ],
+)
+def test_a_tool_adds_its_line(hand: Hand, tool: str, points: list[Point], line: str) -> None:
+    hand.choose(tool)
+    hand.draw(*points)
+    assert line in hand.text
+
+
+def test_a_mover_walks_through_the_cells_that_were_dragged_over(hand: Hand) -> None:
+    hand.choose("path")
+    hand.draw((1.5, 1.5), (3.5, 1.5), (3.5, 2.5))
+    assert "path: [[1, 1], [2, 1], [3, 1], [3, 2]]" in hand.text
+
+
+def test_a_mover_with_shift_wanders_in_a_rectangle(hand: Hand) -> None:
+    hand.choose("path")
+    hand.draw((1.5, 1.5), (3.5, 2.5), held="Shift")
+    assert "within: {at: [1, 1], size: [3, 2]}" in hand.text
+
+
+def test_clicks_on_a_side_build_a_wall_then_glass_then_nothing(hand: Hand) -> None:
+    for line in ("- {at: [1, 1], side: E}", "- {at: [1, 1], side: E, pass: 0.5}"):
+        hand.draw((2, 1.5))
+        assert line in hand.text
+    hand.draw((2, 1.5))
+    assert "walls" not in hand.text
+
+
+def test_a_drag_along_walls_removes_them(hand: Hand) -> None:
+    hand.draw((1.5, 1), (4.5, 1))
+    hand.draw((2.5, 1), (3.5, 1))
+    assert "- {at: [1, 0], side: S}" in hand.text
+    assert "- {at: [4, 0], side: S}" in hand.text
+
+
+def test_the_options_of_walls_build_glass_with_a_number(hand: Hand) -> None:
+    hand.page.get_by_role("button", name="Glass", exact=True).click()
+    hand.page.get_by_label("Glass passes").fill("0.25")
+    hand.draw((1.5, 1), (2.5, 1))
+    assert "- {at: [1, 0], side: S, length: 2, pass: 0.25}" in hand.text
+
+
+def test_the_wheel_changes_the_number_of_selected_glass(hand: Hand) -> None:
+    hand.draw((2, 1.5))
+    hand.draw((2, 1.5))
+    hand.choose("select")
+    hand.drag(hand.at(2, 1.5))
+    with hand.changing():
+        hand.page.mouse.wheel(0, -100)
+    assert "pass: 0.55" in hand.text
+
+
+def test_the_right_button_erases(hand: Hand) -> None:
+    hand.choose("small")
+    hand.draw((1.5, 1.5), (2.5, 1.5))
+    hand.choose("walls")
+    hand.draw((3.5, 1), (4.5, 1))
+    hand.draw((1.5, 1.5), button="right")
+    assert "at: [1, 1]" not in hand.text
+    hand.draw((3.5, 1), (4.5, 1), button="right")
+    assert "walls" not in hand.text
+
+
+def test_shift_fills_a_rectangle(hand: Hand) -> None:
+    hand.choose("blocked")
+    hand.draw((1.5, 1.5), (2.5, 2.5), held="Shift")
+    assert "- {at: [1, 1], size: [2, 2]}" in hand.text
+
+
+def test_fill_paints_what_walls_enclose(hand: Hand) -> None:
+    hand.draw((5, 0.5), (5, 3.5))
+    hand.choose("small")
+    hand.page.locator("[data-modifier=fill]").click()
+    hand.draw((5.5, 1.5))
+    level = hand.editor.session.level
+    assert level is not None
+    assert {puddle.at for puddle in level.puddles} >= {(5, 0), (5, 1), (5, 2)}
+    assert all(x == 5 for x, _ in (puddle.at for puddle in level.puddles))
+
+
+def test_shift_adds_another_start(hand: Hand) -> None:
+    hand.choose("start")
+    hand.draw((0.5, 2.5), held="Shift")
+    assert "start: [[0, 0], [0, 2]]" in hand.text
+
+
+def test_the_start_is_dragged_with_any_brush(hand: Hand) -> None:
+    hand.choose("small")
+    hand.draw((0.5, 0.5), (2.5, 1.5))
+    assert "start: [2, 1]" in hand.text
+    assert "puddles" not in hand.text
+
+
+def test_alt_click_takes_the_tool_of_what_is_there(hand: Hand) -> None:
+    hand.choose("large")
+    hand.draw((1.5, 1.5))
+    hand.choose("walls")
+    hand.page.keyboard.down("Alt")
+    hand.drag(hand.at(1.5, 1.5))
+    hand.page.keyboard.up("Alt")
+    expect(hand.page.locator("[data-tool=large]")).to_have_attribute("aria-pressed", "true")
+    hand.draw((3.5, 1.5))
+    assert "- {at: [3, 1], size: large}" in hand.text
+
+
+def test_escape_ends_a_drag_without_a_change(hand: Hand) -> None:
+    hand.begin(hand.at(1.5, 1), hand.at(4.5, 1))
+    expect(hand.page.locator(".preview path")).not_to_have_count(0)
+    hand.page.keyboard.press("Escape")
+    expect(hand.page.locator(".preview path")).to_have_count(0)
+    hand.page.mouse.up()
+    hand.draw((3, 2.5))
+    assert hand.text.count("- {") == 1
+
+
+def test_what_is_selected_is_outlined_moved_and_deleted(hand: Hand) -> None:
+    hand.choose("small")
+    hand.draw((1.5, 1.5))
+    hand.choose("select")
+    hand.drag(hand.at(1.5, 1.5))
+    expect(hand.page.locator(".selected path")).not_to_have_count(0)
+    hand.draw((1.5, 1.5), (3.5, 2.5))
+    assert "- {at: [3, 2], size: small}" in hand.text
+    expect(hand.page.locator(".selected path")).not_to_have_count(0)
+    with hand.changing():
+        hand.page.keyboard.press("Delete")
+    assert "puddles" not in hand.text
+    expect(hand.page.locator(".selected path")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("way", "drag", "size", "start"),
+    [
+        ("1 0", (2, 0), "[8, 4]", (0, 0)),
+        ("-1 0", (-1, 0), "[7, 4]", (1, 0)),
+        ("0 1", (0, -1), "[6, 3]", (0, 0)),
+        ("-1 -1", (-1, -1), "[7, 5]", (1, 1)),
+        ("1 1", (0, 0), "[7, 5]", (0, 0)),
+    ],
+)
+def test_the_size_is_dragged_at_the_rim(
+    hand: Hand, way: str, drag: Point, size: str, start: tuple[int, int]
+) -> None:
+    """A click adds a column or row."""
+    box = hand.page.locator(f"[data-handle=size][data-way='{way}']").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    cell = hand.at(1, 0)[0] - hand.at(0, 0)[0]
+    hand.begin((x, y), (x + cell * drag[0], y + cell * drag[1]))
+    shown = size.strip("[]").replace(", ", " × ")
+    expect(hand.page.locator(".preview text")).to_have_text(shown)
+    with hand.changing():
+        hand.page.mouse.up()
+    assert f"size: {size}" in hand.text
+    level = hand.editor.session.level
+    assert level is not None
+    assert level.starts == (start,)
+
+
+def test_arrows_at_the_rim_set_the_wind(hand: Hand) -> None:
+    hand.choose("wind")
+    arrow = hand.page.locator("[data-handle=wind][data-side=N][data-index='2']")
+    for button, strength in (("left", 1), ("left", 2), ("right", 1)):
+        with hand.changing():
+            arrow.click(button=button)
+        assert f"north: [0, 0, {strength}, 0, 0, 0]" in hand.text
+        expect(arrow.locator("text")).to_have_text(str(strength))
+
+
+def test_the_part_that_is_seen_stays_as_one_draws(hand: Hand) -> None:
+    page = hand.page
+    page.mouse.move(*hand.at(3, 2))
+    page.keyboard.down("Control")
+    page.mouse.wheel(0, -300)
+    page.keyboard.up("Control")
+    page.mouse.wheel(60, 40)
+    page.wait_for_timeout(200)
+    before = hand.picture.bounding_box()
+    hand.draw((3.5, 2))
+    assert hand.picture.bounding_box() == pytest.approx(before, abs=0.1)
+    assert "- {at: [3, 1], side: S}" in hand.text
+
+
+def test_an_invalid_text_dims_the_last_picture(hand: Hand) -> None:
+    with hand.changing():
+        hand.page.locator(".text").fill("version: 1\nsize: [6, wide]\n")
+    expect(hand.page.locator(".stage")).to_have_class(re.compile("dimmed"))
+    expect(hand.picture).to_be_visible()
+    expect(hand.page.locator(".grip")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("version: 1\nsize: [6, wide]\n", "the text is not a valid level"),
+        ("version: 1\nsize: [300, 300]\n", "too large"),
+    ],
+)
+def test_a_level_without_a_picture_is_told_and_its_text_shown(
+    editor_page: OpenEditor, text: str, told: str
+) -> None:
+    page = editor_page(text).page
+    expect(page.locator(".notice")).to_contain_text(told)
+    expect(page.locator(".text")).to_have_value(text)
+    page.locator(".stage").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator(".said")).to_have_text("")
