@@ -145,6 +145,7 @@ class Plan:
             entry(edge) | {name: known(names) for name, names in needs.items()}
             for sides, needs in self.doors
             for edge in sides
+            if not any(needs.values()) or any(map(known, needs.values()))
         ]
         data["exit_needs"] = known(self.before.exit_needs)
         data |= {"warps": self.warps, "movers": self.movers}
