@@ -1,4 +1,4 @@
-"""The editor's layout: everything is in reach in windows of all sizes, without scrolling the page."""
+"""The editor's layout: all is in reach in windows of all sizes, without scrolling the page."""
 
 from __future__ import annotations
 
