@@ -91,12 +91,13 @@ function numberControl(field, change) {
   const less = holdButton("−", `less ${label}`, () => by(-step), done);
   const more = holdButton("+", `more ${label}`, () => by(step), done);
   input.addEventListener("change", done);
+  const arrows = { ArrowUp: step, ArrowDown: -step };
   input.addEventListener("keydown", (event) => {
-    const difference = { ArrowUp: step, ArrowDown: -step }[event.key];
-    if (difference === undefined) return;
+    if (!(event.key in arrows)) return;
     event.preventDefault();
-    by(difference);
+    by(arrows[event.key]);
   });
+  input.addEventListener("keyup", ({ key }) => key in arrows && done());
   const words = wordButtons(field, (word, isChosen) => change(isChosen ? (minimum ?? 0) : word));
   const element = html("span", { class: "stepper" }, less, input, more, ...words.buttons);
   const show = (value) => {

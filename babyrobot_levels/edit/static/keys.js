@@ -148,6 +148,7 @@ class Keyboard {
 
   /** Keep the cursor inside a level that became smaller. */
   stayInside() {
+    if (this.editor.game === null) return;
     const inside = this.within(this.cell);
     if (!isSameCell(inside, this.cell)) this.goTo(inside);
   }
