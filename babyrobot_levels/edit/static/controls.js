@@ -99,7 +99,8 @@ function numberControl(field, change) {
   });
   input.addEventListener("keyup", ({ key }) => key in arrows && done());
   const words = wordButtons(field, (word, isChosen) => change(isChosen ? (minimum ?? 0) : word));
-  const element = html("span", { class: "stepper" }, less, input, more, ...words.buttons);
+  const element = html("span", { class: "number-control" },
+    html("span", { class: "stepper" }, less, input, more), ...words.buttons);
   const show = (value) => {
     given = value;
     input.value = value ?? "";

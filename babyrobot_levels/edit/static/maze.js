@@ -6,7 +6,7 @@ class MazePanel {
     this.editor = editor;
     this.rows = form.map((field) => new FieldRow(editor, { ...field, label: field.route.at(-1) }, []));
     const seed = this.rows.find(({ field }) => field.route.at(-1) === "seed");
-    seed?.element.querySelector(".field-control").append(dice(() => this.roll()));
+    seed?.control.element.append(dice(() => this.roll()));
     this.note = html("p", { class: "field-help" }, ...prose(
       "The level removes walls of the maze: see `openings` in the text. They stay where they are if the " +
       "maze changes. Written out as walls, the maze can be changed wall by wall."));
