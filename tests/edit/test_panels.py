@@ -196,12 +196,24 @@ def test_a_maze_is_grown_changed_and_written_out(editor_page: OpenEditor) -> Non
     expect(section.get_by_role("button", name="Grow a maze")).to_be_visible()
 
 
-def test_a_maze_whose_walls_were_opened_says_so(editor_page: OpenEditor) -> None:
-    opened = "version: 1\nsize: [3, 1]\nmaze: {seed: 1}\n"
-    page = editor_page(opened).page
-    expect(level_section(page, "Maze").get_by_text("removes walls of the maze")).to_be_hidden()
-    more = editor_page(opened + "openings:\n  - {at: [0, 0], side: E}\n").page
-    expect(level_section(more, "Maze").get_by_text("removes walls of the maze")).to_be_visible()
+def test_a_maze_whose_walls_are_opened_says_so_and_can_be_written_out(
+    editor_page: OpenEditor,
+) -> None:
+    editor = editor_page("version: 1\nsize: [3, 3]\nmaze: {seed: 1}\n")
+    page = editor.page
+    section, offer = (
+        level_section(page, "Maze"),
+        page.get_by_role("button", name="Write the maze out"),
+    )
+    expect(section.get_by_text("removes walls of the maze")).to_be_hidden()
+    expect(offer).to_be_hidden()
+    page.get_by_label("Level file").fill(
+        editor.session.text + "openings:\n  - {at: [0, 0], side: E}\n"
+    )
+    expect(section.get_by_text("removes walls of the maze")).to_be_visible()
+    offer.click()
+    until(lambda: "maze" not in editor.session.text, "the maze is written out")
+    expect(offer).to_be_hidden()
 
 
 def test_wind_is_added_changed_and_removed(editor_page: OpenEditor) -> None:
@@ -271,3 +283,11 @@ def test_fixes_that_change_the_level_say_so(editor_page: OpenEditor) -> None:
     page.get_by_role("tab", name="Findings").click()
     fix = page.locator(".findings .fix", has_text="changes the level")
     expect(fix).to_have_accessible_name("Fix: remove `gem` (changes the level)")
+
+
+def test_in_a_narrow_window_a_finding_leads_to_the_text(editor_page: OpenEditor) -> None:
+    page = editor_page(FOUND, viewport={"width": 390, "height": 844}).page
+    page.get_by_role("tab", name="Findings").click()
+    page.locator(".finding").click()
+    expect(page.get_by_label("Level file")).to_be_focused()
+    expect(page.locator(".line.warning")).to_be_in_viewport()

@@ -175,13 +175,18 @@ function colorControl({ label, default: usual }, change) {
   return { element, show };
 }
 
-/** Return a CSS colour as `#rrggbb`. */
+const PEN = document.createElement("canvas").getContext("2d"); // Knows all colours.
+const DIGITS = new Map();
+
+/** Return a CSS colour as `#rrggbb`, without its alpha. */
 function digitsOf(written) {
-  const pen = document.createElement("canvas").getContext("2d");
-  pen.fillStyle = written;
-  if (pen.fillStyle.startsWith("#")) return pen.fillStyle;
-  const channels = pen.fillStyle.match(/[\d.]+/g).slice(0, 3);
-  return `#${channels.map((channel) => Number(channel).toString(16).padStart(2, "0")).join("")}`;
+  if (!DIGITS.has(written)) {
+    PEN.fillStyle = written;
+    const channels = PEN.fillStyle.startsWith("#") ? null : PEN.fillStyle.match(/[\d.]+/g).slice(0, 3);
+    const hex = (channel) => Number(channel).toString(16).padStart(2, "0");
+    DIGITS.set(written, channels === null ? PEN.fillStyle : `#${channels.map(hex).join("")}`);
+  }
+  return DIGITS.get(written);
 }
 
 /** Check boxes for names of what there is. */
