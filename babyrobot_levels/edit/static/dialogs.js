@@ -45,6 +45,7 @@ class FileButtons {
     const { editor } = this;
     if (editor.state.path === null) {
       download(fileName(editor.state), editor.state.text);
+      editor.say(`Downloaded as ${fileName(editor.state)}.`);
       return false;
     }
     const { error, conflict } = await editor.send({ do: "save" });

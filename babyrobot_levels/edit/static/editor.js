@@ -95,8 +95,9 @@ class Editor {
   /** Show another state; what was selected stays so if it is still there. */
   show(state) {
     const { selection } = this;
+    const isSelected = (place) => place.kind === selection.kind && sameRoute(place, selection);
+    this.selection = selection && ((state.places ?? []).find(isSelected) ?? null);
     this.set("state", { state });
-    if (selection === null) return;
-    this.select((state.places ?? []).find((each) => each.kind === selection.kind && sameRoute(each, selection)) ?? null);
+    if (selection !== null && this.selection === null) this.tell("selection");
   }
 }
