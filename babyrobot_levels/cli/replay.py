@@ -128,7 +128,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
     """Return what is known about a play, for JSON: null where it is not known."""
     from babyrobot_levels.scoring.plays.grades import bounds_of
 
-    play, distribution = verification.play, verification.distribution
+    play = verification.play
     data: dict[str, Any] = {
         "episode": number,
         "name": play.name,
@@ -155,7 +155,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
         "share": None if play.end == "unfinished" else _finite(bounds.share(play.return_)),
         "log_probability": verification.log_probability,
         "luck": verification.luck,
-        "expected_return": None if distribution is None else distribution.mean,
+        "expected_return": verification.expected_return,
     }
 
 
