@@ -49,7 +49,7 @@ from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
 
-QUESTIONS = {"state", "levels", "answers", "policy", "copy", "quit"}
+QUESTIONS = ("state", "levels", "answers", "policy", "copy", "quit")
 """What changes nothing."""
 
 

@@ -65,7 +65,7 @@ const DONE = {
   path: (editor, { cells }) => `Mover through ${cellsInWords(cells)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
   remove: () => "Removed",
-  set: (editor, { route, value }) => value === null ? `${route.at(-1)} removed` : `${route.at(-1)} set to ${JSON.stringify(value)}`,
+  set: (editor, { route, value }) => value === null ? `${route.at(-1)} removed` : `${route.at(-1)} set${written(value)}`,
   resize: (editor, { size: [columns, rows] }) => `The level has ${columns} columns and ${rows} rows`,
   wind: (editor, gesture) => windInWords(gesture),
   resolve: () => "The maze is written out as walls",
@@ -75,6 +75,11 @@ const DONE = {
 };
 
 const MODES_IN_WORDS = { edit: "Editing.", play: "Playing.", policy: "Drawing a policy." };
+
+/** Return a value in words; a mapping is too long for any. */
+function written(value) {
+  return typeof value === "object" && !Array.isArray(value) ? "" : ` to ${JSON.stringify(value)}`;
+}
 
 /** Says what was done, and what is in the cell of the cursor as it moves. */
 class Announcer {

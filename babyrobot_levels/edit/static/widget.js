@@ -1,7 +1,7 @@
 // The editor in a notebook cell: its messages go to the kernel.
 
-const SILENT = "The kernel does not answer: run the cell again, or copy the text.";
-const PATIENCE = 30000;
+const SILENT = "The kernel does not answer: it is busy, or was restarted. If so, run the cell again.";
+const PATIENCE = 15000;
 let views = 0;
 
 function render({ model, el }) {
@@ -28,12 +28,8 @@ function render({ model, el }) {
 
   const place = document.createElement("div");
   el.append(place);
-  // Jupyter's keys and menus are for what is outside.
-  el.dataset.lmSuppressShortcuts = "true";
+  // Jupyter's menu is for what is outside.
   el.dataset.jpSuppressContextMenu = "true";
-  for (const type of ["keydown", "keyup", "keypress", "contextmenu"]) {
-    place.addEventListener(type, (event) => event.stopPropagation());
-  }
   const editor = mount(place, connection, STYLE);
 
   const hear = (reply) => {
