@@ -35,7 +35,7 @@ FOCUSED = """({ shadowRoot: { activeElement: at } }) => {
   const name = at.ariaLabel ?? at.getRootNode().getElementById(at.getAttribute("aria-labelledby"))
     ?.textContent ?? at.textContent;
   const isSeen = [at, at.closest(".pane") ?? at].map(getComputedStyle)
-    .some(({ outlineStyle: style, outlineWidth: width }) => style !== "none" && parseFloat(width) > 1);
+    .some((style) => style.outlineStyle !== "none" && parseFloat(style.outlineWidth) > 1);
   return [name, isSeen];
 }"""
 
