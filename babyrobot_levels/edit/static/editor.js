@@ -5,6 +5,7 @@
  *
  * - "state": another state came from Python (see `edit/state.py`); `game` and `picture` are drawn;
  * - "cursor": the cell, and the side, at which the keyboard works;
+ * - "pointed": the cell under the pointer, or null;
  * - "selection": what is selected: the entry of `state.places`, or null;
  * - "caret": where the caret of the text was asked to go;
  * - "tool": another tool, other `options` of it, or other `modifiers` were chosen;
@@ -21,6 +22,7 @@ class Editor {
     this.connection = connection;
     this.state = null;
     this.cursor = { cell: [0, 0], side: null };
+    this.pointed = null;
     this.selection = null;
     this.caret = null;
     this.tool = "walls";
