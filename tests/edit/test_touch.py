@@ -141,14 +141,28 @@ def test_everything_is_large_enough_for_fingers(
     page = editor_page(LEVEL, **options).page
     small = page.locator("#editor").evaluate(
         """({ shadowRoot: root }, least) => [...root.querySelectorAll(
-            ":is(.bar, .tools, .zoom, .tabs, .answers, .options) button")]
+            ":is(.bar, .tools, .zoom, .tabs, .answers, .options) button, [data-handle] .target")]
           .filter((each) => each.checkVisibility())
-          .filter((each) => {
-            const { width, height } = each.getBoundingClientRect();
-            return Math.min(width, height) < least;
-          })
-          .map((each) => each.title || each.textContent)""",
+          .map((each) => [each.outerHTML.slice(0, 80), each.getBoundingClientRect()])
+          .filter(([, { width, height }]) => Math.min(width, height) < least - 0.01)
+          .map(([name]) => name)""",
         LEAST_TARGET,
     )
     assert small == []
-    assert page.evaluate("() => document.documentElement.scrollWidth") == width
+    outside = page.locator("#editor").evaluate(
+        """({ shadowRoot: root }) =>
+          [...root.querySelectorAll(":is(.bar, .answers, .tabs) button")]
+          .filter((each) => each.checkVisibility())
+          .filter((each) => each.getBoundingClientRect().right > innerWidth)
+          .map((each) => each.textContent)"""
+    )
+    assert outside == []
+
+
+def test_the_help_lists_what_fingers_do(hand: Hand) -> None:
+    hand.press(hand.page.get_by_role("button", name="Keys and gestures"))
+    help_list = hand.page.get_by_role("dialog", name="Keys and gestures")
+    expect(help_list).to_contain_text("Long press")
+    expect(help_list.get_by_text("Drag along sides")).to_be_visible()
+    expect(help_list.get_by_text("Right button")).to_be_hidden()
+    expect(help_list.get_by_text("Page up")).to_be_hidden()
