@@ -71,6 +71,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Things as Things
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
+    from babyrobot_levels.scoring.datasets import to_minari as to_minari
     from babyrobot_levels.scoring.plays.files import Play as Play
     from babyrobot_levels.scoring.plays.files import read_plays as read_plays
     from babyrobot_levels.scoring.plays.grades import Grade as Grade
@@ -162,6 +163,7 @@ _HOMES = {
     "strip": "analysis.strip",
     "success_within": "analysis.solver.evaluation",
     "verify_play": "scoring.plays.verify",
+    "to_minari": "scoring.datasets",
     "value_iteration": "analysis.learning.sweeps",
 }
 

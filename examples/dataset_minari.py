@@ -1,32 +1,18 @@
 """Learning from a Minari dataset of good and bad moves. It needs: pip install ".[minari]"."""
 
 import os
-from collections.abc import Iterator
-from itertools import pairwise
 from tempfile import TemporaryDirectory
 
 import minari
 import numpy as np
 from arguments import parsed, parser_of
 from comparison import print_comparison, return_of
-from minari.data_collector import EpisodeBuffer
 from numpy.typing import NDArray
 
 import babyrobot_levels as brl
 
 # Minari warns about datasets without them.
 ABOUT = ("algorithm_name", "author", "author_email", "code_permalink", "description")
-
-
-def episodes(data: brl.Rollout) -> Iterator[EpisodeBuffer]:
-    """Yield the episodes of a rollout that come to an end."""
-    names = ("actions", "rewards", "terminations", "truncations")
-    for env, over in enumerate((data.terminations | data.truncations).T):
-        for begin, end in pairwise([0, *np.flatnonzero(over) + 1]):
-            rows = slice(begin, end), env
-            states = np.append(data.observations[rows], data.next_observations[end - 1, env])
-            arrays = {name: getattr(data, name)[rows] for name in names}
-            yield EpisodeBuffer(observations=states, **arrays)
 
 
 def learn(dataset: minari.MinariDataset, num_states: int, discount: float) -> NDArray[np.int64]:
@@ -47,12 +33,11 @@ args = parsed(parser_of(__doc__, steps=100_000))
 level, best = args.level, brl.solve(args.level, actions="moves")
 policy = 0.5 * np.eye(4)[best.policy.ravel()] + 0.5 / 4  # half of the moves are random
 data = brl.rollout(level, policy, 64, max(1, args.steps // 64), args.seed, actions="moves")
-worst = brl.evaluate(level, "random", actions="moves").expected_return
-about = {**dict.fromkeys(ABOUT, "-"), "ref_min_score": worst, "ref_max_score": best.expected_return}
-env, name = level.make(observation="index", actions="moves"), f"babyrobot/{level.name}-v0"
+name = f"babyrobot/{level.name}-v0"
 with TemporaryDirectory() as folder:
     os.environ["MINARI_DATASETS_PATH"] = folder  # by default, a folder in the user's home
-    minari.create_dataset_from_buffers(name, list(episodes(data)), env, eval_env=env, **about)
+    about = dict.fromkeys(ABOUT, "-")
+    brl.to_minari(data, name, level=level, actions="moves", observation="index", **about)
     dataset = minari.load_dataset(name)
     greedy = learn(dataset, best.policy.size, level.discount).reshape(best.policy.shape)
     learned = np.array(return_of(greedy, level, "moves"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import sys
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -21,8 +21,6 @@ from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
     import os
-
-    import gymnasium
 
     from babyrobot_levels.cli.keyboard import NextKey
     from babyrobot_levels.library.level import Level
@@ -117,10 +115,15 @@ def play(
             "use `babyrobot preview` to look at a level",
         )
     game = _Game(loaded, seed, maze_seed, record, turns=actions is PlayActions.TURNS)
-    # A closed terminal ends the game as q does.
-    with _ended_by_signals(), suppress(EOFError), _whole_screen(), keyboard() as next_key:
+    # A closed terminal ends the game as q does. However it ends, its last episode is recorded.
+    with (
+        closing(game),
+        _ended_by_signals(),
+        suppress(EOFError),
+        _whole_screen(),
+        keyboard() as next_key,
+    ):
         _play(game, next_key)
-    game.close()
     write(game.summary() + "\n")
     if record is not None:
         note(f"recorded in {record}")
@@ -363,7 +366,7 @@ class _Game:
         return typer.style(text, **style) if style and self._colors and text.strip() else text
 
 
-def _recorded(env: gymnasium.Env[Any, Any], path: Path) -> gymnasium.Env[Any, Any]:
+def _recorded(env: Any, path: Path) -> Any:
     """Return an environment whose episodes are recorded; end the command if that is impossible."""
     from babyrobot_levels.language.play import PlayError
     from babyrobot_levels.scoring.plays.record import RecordPlay

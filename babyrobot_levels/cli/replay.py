@@ -100,7 +100,7 @@ def replay(
     else:
         write_table(list(_COLUMNS), [_cells(row) for row in rows], less=("verified",))
     if output is not None and found[0].is_valid:
-        _save_film(found[0].play, output, force=force)
+        _save_film(found[0], output, force=force)
     if not all(each.is_valid for each in found):
         raise typer.Exit(FINDINGS)
 
@@ -253,12 +253,10 @@ def _show(play: Play) -> None:
     write("\n")
 
 
-def _save_film(play: Play, path: Path, *, force: bool) -> None:
-    from babyrobot_levels.scoring.plays.film import to_gif
-
+def _save_film(verification: Verification, path: Path, *, force: bool) -> None:
     with working("drawing") as report:
         try:
-            film = to_gif(play, progress=report)
+            film = verification.to_gif(progress=report)
         except ValueError as error:
             fail(str(error))
     save(path, film, force=force)

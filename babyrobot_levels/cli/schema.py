@@ -20,18 +20,20 @@ class SchemaName(StrEnum):
 
     LEVEL = "level"
     PACK = "pack"
+    PLAY = "play"
     SUITE = "suite"
     THEME = "theme"
 
 
 def print_schema(
     name: Annotated[
-        SchemaName, typer.Argument(metavar="NAME", help="`level`, `pack`, `suite` or `theme`.")
+        SchemaName,
+        typer.Argument(metavar="NAME", help="`level`, `pack`, `play`, `suite` or `theme`."),
     ] = SchemaName.LEVEL,
     output: OutputOption = None,
     force: ForceOption = False,
 ) -> None:
-    """Print the JSON schema of level, suite or theme files, or of the `pack.yaml` of packs.
+    """Print the JSON schema of level, suite or theme files, of `pack.yaml`, or of a play's lines.
 
     In a folder with `schemas/level.schema.json`, `new-level`, `generate` and `import` let their
     files refer to it, so that editors complete and check them.

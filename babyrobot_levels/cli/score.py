@@ -48,9 +48,10 @@ def score(
     what: Annotated[
         list[str],
         typer.Argument(
-            metavar="AGENT LEVELS | PLAYS",
+            metavar="AGENT LEVELS or PLAYS",
             help="An agent, and the levels or the suite to score it in; or files of recorded "
-            f"episodes ({_PLAYS}). An agent is {_AGENTS}; `{_BEST}` is an optimal policy without a time limit.",
+            f"episodes ({_PLAYS}). An agent is {_AGENTS}; `{_BEST}` is an optimal policy without "
+            "a time limit.",
         ),
     ],
     level: Annotated[
@@ -136,7 +137,7 @@ def score(
 
       babyrobot score ppo.zip frozen-lake --observation vector --trust
 
-      babyrobot score plays/*.brlplay --level final-maze
+      babyrobot score plays/*.brlplay --level frozen-lake
     """
     are_plays = {word.lower().endswith(_PLAYS) for word in what}
     if are_plays == {True, False}:

@@ -117,7 +117,8 @@ def _form(model: Schema, route: tuple[str, ...] = ()) -> Iterator[dict[str, Any]
     required, owners = model.get("required", ()), _owners(model)
     for name, schema in model["properties"].items():
         for each in _fields((*route, name), schema):
-            if name in required:
+            is_own = each["name"] == ".".join((*route, name))
+            if is_own and (name in required or owners.get(name) == name):
                 each["required"] = True
             if name in owners:
                 each["with"] = owners[name]

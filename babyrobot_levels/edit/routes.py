@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from babyrobot_levels.edit.draft import RefusedError
-from babyrobot_levels.edit.forms import short_forms
+from babyrobot_levels.edit.forms import LEVEL, forms, short_forms
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.formatting.tree import Fields, fields_of
 from babyrobot_levels.language.plain_data import plain
@@ -49,6 +49,8 @@ def put(data: dict[str, Any], route: Route, value: Any) -> None:
         if not isinstance(inner, dict | list):
             if isinstance(holder, list) or (inner is not None and segment not in short):
                 raise RefusedError(f"`{shown(above[:number])}` has no fields")
+            if inner is None:
+                inner = _default(above[:number])
             inner = {} if inner is None else {short[str(segment)]: inner}
             _set(holder, segment, inner, fields)
         holder = inner
@@ -57,7 +59,7 @@ def put(data: dict[str, Any], route: Route, value: Any) -> None:
 
 
 def remove(data: dict[str, Any], route: Route) -> None:
-    """Remove a value, and each list or mapping above it that is left empty.
+    """Remove a value, and each field above it that is left empty.
 
     Raises:
         RefusedError: there is none.
@@ -69,7 +71,7 @@ def remove(data: dict[str, Any], route: Route) -> None:
     get(data, route)
     holder = get(data, above)
     del holder[last]
-    if not holder and above:
+    if not holder and above and isinstance(above[-1], str):
         remove(data, above)
 
 
@@ -127,6 +129,12 @@ def _set(holder: Any, name: str | int, value: Any, fields: Fields) -> None:
         values = _ordered({**holder, name: value}, fields)
         holder.clear()
         holder.update(values)
+
+
+def _default(route: Route) -> Any:
+    """Return what a field of the level is in short where it is left out, None if it is nothing."""
+    fields = (each for each in forms()[LEVEL] if "short" in each and each["route"][:-1] == route)
+    return next((each.get("default") for each in fields), None)
 
 
 def _stands_for(mapping: Route, name: str | int) -> bool:

@@ -19,6 +19,7 @@ from pydantic import BaseModel
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
+from babyrobot_levels.language.play import PlayFields
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import KINDS, SuiteListFields
 from babyrobot_levels.language.things import LEGEND_FIELDS, LegendEntry
@@ -106,9 +107,22 @@ def pack_schema() -> dict[str, Any]:
     return _schema(PackFields, "A pack of levels")
 
 
+def play_schema() -> dict[str, Any]:
+    """Return the JSON schema of a line of a `.brlplay` file."""
+    schema = _schema(PlayFields, "A play, a line of a .brlplay file, version 1")
+    schema["properties"]["checksum"] = {
+        "description": "The CRC-32 of the bytes of the line before this field and its comma.",
+        "type": "string",
+        "pattern": "^[0-9a-f]{8}$",
+    }
+    schema["required"] += ["format", "format_version", "checksum"]
+    return schema
+
+
 SCHEMAS = {
     "level": level_schema,
     "pack": pack_schema,
+    "play": play_schema,
     "suite": suite_schema,
     "theme": theme_schema,
 }

@@ -86,19 +86,16 @@ def _row(bar: Bar, top: float, at: Callable[[float], float]) -> Iterator[Shape]:
     middle = top + _ROW / 2
     name = bar.name if len(bar.name) <= _LETTERS else f"{bar.name[: _LETTERS - 1]}…"
     yield Text(_LEFT - 10, middle + 4, name, 12, _INK, "end")
-    number_x = at(0.0)
     if not math.isnan(bar.value):
         begin, end = sorted((at(0.0), at(bar.value)))
         color = _FORWARD if bar.value >= 0 else _BACKWARD
         yield Rect(begin, middle - _BAR / 2, end - begin, _BAR, color)
-        number_x = max(end, at(0.0))
         if bar.low < bar.high:
             low, high = at(bar.low), at(bar.high)
             yield Path(polyline([(low, middle), (high, middle)]), stroke=_INK, width=2)
             for x in (low, high):
                 yield Path(polyline([(x, middle - 4), (x, middle + 4)]), stroke=_INK, width=2)
-            number_x = max(number_x, high)
-    yield Text(number_x + 6, middle + 4, _told(bar.value), 12, _INK, "start")
+    yield Text(_LEFT + _WIDTH + _RIGHT - 12, middle + 4, _told(bar.value), 12, _INK, "end")
 
 
 def _told(value: float) -> str:

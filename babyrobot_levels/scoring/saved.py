@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import zipfile
 from pathlib import Path
@@ -55,7 +56,7 @@ def load_policy(path: Path) -> Any:
     if len(data) > MAX_BYTES:
         raise AgentError(f"{path}: the file is larger than {MAX_BYTES >> 20} MiB")
     try:
-        found = _json_policy(data) if path.suffix.lower() == ".json" else _array_policy(path)
+        found = _json_policy(data) if path.suffix.lower() == ".json" else _array_policy(data)
     except (ValueError, TypeError, KeyError, RecursionError, EOFError, zipfile.BadZipFile):
         raise AgentError(f"{path} is not a saved policy") from None
     tables = found.values() if isinstance(found, dict) else [found]
@@ -73,8 +74,8 @@ def _json_policy(data: bytes) -> Any:
     return {name: np.array(table) for name, table in found.items()}
 
 
-def _array_policy(path: Path) -> Any:
-    found = np.load(path, allow_pickle=False)
+def _array_policy(data: bytes) -> Any:
+    found = np.load(io.BytesIO(data), allow_pickle=False)
     if isinstance(found, np.ndarray):
         return found
     with found:

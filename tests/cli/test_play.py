@@ -19,6 +19,8 @@ from typing import Any
 import pytest
 from support.sessions import environment
 
+import babyrobot_levels as brl
+
 pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
 fcntl = pytest.importorskip("fcntl")
 termios = pytest.importorskip("termios")
@@ -216,6 +218,39 @@ def test_the_last_line_says_how_it_went(yard: Game) -> None:
     yard.press(WAY_OUT + b"q")
     assert yard.ended() == (0, "yard: reached the exit after 6 steps, return -5\n")
     assert yard.is_restored
+
+
+@pytest.mark.parametrize(("leave", "status"), [(b"q", 0), (b"\x03", 130)])
+def test_each_episode_is_recorded(tmp_path: Path, leave: bytes, status: int) -> None:
+    (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
+    with Game(tmp_path, "yard.yaml", "--seed", "1", "--record", "ada.brlplay") as game:
+        game.until("Find the exit")
+        game.press(WAY_OUT)
+        game.until("The exit! Well done.")
+        # Before the game is over: nothing of the episode can be lost any more.
+        assert len(brl.read_plays(tmp_path / "ada.brlplay")) == 1
+        game.press(b"r" + RIGHT)
+        game.until("step 1 ")
+        game.press(leave)
+        assert game.ended()[0] == status
+        assert game.is_restored
+    first, last = brl.read_plays(tmp_path / "ada.brlplay")
+    assert (first.end, first.steps, first.seed, first.return_) == ("terminated", 6, "1", -5)
+    assert (last.end, last.steps, last.seed) == ("unfinished", 1, None)
+    assert all(brl.verify_play(play).is_valid for play in (first, last))
+
+
+def test_a_file_that_cannot_be_recorded_into_is_told_at_once(tmp_path: Path) -> None:
+    (tmp_path / "yard.yaml").write_text(LEVEL, encoding="utf-8")
+    (tmp_path / "half.brlplay").write_text("{", encoding="utf-8")
+    for file, message in (
+        ("half.brlplay", "half.brlplay: the last line is cut off"),
+        (".", ". cannot be written"),
+    ):
+        with Game(tmp_path, "yard.yaml", "--record", file) as game:
+            status, told = game.ended()
+        assert status == 2
+        assert f"error: {message}" in re.sub(r"\x1b\[[0-9;]*m", "", told)
 
 
 @pytest.mark.parametrize("key", [b"q", b"Q", b"\x04"])

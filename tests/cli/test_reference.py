@@ -5,15 +5,18 @@ from __future__ import annotations
 import inspect
 import re
 import shlex
+import shutil
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import typer
 from support.packs import write_files, zoo
 from support.places import ROOT
-from support.sessions import environment, run_here
+from support.sessions import FILES, environment, run_here
 
+import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import app
 from babyrobot_levels.cli.reference import reference
 
@@ -43,6 +46,22 @@ def prepare_zoo(arguments: list[str], variables: dict[str, str]) -> None:
     calls = [["pack", "zoo"], ["install", "zoo-1.0.0.brlpack"]]
     for call in calls[: {"pack": 0, "install": 1}.get(arguments[0], 2)]:
         assert run_here(call, variables).status == 0
+
+
+def prepare_plays(arguments: list[str]) -> list[str]:
+    """Make the files of which the examples of recorded episodes and of agents speak."""
+    shutil.copytree(FILES / "plays", "plays")
+    for name in ("eve", "zoe"):
+        Path("plays", f"{name}.brlplay").unlink()
+    shutil.copy("plays/ada.brlplay", "ada.brlplay")
+    np.save("policy.npy", brl.solve("frozen-lake").policy)
+    if "ppo.zip" in arguments:
+        library = pytest.importorskip("stable_baselines3", reason="it is not installed")
+        env = brl.load("frozen-lake").make(observation="vector")
+        library.PPO("MlpPolicy", env).save("ppo.zip")
+    files = [str(path) for path in Path("plays").glob("*")]
+    at = arguments.index("plays/*.brlplay") if "plays/*.brlplay" in arguments else None
+    return arguments if at is None else [*arguments[:at], *files, *arguments[at + 1 :]]
 
 
 def examples() -> list[str]:
@@ -119,6 +138,8 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         Path(arguments[1]).write_text(WORLDS[arguments[1]], encoding="utf-8")
     if arguments[0] in ("pack", "install", "uninstall") or {"zoo/lion", "--packs"} & {*arguments}:
         prepare_zoo(arguments, variables)
+    if arguments[0] in ("replay", "score"):
+        arguments = prepare_plays(arguments)
     if "--watch" in arguments:
         # As if the level was never saved again.
         monkeypatch.setattr("babyrobot_levels.cli.watching.each_change", lambda files: [files()])

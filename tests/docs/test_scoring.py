@@ -34,6 +34,8 @@ def test_numbers_behind_an_expression_are_its_value(
             assert abs(value - float(shown)) < unit, expression
     assert count >= 4
     assert (tmp_path / "scores.csv").exists()
+    picture = (DOCS / "images" / "scores.svg").read_text("utf-8")
+    assert (tmp_path / "scores.svg").read_text("utf-8") == picture
 
 
 def test_each_attribute_of_a_score_is_described() -> None:

@@ -80,6 +80,7 @@ def test_what_needs_tianshou(code: str) -> None:
 @pytest.mark.parametrize("code", LIBRARIES["minari"])
 def test_what_needs_minari(code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    monkeypatch.chdir(tmp_path)
     names = run(code)
     assert len(names["dataset"]) == 10
     assert names["env"].unwrapped.level.digest == names["level"].digest

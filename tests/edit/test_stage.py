@@ -63,7 +63,7 @@ def hand(editor_page: OpenEditor) -> Hand:
         ("large", [(1.5, 1.5)], "- {at: [1, 1], size: large}"),
         ("blocked", [(1.5, 1.5), (3.5, 1.5)], "- {at: [1, 1], size: [3, 1]}"),
         ("area", [(2.5, 2.5), (1.5, 1.5)], '- {at: [1, 1], size: [2, 2], color: "#8fb996"}'),
-        ("item", [(4.5, 0.5)], "- {name: key, at: [4, 0], shape: key}"),
+        ("item", [(4.5, 0.5)], "- {name: key, at: [4, 0]}"),
         ("switch", [(4.5, 0.5)], "- {name: switch, at: [4, 0]}"),
         ("start", [(4.5, 2.5)], "start: [4, 2]"),
         ("exit", [(4.5, 2.5)], "exit: [4, 2]"),
@@ -82,11 +82,16 @@ def test_a_mover_walks_through_the_cells_that_were_dragged_over(hand: Hand) -> N
     assert "path: [[1, 1], [2, 1], [3, 1], [3, 2]]" in hand.text
 
 
+def test_a_mover_with_shift_wanders_in_a_rectangle(hand: Hand) -> None:
+    hand.choose("path")
+    hand.draw((1.5, 1.5), (3.5, 2.5), held="Shift")
+    assert "within: {at: [1, 1], size: [3, 2]}" in hand.text
+
+
 def test_clicks_on_a_side_build_a_wall_then_glass_then_nothing(hand: Hand) -> None:
     for line in ("- {at: [1, 1], side: E}", "- {at: [1, 1], side: E, pass: 0.5}"):
         hand.draw((2, 1.5))
         assert line in hand.text
-    expect(hand.page.locator(".numbers text")).to_have_text(".5")
     hand.draw((2, 1.5))
     assert "walls" not in hand.text
 
@@ -252,3 +257,21 @@ def test_an_invalid_text_dims_the_last_picture(hand: Hand) -> None:
     expect(hand.page.locator(".stage")).to_have_class(re.compile("dimmed"))
     expect(hand.picture).to_be_visible()
     expect(hand.page.locator(".grip")).to_have_count(0)
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("version: 1\nsize: [6, wide]\n", "the text is not a valid level"),
+        ("version: 1\nsize: [300, 300]\n", "too large"),
+    ],
+)
+def test_a_level_without_a_picture_is_told_and_its_text_shown(
+    editor_page: OpenEditor, text: str, told: str
+) -> None:
+    page = editor_page(text).page
+    expect(page.locator(".notice")).to_contain_text(told)
+    expect(page.locator(".text")).to_have_value(text)
+    page.locator(".stage").focus()
+    page.keyboard.press("ArrowRight")
+    expect(page.locator(".said")).to_have_text("")

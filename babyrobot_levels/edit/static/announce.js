@@ -65,7 +65,7 @@ const DONE = {
   path: (editor, { cells }) => `Mover through ${cellsInWords(cells)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
   remove: () => "Removed",
-  set: (editor, { route, value }) => value === null ? `${route.at(-1)} removed` : `${route.at(-1)} set to ${JSON.stringify(value)}`,
+  set: (editor, { route, value }) => value === null ? `${route.at(-1)} removed` : `${route.at(-1)} set${written(value)}`,
   resize: (editor, { size: [columns, rows] }) => `The level has ${columns} columns and ${rows} rows`,
   wind: (editor, gesture) => windInWords(gesture),
   resolve: () => "The maze is written out as walls",
@@ -74,21 +74,48 @@ const DONE = {
   redo: () => "Done again",
 };
 
+const MODES_IN_WORDS = { edit: "Editing.", play: "Playing.", policy: "Drawing a policy." };
+
+/** Return a value in words; a mapping is too long for any. */
+function written(value) {
+  return typeof value === "object" && !Array.isArray(value) ? "" : ` to ${JSON.stringify(value)}`;
+}
+
 /** Says what was done, and what is in the cell of the cursor as it moves. */
 class Announcer {
   constructor(editor, place) {
+    this.editor = editor;
     this.place = place;
-    this.cell = [0, 0];
-    editor.on("done", () => {
-      const words = editor.game && DONE[editor.done.do]?.(editor, editor.done);
-      if (words) editor.say(`${words}.`);
-    });
-    editor.on("cursor", () => {
-      const { cell } = editor.cursor;
-      if (editor.game && !isSameCell(cell, this.cell)) this.speak(cellInWords(editor, cell));
-      this.cell = cell;
-    });
+    this.cell = editor.cursor.cell;
+    this.route = null; // Of what is selected.
+    this.count = 0; // Of findings.
+    editor.on("done", () => editor.game && this.tellDone());
+    editor.on("cursor", () => this.tellCell());
     editor.on("look", () => editor.game && this.speak(cellInWords(editor, editor.cursor.cell)));
+    editor.on("selection", () => this.tellSelection());
+    editor.on("mode", () => this.speak(MODES_IN_WORDS[editor.mode]));
+  }
+
+  tellDone() {
+    const { editor } = this;
+    const { length: count } = editor.state.findings;
+    const done = DONE[editor.done.do]?.(editor, editor.done);
+    const words = [done, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
+    if (done !== undefined) editor.say(words.filter((each) => each !== undefined).map((each) => `${each}.`).join(" "));
+    this.count = count;
+  }
+
+  tellCell() {
+    const { cell } = this.editor.cursor;
+    if (this.editor.game && !isSameCell(cell, this.cell)) this.speak(cellInWords(this.editor, cell));
+    this.cell = cell;
+  }
+
+  tellSelection() {
+    const { selection } = this.editor;
+    const route = selection?.route.join() ?? null;
+    if (route !== this.route) this.speak(selection === null ? "Nothing is selected." : `Selected: ${selection.label}.`);
+    this.route = route;
   }
 
   /** Have words read out; what is said twice is another text, or it would not be read again. */

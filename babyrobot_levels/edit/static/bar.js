@@ -5,7 +5,7 @@ const MODES = [["edit", "Edit"], ["play", "Play"], ["policy", "Policy"]];
 class Bar {
   constructor(editor, { title, modes, history }) {
     this.editor = editor;
-    this.name = html("strong", { class: "name" });
+    this.name = html("strong", { class: "name", id: "level-name" });
     this.file = html("span", { class: "file-state" });
     title.append(this.name, this.file);
     this.modes = MODES.map(([mode, text]) => toolButton({ text, "data-mode": mode }, () => editor.set("mode", { mode })));

@@ -54,6 +54,7 @@ class FieldRow {
   fail(error) {
     this.error.replaceChildren(...prose(error));
     this.element.classList.toggle("failed", error !== "");
+    if (error !== "") this.error.scrollIntoView({ block: "nearest" });
   }
 }
 

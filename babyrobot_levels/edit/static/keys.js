@@ -31,7 +31,8 @@ const KEYS = [
       PageUp: (keyboard) => keyboard.jump(null, 0),
       PageDown: (keyboard) => keyboard.jump(null, Infinity),
     }],
-    ["L", "tell what is in the cell and at its sides", { L: (keyboard) => keyboard.look() }],
+    ["L", "tell what is in the cell and at its sides", { L: ({ editor }) => editor.tell("look") }],
+    ["I", "select what is in the cell, and go to its fields", { I: (keyboard) => keyboard.inspect() }],
   ] },
   { title: "Drawing", mode: "edit", keys: [
     ["Space, Enter", "use the tool in the cell", {
@@ -64,6 +65,7 @@ const KEYS = [
     ["Z", "undo an action", { Z: ({ editor }) => editor.playing.undo() }],
     ["R", "retry with the same luck", { R: ({ editor }) => editor.playing.begin() }],
     ["N", "take new luck", { N: ({ editor }) => editor.playing.newLuck() }],
+    ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
   ] },
   { title: "Policy", mode: "policy", keys: [
     ["← ↑ → ↓", "move the cursor", arrows([], (keyboard, side) => keyboard.move(side))],
@@ -76,6 +78,7 @@ const KEYS = [
       Delete: ({ editor }) => editor.policy.erase(editor.cursor.cell),
       Backspace: ({ editor }) => editor.policy.erase(editor.cursor.cell),
     }],
+    ["Escape", "edit again", { Escape: ({ editor }) => editor.set("mode", { mode: "edit" }) }],
   ] },
   { title: "Answers and modes", keys: [
     ["V", "show the values, or no longer", { V: ({ editor }) => editor.answers.toggle("values") }],
@@ -88,12 +91,23 @@ const KEYS = [
       "Ctrl+Y": ({ editor }) => editor.send({ do: "redo" }),
       "Ctrl+Shift+Z": ({ editor }) => editor.send({ do: "redo" }),
     }],
+    ["+ − 0", "zoom in, zoom out, show the whole level", {
+      "+": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
+      "=": (keyboard) => keyboard.zoomBy(ZOOM_STEP),
+      "-": (keyboard) => keyboard.zoomBy(1 / ZOOM_STEP),
+      0: (keyboard) => keyboard.zoomBy(0),
+    }],
     ["Ctrl + S", "save", { "Ctrl+S": ({ editor }) => editor.tell("save") }],
     ["F6, Shift + F6", "go to the next or previous part of the editor", {
       F6: (keyboard) => keyboard.goOn(1),
       "Shift+F6": (keyboard) => keyboard.goOn(-1),
     }],
     ["?, F1", "list the keys and gestures", { "?": ({ editor }) => editor.tell("help"), F1: ({ editor }) => editor.tell("help") }],
+  ] },
+  // The text area itself does these.
+  { title: "Text", keys: [
+    ["Tab", "insert two spaces", {}],
+    ["Escape, Tab", "go to the next control", {}],
   ] },
 ];
 
@@ -127,11 +141,11 @@ class Keyboard {
 
   /** Return what a key does now, or undefined. What is longer than a letter needs the picture. */
   actionOf(key, isStage) {
-    const { mode: current } = this.editor;
+    const { mode: current, game } = this.editor;
     const chosen = [...TOOLS, ...MODIFIERS].find((each) => each.key === key);
     if (chosen !== undefined && current === "edit") return () => this.choose(chosen);
     return KEYS
-      .filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
+      .filter(({ mode }) => mode === undefined || (mode === current && game && (isStage || key.length === 1)))
       .flatMap(({ keys }) => keys)
       .map(([, , actions]) => actions[key])
       .find((action) => action !== undefined);
@@ -144,10 +158,23 @@ class Keyboard {
   goTo(cell) {
     if (this.isDragging) this.pointer.drag(spotOf(cell));
     this.editor.set("cursor", { cursor: { cell, side: null } });
+    this.reveal();
+  }
+
+  /** Scroll so that the cursor is seen. */
+  reveal() {
+    this.stage.querySelector(".layers > .cursor")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+  }
+
+  zoomBy(factor) {
+    const { view } = this.editor.stage;
+    view.zoomTo(view.zoom * factor);
+    this.reveal();
   }
 
   /** Keep the cursor inside a level that became smaller. */
   stayInside() {
+    if (!this.editor.game) return;
     const inside = this.within(this.cell);
     if (!isSameCell(inside, this.cell)) this.goTo(inside);
   }
@@ -174,8 +201,10 @@ class Keyboard {
     this.goTo(this.within([x ?? this.cell[0], y ?? this.cell[1]]));
   }
 
-  look() {
-    this.editor.tell("look");
+  /** Select what is in the cell, and focus the first of its fields. */
+  inspect() {
+    this.pointer.selectAt(spotOf(this.cell));
+    this.root.querySelector(".inspector").querySelector(FOCUSABLE)?.focus();
   }
 
   /** Choose a tool, or switch what changes the tools on or off. */
@@ -233,8 +262,10 @@ class Keyboard {
   }
 
   cancel() {
-    if (this.isDragging) this.pointer.cancel();
-    else this.editor.select(null);
+    const { editor, pointer } = this;
+    if (!this.isDragging) editor.select(null);
+    else editor.say("Cancelled: nothing has changed.");
+    pointer.cancel();
   }
 
   /** Add columns or rows at a side of the level; negative numbers remove them. */

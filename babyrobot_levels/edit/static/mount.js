@@ -2,17 +2,17 @@
 
 const LAYOUT = `
 <div class="editor" data-mode="edit">
-<header class="bar" data-part="bar">
+<section class="bar" data-part="bar" aria-label="Level and file">
 <div class="title"></div>
 <div class="modes choices" role="group" aria-label="Mode"></div>
 <div class="history" role="group" aria-label="History"></div>
 <div class="files" role="group" aria-label="File"></div>
-</header>
+</section>
 <div class="tools" data-part="tools" role="toolbar" aria-label="Tools" aria-orientation="vertical"></div>
-<main class="board">
+<section class="board" aria-label="Picture">
 <div class="options"></div>
 <div class="view">
-<div class="stage" data-part="stage" tabindex="0" role="application" aria-roledescription="level editor" aria-label="Level"></div>
+<div class="stage" data-part="stage" tabindex="0" role="application" aria-roledescription="level editor" aria-labelledby="level-name" aria-describedby="alt"></div>
 <svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
 <p class="notice"></p>
 </div>
@@ -23,15 +23,15 @@ const LAYOUT = `
 <p class="spoken unseen" role="status" aria-live="polite"></p>
 <div class="zoom" role="group" aria-label="Zoom"></div>
 </div>
-</main>
-<aside class="panels" data-part="panels">
+</section>
+<section class="panels" data-part="panels" aria-label="Details">
 <section class="answers"></section>
 <div class="tabs" role="tablist" aria-label="Panels"></div>
 <section class="inspector" data-tab="Selection"></section>
 <section class="world" data-tab="Level"></section>
 <section class="findings" data-tab="Findings"></section>
 <section class="file" data-tab="Text"></section>
-</aside>
+</section>
 </div>
 `;
 

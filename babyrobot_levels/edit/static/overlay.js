@@ -17,7 +17,6 @@ class Overlay {
     const isEditing = this.editor.mode === "edit";
     this.draw("selected", isEditing ? this.selected() : []);
     this.draw("cursor", isEditing ? this.cursor() : []);
-    this.draw("numbers", isEditing ? this.numbers() : []);
     this.draw("handles", isEditing && this.editor.state.is_valid ? this.handles() : []);
     this.draw("preview", []);
   }
@@ -35,7 +34,7 @@ class Overlay {
       fill: ({ brush, at }) => this.brushed(brush, [at]),
       move: ({ from, to }) => [...this.arrow([from, to]), ...this.boxes([to], "build")],
       warp: ({ at, to }) => [...this.arrow([at, to]), ...this.boxes([to], "build")],
-      path: ({ cells }) => this.arrow(cells),
+      path: ({ cells, rectangle }) => (rectangle ? this.rectangle(cells, "build") : this.arrow(cells)),
       resize: (each) => this.previewOfSize(each),
       wind: () => [],
     };
@@ -52,21 +51,22 @@ class Overlay {
   }
 
   previewOfPaint({ brush, cells, rectangle }) {
-    if (!rectangle) return this.brushed(brush, cells);
+    return rectangle ? this.rectangle(cells, kindOf(brush)) : this.brushed(brush, cells);
+  }
+
+  /** Return the rectangle between two corners. */
+  rectangle(cells, kind) {
     const [left, right, top, bottom] = [0, 1].flatMap((axis) => {
       const places = cells.map((cell) => cell[axis]);
       return [Math.min(...places), Math.max(...places)];
     });
-    const [x, y] = this.corner(left, top);
-    const size = COMMON.cell;
-    const box = { x, y, width: (right - left + 1) * size, height: (bottom - top + 1) * size };
-    const kind = brush === "erase" ? "remove" : "build";
+    const box = this.box([left, top], [right - left + 1, bottom - top + 1]);
     return [element("rect", { ...box, class: `ghost ${kind}` }), ...this.outlined(boxPath(box), kind)];
   }
 
   /** Return cells with the icon of a brush. */
   brushed(brush, cells) {
-    const kind = brush === "erase" ? "remove" : "build";
+    const kind = kindOf(brush);
     return [...this.boxes(cells, kind), ...cells.flatMap((cell) => this.icon(toolNamed(brush).icon, cell))];
   }
 
@@ -78,10 +78,8 @@ class Overlay {
   }
 
   boxes(cells, kind) {
-    const size = COMMON.cell;
     return cells.flatMap((cell) => {
-      const [x, y] = this.corner(...cell);
-      const box = { x, y, width: size, height: size };
+      const box = this.box(cell);
       return [element("rect", { ...box, class: `ghost ${kind}` }), ...(cells.length === 1 ? this.outlined(boxPath(box), kind) : [])];
     });
   }
@@ -95,11 +93,10 @@ class Overlay {
   }
 
   previewOfSize({ size: [width, height], shift: [dx, dy] }) {
-    const [x, y] = this.corner(-dx, -dy);
-    const box = { x, y, width: width * COMMON.cell, height: height * COMMON.cell };
+    const box = this.box([-dx, -dy], [width, height]);
     return [
       ...this.outlined(boxPath(box), "build"),
-      ...this.label(`${width} × ${height}`, [x + box.width / 2, y + box.height / 2]),
+      ...this.label(`${width} × ${height}`, [box.x + box.width / 2, box.y + box.height / 2]),
     ];
   }
 
@@ -115,11 +112,7 @@ class Overlay {
   selected() {
     const { selection } = this.editor;
     if (selection === null) return [];
-    const size = COMMON.cell;
-    const cells = selection.cells.map((cell) => {
-      const [x, y] = this.corner(...cell);
-      return boxPath({ x, y, width: size, height: size });
-    });
+    const cells = selection.cells.map((cell) => boxPath(this.box(cell)));
     const sides = selection.sides.map(([x, y, side]) => this.line([x, y], side));
     return this.outlined([...cells, ...sides].join(""), "selection");
   }
@@ -132,15 +125,6 @@ class Overlay {
     const [x, y] = this.corner(...cell);
     const box = { x: x + inset, y: y + inset, width: COMMON.cell - 2 * inset, height: COMMON.cell - 2 * inset };
     return this.outlined(boxPath(box) + (side === null ? "" : this.line(cell, side)), "cursor");
-  }
-
-  /** Return the numbers of glass: the probability of getting through. */
-  numbers() {
-    const glass = (this.editor.state.places ?? []).filter(({ kind, fields }) => kind === "wall" && fields.pass > 0);
-    return glass.flatMap(({ sides, fields }) => {
-      const [x, y, side] = sides[Math.floor((sides.length - 1) / 2)];
-      return this.label(String(fields.pass).replace(/^0/, ""), this.corner(...spotOf([x, y], side).at), 11);
-    });
   }
 
   /** Return what can be dragged or clicked outside of the grid. */
@@ -217,9 +201,19 @@ class Overlay {
     return `M${from.join(" ")}L${to.join(" ")}`;
   }
 
+  /** Return a rectangle of cells in the picture. */
+  box([x, y], [columns, rows] = [1, 1]) {
+    const [left, top] = this.corner(x, y);
+    return { x: left, y: top, width: columns * COMMON.cell, height: rows * COMMON.cell };
+  }
+
   corner(x, y) {
     return this.editor.game.corner(x, y);
   }
+}
+
+function kindOf(brush) {
+  return brush === "erase" ? "remove" : "build";
 }
 
 function boxPath({ x, y, width, height }) {

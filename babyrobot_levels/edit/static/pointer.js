@@ -20,11 +20,6 @@ class Pointer {
     place.addEventListener("pointerleave", () => this.spots ?? overlay.preview(null));
     place.addEventListener("contextmenu", (event) => event.preventDefault());
     place.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
-    place.addEventListener("keydown", (event) => {
-      if (event.key !== "Escape" || this.spots === null) return;
-      this.cancel();
-      event.stopPropagation();
-    });
   }
 
   get isDrawing() {

@@ -74,7 +74,7 @@ class Options {
     this.shown = tool;
     const { title, hint } = toolNamed(tool);
     const fields = { walls: () => this.walls(), area: () => this.area(), item: () => this.item() }[tool]?.() ?? [];
-    this.place.replaceChildren(html("strong", {}, title), ...fields, html("span", { class: "hint" }, hint));
+    this.place.replaceChildren(html("strong", {}, title), ...fields, html("span", { class: "hint", title: hint }, hint));
     return this.refresh();
   }
 

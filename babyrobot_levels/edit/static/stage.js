@@ -8,14 +8,13 @@ class StageView extends View {
   }
 
   show(svg, exits) {
-    const { stage, size, svg: before, zoom } = this;
-    const scale = before && before.getBoundingClientRect().width / size[0];
-    const { scrollLeft, scrollTop } = stage;
+    const { stage, size, svg: before, zoom, wide } = this;
+    const place = zoom > 1 ? [stage.scrollLeft, stage.scrollTop] : null;
     super.show(svg, exits);
     if (!before) return;
     // The cells keep their size on the screen if a part is seen, and else the whole is.
-    this.zoomTo(zoom === 1 ? 1 : (scale * this.size[0]) / this.fittingWidth());
-    stage.scrollTo(scrollLeft, scrollTop);
+    this.zoomTo(zoom === 1 ? 1 : ((wide / size[0]) * this.size[0]) / this.fittingWidth());
+    if (place !== null) stage.scrollTo(...place);
   }
 
   zoomTo(...args) {
@@ -72,8 +71,7 @@ class Stage {
 
   /** Return how many units of the picture a pixel of the window has. */
   get unit() {
-    const { svg } = this.view;
-    return svg.viewBox.baseVal.width / svg.getBoundingClientRect().width;
+    return this.view.size[0] / this.view.wide;
   }
 
   /** Return a point of the window as a point in cells. */

@@ -28,7 +28,7 @@ const TOOLS = [
     icon: "M10 4H5v16h5M9 12h11M16 7.5l4.5 4.5-4.5 4.5", isSingle: true, isMore: true, gesture: painted },
   { name: "warp", key: "T", title: "Warp", hint: "Drag from the cell to its target",
     icon: "M5 20a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM5 12C5 7 9 5 13 5h6M15.5 1.5L19 5l-3.5 3.5", gesture: warped },
-  { name: "path", key: "G", title: "Mover", hint: "Drag through the cells that it walks",
+  { name: "path", key: "G", title: "Mover", hint: "Drag through the cells that it walks; with Shift, it wanders in a rectangle",
     icon: "M5 20a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM7 18h6a3 3 0 0 0 0-6h-2a3 3 0 0 1 0-6h8M16 3l3 3-3 3", gesture: walked },
   { name: "wind", key: "W", title: "Wind", hint: "Click an arrow at the rim; the right button weakens the wind",
     icon: "M3 9h11a3 3 0 1 0-3-3M3 13h15a3 3 0 1 1-3 3M3 17h7", gesture: () => null },
@@ -136,7 +136,8 @@ function warped(editor, tool, spots) {
   return { do: "warp", at: first.cell, to: last.cell };
 }
 
-function walked(editor, tool, spots) {
+function walked(editor, tool, spots, { rectangle }) {
+  if (rectangle) return { do: "path", cells: cornersOf(editor, spots), rectangle };
   const cells = insideOf(editor, cellsAlong(spots));
   return cells.length < 2 ? null : { do: "path", cells };
 }

@@ -22,33 +22,24 @@ class Touch {
   down(event) {
     this.stage.place.focus({ preventScroll: true });
     this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
-    clearTimeout(this.timer);
     if (this.fingers.size > 1) {
-      this.pointer.cancel();
+      this.leave();
       return;
     }
     this.first = [event.clientX, event.clientY];
+    this.isDrawing = true;
     this.pointer.down(event);
     this.timer = setTimeout(() => this.inspect(event), LONG_PRESS);
   }
 
   move(event) {
     const { pointerId, clientX, clientY } = event;
-    const before = this.fingers.get(pointerId);
-    if (before === undefined) return;
-    if (this.fingers.size === 2) {
-      const [from, apart] = this.pair();
-      this.fingers.set(pointerId, [clientX, clientY]);
-      const [to, farther] = this.pair();
-      const { place, view } = this.stage;
-      place.scrollBy(from[0] - to[0], from[1] - to[1]);
-      view.zoomTo((view.zoom * farther) / Math.max(1, apart), to);
-      return;
-    }
+    if (!this.fingers.has(pointerId)) return;
+    const before = this.fingers.size === 2 ? this.pair() : null;
     this.fingers.set(pointerId, [clientX, clientY]);
-    const way = Math.hypot(clientX - this.first[0], clientY - this.first[1]);
-    if (way > STILL) clearTimeout(this.timer);
-    if (this.fingers.size === 1) this.pointer.move(event);
+    if (before !== null) this.zoom(before, this.pair());
+    if (Math.hypot(clientX - this.first[0], clientY - this.first[1]) > STILL) clearTimeout(this.timer);
+    if (this.isDrawing) this.pointer.move(event);
   }
 
   up({ pointerId }) {
@@ -56,10 +47,23 @@ class Touch {
     this.fingers.delete(pointerId);
   }
 
+  /** Draw nothing more until another finger begins alone. */
+  leave() {
+    clearTimeout(this.timer);
+    this.isDrawing = false;
+    this.pointer.cancel();
+  }
+
   /** Select what is under the finger instead of drawing. */
   inspect(event) {
-    this.pointer.cancel();
-    this.pointer.selectAt(this.stage.spotAt(event));
+    this.leave();
+    if (this.pointer.isDrawing) this.pointer.selectAt(this.stage.spotAt(event));
+  }
+
+  zoom([from, apart], [to, farther]) {
+    const { place, view } = this.stage;
+    place.scrollBy(from[0] - to[0], from[1] - to[1]);
+    view.zoomTo((view.zoom * farther) / Math.max(1, apart), to);
   }
 
   /** Return the middle of two fingers, and how far they are apart. */

@@ -12,7 +12,11 @@ class View {
     this.stage = stage;
     this.map = map;
     this.calm = matchMedia("(prefers-reduced-motion: reduce)");
-    new ResizeObserver(() => this.svg && this.zoomTo(this.zoom)).observe(stage);
+    this.room = null; // That of the stage; null after it may have changed.
+    new ResizeObserver(() => {
+      this.room = null;
+      if (this.svg) this.zoomTo(this.zoom);
+    }).observe(stage);
     stage.addEventListener("scroll", () => this.drawMap());
     const seek = ({ buttons, clientX, clientY }) => {
       if (buttons === 0) return;
@@ -38,7 +42,10 @@ class View {
     const { width, height } = svg.viewBox.baseVal;
     this.size = [width, height];
     // Of the picture with its legend, so that nothing around it moves.
-    this.stage.parentElement.style.setProperty("--ratio", (width / height).toFixed(3));
+    const ratio = (width / height).toFixed(3);
+    if (ratio !== this.ratio) this.room = null;
+    this.ratio = ratio;
+    this.stage.parentElement.style.setProperty("--ratio", ratio);
     this.map.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.map.style.width = `${(MAP_SIDE * width) / Math.max(width, height)}px`;
     this.map.querySelector("image").removeAttribute("href");
@@ -61,29 +68,35 @@ class View {
 
   /** Return the width at which the whole picture is seen. */
   fittingWidth() {
+    const [wide, high] = (this.room ??= this.measuredRoom());
+    const [width, height] = this.size;
+    const fitting = Math.min(wide, (high * width) / height);
+    return Math.max(1, Math.min(fitting, (LARGEST_CELL * width) / COMMON.cell));
+  }
+
+  /** Return the width and height that the stage has for the picture; it is laid out for that. */
+  measuredRoom() {
     const { clientWidth, clientHeight } = this.stage;
     const padding = 2 * parseFloat(getComputedStyle(this.stage).paddingLeft);
-    const [width, height] = this.size;
-    const fitting = Math.min(clientWidth - padding, ((clientHeight - padding) * width) / height);
-    return Math.max(1, Math.min(fitting, (LARGEST_CELL * width) / COMMON.cell));
+    return [clientWidth - padding, clientHeight - padding];
   }
 
   /** Show the picture so many times larger than it fits; a point of the window, or the robot, stays. */
   zoomTo(zoom, point = null) {
     const { svg, stage } = this;
     const [width, height] = this.size;
-    const [x, y] = point ?? [0, 0];
-    const before = svg.getBoundingClientRect();
+    const before = point === null ? null : svg.getBoundingClientRect();
     this.zoom = Math.min(MOST_ZOOM, Math.max(1, zoom));
-    const wide = this.fittingWidth() * this.zoom;
-    svg.style.width = `${wide}px`;
-    svg.style.height = `${(wide * height) / width}px`;
+    this.wide = this.fittingWidth() * this.zoom; // In pixels.
+    svg.style.width = `${this.wide}px`;
+    svg.style.height = `${(this.wide * height) / width}px`;
     const isPart = this.zoom > 1;
     stage.classList.toggle("wide", isPart);
     this.map.toggleAttribute("hidden", !isPart);
     if (point === null) {
       this.follow(false);
     } else {
+      const [x, y] = point;
       const after = svg.getBoundingClientRect();
       const scale = after.width / before.width;
       stage.scrollBy(after.left - x + scale * (x - before.left), after.top - y + scale * (y - before.top));

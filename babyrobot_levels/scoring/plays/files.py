@@ -9,7 +9,7 @@ from pathlib import Path
 from babyrobot_levels.language.play import MAX_LINE, PlayError, PlayFields
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code
-from babyrobot_levels.text.files import append_line, open_regular, write_bytes
+from babyrobot_levels.text.files import append_line, open_regular
 
 SUFFIX = ".brlplay"
 
@@ -53,27 +53,6 @@ class Play(PlayFields):
             LevelError: the code is damaged, or its level is not valid.
         """
         return _level_of(self.code)
-
-    def to_gif(
-        self, path: str | os.PathLike[str] | None = None, *, scale: float | None = None
-    ) -> bytes:
-        """Return the play as an animated GIF; a robot that turns is shown without its heading.
-
-        Args:
-            path: a file to write it to as well, atomically; an existing one is replaced.
-            scale: the size; 1 is 64 pixels per cell. By default it is the largest up to 1 with
-                which no side has more than 800 pixels.
-
-        Raises:
-            PlayError: the play is not valid.
-            ValueError: the film is too large.
-        """
-        from babyrobot_levels.scoring.plays.film import to_gif
-
-        film = to_gif(self, scale=scale)
-        if path is not None:
-            write_bytes(Path(path), film)
-        return film
 
     def __repr__(self) -> str:
         return (

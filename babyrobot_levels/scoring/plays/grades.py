@@ -207,7 +207,8 @@ def _grades_of(path: Path, wanted: Level | None) -> Iterator[Grade]:
     for number, play in enumerate(plays, 1):
         if wanted is not None and play.digest != wanted.digest:
             continue
-        key = (play.digest, play.action_set, play.max_steps, play.discount)
+        conditions = wanted or play
+        key = (play.digest, str(play.action_set), conditions.max_steps, conditions.discount)
         fault = _condition_fault(play, wanted) or verify_play(play).fault
         if fault is None:
             groups.setdefault(key, []).append(play)

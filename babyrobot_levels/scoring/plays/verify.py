@@ -7,9 +7,12 @@ it can have happened, and how likely that was.
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,10 +20,16 @@ from babyrobot_levels.analysis.solver.distribution import (
     ReturnDistribution,
     open_loop_distribution,
 )
+from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.envs.arguments import start_states
+from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.scoring.plays.files import Play
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import write_bytes
+
+if TYPE_CHECKING:
+    from babyrobot_levels.render.raster import Progress
 
 _EQUAL = 1e-9
 """Returns that differ by less, as a share of the sum of all rewards' sizes, count as equal."""
@@ -78,6 +87,35 @@ class Verification:
             return None
         at_least = found.values >= self.play.return_ - _margin(self.play)
         return min(1.0, float(found.probabilities[at_least].sum()))
+
+    def to_gif(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        scale: float | None = None,
+        progress: Progress | None = None,
+    ) -> bytes:
+        """Return a valid play as an animated GIF; a robot that turns is shown without its heading.
+
+        Args:
+            path: a file to write it to as well, atomically; an existing one is replaced.
+            scale: the size; 1 is 64 pixels per cell. By default it is the largest up to 1 with
+                which no side has more than 800 pixels.
+            progress: told of the frames that are done.
+
+        Raises:
+            PlayError: the play is not valid.
+            ValueError: the film is too large.
+        """
+        from babyrobot_levels.render.gif import to_gif
+        from babyrobot_levels.scoring.plays.film import steps_of
+
+        if self.fault is not None:
+            raise PlayError(f"the play is not valid: {self.fault}")
+        film = to_gif(self.play.level, steps_of(self.play), scale=scale, progress=progress)
+        if path is not None:
+            write_bytes(Path(path), film)
+        return film
 
     def __repr__(self) -> str:
         told = "valid" if self.fault is None else self.fault
@@ -156,8 +194,10 @@ def _step_text(play: Play, space: StateSpace, step: int) -> str:
     """Describe a step that is not possible."""
     before, after = (space.text(state) for state in play.states[step - 1 : step + 1])
     action, reward = play.actions[step - 1], play.rewards[step - 1]
+    names = action_names(play.action_set)[space.first_action :]
+    name = names[action] if action < len(names) else f"action {action}"
     ends = ", at the end of the episode" if step == play.steps and play.end == "terminated" else ""
-    return f"action {action} from {before} to {after} with the reward {reward:g}{ends}"
+    return f"{name} from {before} to {after} with the reward {reward:g}{ends}"
 
 
 def _end_fault(play: Play, space: StateSpace) -> str | None:

@@ -118,7 +118,8 @@ def test_a_disk_that_is_full_leaves_no_half_line(
 ) -> None:
     play = recorded(path.parent, "frozen-lake")
     files.append_play(path, play)
-    before, written = path.read_bytes(), []
+    before = path.read_bytes()
+    written: list[int] = []
 
     class Full(io.FileIO):
         def write(self, data: Any) -> int:

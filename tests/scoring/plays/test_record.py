@@ -105,7 +105,7 @@ def test_any_observation_and_its_wrappers(path: Path) -> None:
 def test_what_cannot_be_recorded_is_refused(path: Path) -> None:
     with pytest.raises(TypeError, match="RecordPlay records environments of levels, not CartPole"):
         brl.RecordPlay(gymnasium.make("CartPole-v1"), path)
-    scaled: Any = gymnasium.wrappers.TransformReward(brl.load("maze").make(), lambda r: 2 * r)
+    scaled: Any = gymnasium.wrappers.TransformReward(brl.load("maze").make(), lambda reward: reward)
     with pytest.raises(TypeError, match="TransformReward changes actions or rewards"):
         brl.RecordPlay(scaled, path)
     assert not path.exists()

@@ -32,8 +32,8 @@ def changed(values: list[Any], index: int, value: Any) -> list[Any]:
 def test_a_forged_play_is_refused(play: brl.Play) -> None:
     other = brl.load("first-key")
     cases: list[tuple[dict[str, Any], str]] = [
-        ({"rewards": changed(play.rewards, 1, 5.0)}, "step 2 is not possible: action"),
-        ({"states": changed(play.states, 2, play.states[2] + 3)}, "step 2 is not possible: action"),
+        ({"rewards": changed(play.rewards, 1, 5.0)}, "step 2 is not possible: "),
+        ({"states": changed(play.states, 2, play.states[2] + 3)}, "step 2 is not possible: "),
         ({"states": changed(play.states, 0, 10**9)}, "it has a state 1,000,000,000, and the"),
         ({"states": changed(play.states, 0, play.states[-1])}, "no episode of the level starts"),
         ({"return": play.return_ + 1}, "its rewards add up to a return of"),
@@ -127,3 +127,27 @@ def test_luck_that_would_take_too_long_is_not_computed(
     assert verification.is_valid
     assert verification.luck is None
     assert math.isfinite(verification.log_probability)
+
+
+@pytest.mark.parametrize("actions", ["all", "moves", "turns"])
+@pytest.mark.parametrize("level", ["final-maze", "first-key"])
+def test_the_film_shows_the_steps(tmp_path: Path, level: str, actions: str) -> None:
+    from babyrobot_levels.scoring.plays.film import steps_of
+
+    play = recorded(tmp_path, brl.load(level).replace(max_steps=30), actions)
+    steps = steps_of(play)
+    mdp = play.level.compile()
+    for step in steps:
+        outcomes = [each[1] for each in mdp.outcomes(step.state, step.action)]
+        assert step.next_state in outcomes
+        # What can only happen to a robot that skids is told as that.
+        assert not step.skidded or len(outcomes) > 1
+    assert [step.reward for step in steps] == play.rewards
+    film = brl.verify_play(play).to_gif(tmp_path / "film.gif", scale=0.25)
+    assert film.startswith(b"GIF89a")
+    assert (tmp_path / "film.gif").read_bytes() == film
+
+
+def test_what_did_not_happen_has_no_film(play: brl.Play) -> None:
+    with pytest.raises(brl.PlayError, match="the play is not valid: its rewards add up"):
+        brl.verify_play(forged(play, **{"return": 0.5})).to_gif()
