@@ -77,18 +77,24 @@ class Editor {
     this.set("said", { said: message, saidKind: kind });
   }
 
-  /** Send a message, one after the other, and show the state that comes back. Returns the reply. */
+  /**
+   * Send a message, one after the other, and show the state that comes back. Returns the reply; it
+   * has an `error`, too, if the other side cannot be reached.
+   */
   send(message) {
     const sent = this.last.then(async () => {
       this.count += 1;
       const revision = this.state?.revision;
-      const reply = await this.connection.send({ id: this.count, revision, ...message });
+      const reply = await this.connection
+        .send({ id: this.count, revision, ...message })
+        .catch((error) => ({ error: error.message }));
       if (reply.error !== undefined) this.say(reply.error, "refused");
       if (reply.state !== undefined) this.show(reply.state);
       if (reply.error === undefined) this.set("done", { done: message });
       return reply;
     });
-    this.last = sent.catch((error) => this.say(String(error.message ?? error), "refused"));
+    // A part that cannot show a state does not hold up the messages after it.
+    this.last = sent.catch(() => {});
     return sent;
   }
 

@@ -218,12 +218,10 @@ class TextPane {
     const { editor, area } = this;
     const isOurs = this.sending > 0 || this.revision === editor.state.revision;
     this.sending += 1;
-    try {
-      const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
-      this.revision = state.revision;
-    } finally {
-      this.sending -= 1;
-    }
+    const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
+    this.sending -= 1;
+    if (state === undefined) return; // Nobody has heard of it: what was typed stays.
+    this.revision = state.revision;
     this.show();
     this.showCaret();
   }
