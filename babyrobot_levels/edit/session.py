@@ -158,6 +158,10 @@ class Session:
         self.file.write(self.text, force=force)
         self._saved = self.text
 
+    def note_download(self) -> None:
+        """Note that the user has the text at hand in a file that only the browser knows."""
+        self._saved = self.text
+
     def reload(self) -> None:
         """Take the text that the file has now, which can be undone.
 
