@@ -88,9 +88,12 @@ def replay(
         fail(f"the file has {len(plays):,} episodes", "choose one for the film: --episode N")
     if output is not None and output.suffix.lower() != ".gif":
         fail(f"a film is an animated GIF, and not {output.suffix or 'a file without suffix'}")
-    with working("verifying"):
-        found = [verify_play(play) for play in chosen]
-        rows = [_data(number, each) for number, each in enumerate(found, first)]
+    found, rows = [], []
+    with working("verifying") as report:
+        for done, play in enumerate(chosen):
+            found.append(verify_play(play))
+            rows.append(_data(first + done, found[-1]))
+            report(done + 1, len(chosen))
     if report_format is ReportFormat.JSON:
         write_json({"file": str(file), "plays": rows})
     elif len(found) == 1:
@@ -125,7 +128,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
     """Return what is known about a play, for JSON: null where it is not known."""
     from babyrobot_levels.scoring.plays.grades import bounds_of
 
-    play, distribution = verification.play, verification.distribution
+    play = verification.play
     data: dict[str, Any] = {
         "episode": number,
         "name": play.name,
@@ -152,7 +155,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
         "share": None if play.end == "unfinished" else _finite(bounds.share(play.return_)),
         "log_probability": verification.log_probability,
         "luck": verification.luck,
-        "expected_return": None if distribution is None else distribution.mean,
+        "expected_return": verification.expected_return,
     }
 
 

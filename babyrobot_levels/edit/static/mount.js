@@ -71,6 +71,7 @@ export function mount(place, connection, style = "") {
   find("zoom").append(...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))));
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));
+  new MazeOffer(editor, find("zoom").parentElement);
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
   new FileButtons(editor, find("files"), find("editor"));

@@ -1,6 +1,6 @@
 // What lies on the picture while one edits: the preview of a gesture, selection, cursor, handles.
 
-const GRIP = 9; // Half the side of a handle, in pixels,
+const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
 const RIM = 16; // and how far its middle is from the border.
 const STRONGEST_WIND = 3; // A click goes on from here to no wind.
 const BLOWS = { N: "north", E: "east", S: "south", W: "west" };
@@ -159,7 +159,7 @@ class Overlay {
       const shape = dx !== 0 && dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
       return element("g", { class: "grip", "data-handle": "size", "data-way": `${dx} ${dy}`,
         transform: `translate(${x} ${y}) scale(${this.stage.unit})` },
-        element("rect", { x: -1.6 * GRIP, y: -1.6 * GRIP, width: 3.2 * GRIP, height: 3.2 * GRIP, class: "target" }),
+        element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
         element("path", { d: shape }));
     })).filter((each) => each !== null);
   }
