@@ -90,6 +90,8 @@ def _check(message: dict[str, Any]) -> None:
         json.dumps(message, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError:
         raise RefusedError("the message is not valid Unicode") from None
+    except RecursionError:
+        raise RefusedError("the message is nested too deep") from None
     for text in (message.get("text"), message.get("source")):
         if isinstance(text, str) and len(text.encode("utf-8")) > MAX_BYTES:
             raise RefusedError("a level file has at most 1 MiB")

@@ -268,6 +268,15 @@ def test_a_drag_to_the_edge_of_the_stage_scrolls_the_picture(hand: Hand) -> None
     assert "- {at: [0, 0], side: S, length: 6}" in hand.text
 
 
+def test_the_middle_button_moves_the_picture(hand: Hand) -> None:
+    for _ in range(2):
+        hand.page.get_by_role("button", name="Zoom in").click()
+    x, y = hand.at(1, 0)
+    hand.drag((500, 400), (440, 370), button="middle")
+    assert hand.at(1, 0) == pytest.approx((x - 60, y - 30), abs=1)
+    assert hand.text == LEVEL
+
+
 def test_the_cell_under_the_pointer_is_told(hand: Hand) -> None:
     hand.page.mouse.move(*hand.at(3.5, 2.5))
     expect(hand.page.locator(".pointed")).to_have_text("[3, 2]")

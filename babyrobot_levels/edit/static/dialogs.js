@@ -188,7 +188,7 @@ class ConflictDialog {
 
   /** `content` is what the file holds now, null if it cannot be read. */
   show(message, { text: content }) {
-    this.message.textContent = `${message[0].toUpperCase()}${message.slice(1)}.`;
+    this.message.textContent = `${message}.`;
     this.ours.value = this.editor.state.text;
     this.theirs.value = content ?? "";
     this.both.setAttribute("hidden", "");

@@ -20,6 +20,8 @@ class Pointer {
     place.addEventListener("pointerup", () => this.release());
     place.addEventListener("pointercancel", () => this.cancel());
     place.addEventListener("pointerleave", () => this.leave());
+    // The middle button pans, and does not begin to scroll by itself.
+    place.addEventListener("mousedown", (event) => event.button === 1 && event.preventDefault());
     place.addEventListener("contextmenu", (event) => event.preventDefault());
     place.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
   }
@@ -89,7 +91,7 @@ class Pointer {
 
   /** End the gesture: send it, or select what is there if there is nothing to send. */
   release() {
-    this.panned = null;
+    this.endPan();
     if (this.spots === null) return;
     const { spots } = this;
     const message = this.messageOf(spots);
@@ -101,7 +103,8 @@ class Pointer {
 
   /** Give the gesture up; nothing has changed. */
   cancel() {
-    this.spots = this.panned = null;
+    this.spots = null;
+    this.endPan();
     this.overlay.preview(null);
   }
 
@@ -136,6 +139,12 @@ class Pointer {
 
   pan({ clientX, clientY }) {
     this.panned = [clientX, clientY];
+    this.stage.place.classList.add("panned");
+  }
+
+  endPan() {
+    this.panned = null;
+    this.stage.place.classList.remove("panned");
   }
 
   panTo({ clientX, clientY }) {
