@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from babyrobot_levels.edit.answers import Answers
 from babyrobot_levels.edit.changes import change
@@ -14,6 +15,7 @@ from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import Report, lint_document, lint_source
+from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.reader import read
@@ -107,7 +109,7 @@ class Session:
         if after is document:
             return
         if after is None:
-            after = read(SourceFile(document.source.name, emit(data)))
+            after = _written_anew(document, data)
         if len(after.source.text.encode()) > MAX_BYTES:
             raise RefusedError("the text would be larger than the file of a level may be")
         report = lint_document(after, select(None), self.path)
@@ -156,6 +158,10 @@ class Session:
         self.file.write(self.text, force=force)
         self._saved = self.text
 
+    def note_download(self) -> None:
+        """Note that the user has the text at hand in a file that only the browser knows."""
+        self._saved = self.text
+
     def reload(self) -> None:
         """Take the text that the file has now, which can be undone.
 
@@ -182,3 +188,9 @@ class Session:
         if self.report.level is not None:
             self.level, self.document = self.report.level, self.report.document
             self.answers.follow(self.level)
+
+
+def _written_anew(document: Document, data: dict[str, Any]) -> Document:
+    """Return fields as a text of its own, below the comments of the document."""
+    above = "".join(f"{comment.text}\n" for comment in comments(document))
+    return read(SourceFile(document.source.name, above + emit(data)))

@@ -251,6 +251,37 @@ def test_the_part_that_is_seen_stays_as_one_draws(hand: Hand) -> None:
     assert "- {at: [3, 1], side: S}" in hand.text
 
 
+def test_a_drag_to_the_edge_of_the_stage_scrolls_the_picture(hand: Hand) -> None:
+    page = hand.page
+    for _ in range(3):
+        page.get_by_role("button", name="Zoom in").click()
+    stage = page.locator(".stage").bounding_box()
+    assert stage is not None
+    hand.begin(hand.at(0.5, 1), (stage["x"] + stage["width"] - 5, hand.at(0, 1)[1]))
+    page.wait_for_function("""() => {
+      const { scrollLeft, scrollWidth, clientWidth } =
+        document.querySelector("#editor").shadowRoot.querySelector(".stage");
+      return scrollLeft + clientWidth >= scrollWidth - 2;
+    }""")
+    with hand.changing():
+        page.mouse.up()
+    assert "- {at: [0, 0], side: S, length: 6}" in hand.text
+
+
+def test_the_middle_button_moves_the_picture(hand: Hand) -> None:
+    for _ in range(2):
+        hand.page.get_by_role("button", name="Zoom in").click()
+    x, y = hand.at(1, 0)
+    hand.drag((500, 400), (440, 370), button="middle")
+    assert hand.at(1, 0) == pytest.approx((x - 60, y - 30), abs=1)
+    assert hand.text == LEVEL
+
+
+def test_the_cell_under_the_pointer_is_told(hand: Hand) -> None:
+    hand.page.mouse.move(*hand.at(3.5, 2.5))
+    expect(hand.page.locator(".pointed")).to_have_text("[3, 2]")
+
+
 def test_an_invalid_text_dims_the_last_picture(hand: Hand) -> None:
     with hand.changing():
         hand.page.locator(".text").fill("version: 1\nsize: [6, wide]\n")

@@ -1,7 +1,7 @@
 // The text of the level: typed, and marked where findings and what is selected are.
 const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.
 const TYPING_STEP = 1000; // Milliseconds without typing between two steps to undo.
-const MOST_COLORED = 200000; // Characters of a text that is coloured.
+const MOST_COLORED = 60000; // Characters of a text that is coloured.
 const TEXT_INDENT = "  ";
 
 /**
@@ -155,6 +155,7 @@ class TextPane {
 
   /** Put the caret at a place of the text. */
   goTo({ line, column }) {
+    if (!this.pane.checkVisibility()) this.editor.set("panel", { panel: "file" });
     const lines = this.area.value.split("\n");
     const before = lines.slice(0, line - 1).reduce((total, each) => total + each.length + 1, 0);
     const at = before + [...(lines[line - 1] ?? "")].slice(0, column - 1).join("").length;
@@ -217,12 +218,10 @@ class TextPane {
     const { editor, area } = this;
     const isOurs = this.sending > 0 || this.revision === editor.state.revision;
     this.sending += 1;
-    try {
-      const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
-      this.revision = state.revision;
-    } finally {
-      this.sending -= 1;
-    }
+    const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
+    this.sending -= 1;
+    if (state === undefined) return; // Nobody has heard of it: what was typed stays.
+    this.revision = state.revision;
     this.show();
     this.showCaret();
   }
