@@ -29,6 +29,7 @@ from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
     from babyrobot_levels.scoring.plays.files import Play
+    from babyrobot_levels.scoring.plays.grades import Grade
     from babyrobot_levels.scoring.plays.verify import Verification
 
 _LONGEST_SHOW = 12.0
@@ -142,6 +143,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
         "end": play.end,
         "hints": play.hints,
         "undone": play.undone,
+        "watched": play.watched,
         "valid": verification.is_valid,
         "fault": verification.fault,
     }
@@ -167,13 +169,12 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
     """Return what is told about one play."""
     steps = "1 step" if play.steps == 1 else f"{play.steps:,} steps"
     limit = f" of {play.max_steps:,}" if play.max_steps is not None else ""
-    helped = [f"{row[name]} {name}" for name in ("hints", "undone") if row[name]]
     facts = {
         "level": printable(play.name or play.digest),
         "episode": f"{play.end} after {steps}{limit}",
         "return": f"{play.return_:.6g}" + _discounted(play),
         "seed": play.seed or "",
-        "help": ", ".join(helped),
+        "help": help_text(play),
     }
     if row["fault"] is not None:
         return {**facts, "verified": f"no: {printable(row['fault'])}"}
@@ -187,6 +188,12 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
         "luck": _luck(row["luck"]),
         "verified": "yes",
     }
+
+
+def help_text(row: Play | Grade) -> str:
+    """Return what helped a player, as the page tells; the empty text for nothing."""
+    counts = {"hints": row.hints, "undone": row.undone, "watched": row.watched}
+    return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
 def _discounted(play: Play) -> str:

@@ -40,6 +40,7 @@ class Play(PlayFields):
         end: `"terminated"`, `"truncated"` or `"unfinished"`.
         hints: how many hints the player asked for, as the page tells.
         undone: how many steps the player took back, as the page tells.
+        watched: how many steps the policy took that the player watched, as the page tells.
         made_by: the program that wrote it.
     """
 
