@@ -29,6 +29,7 @@ from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
     from babyrobot_levels.scoring.plays.files import Play
+    from babyrobot_levels.scoring.plays.grades import Grade
     from babyrobot_levels.scoring.plays.verify import Verification
 
 _LONGEST_SHOW = 12.0
@@ -88,9 +89,12 @@ def replay(
         fail(f"the file has {len(plays):,} episodes", "choose one for the film: --episode N")
     if output is not None and output.suffix.lower() != ".gif":
         fail(f"a film is an animated GIF, and not {output.suffix or 'a file without suffix'}")
-    with working("verifying"):
-        found = [verify_play(play) for play in chosen]
-        rows = [_data(number, each) for number, each in enumerate(found, first)]
+    found, rows = [], []
+    with working("verifying") as report:
+        for done, play in enumerate(chosen):
+            found.append(verify_play(play))
+            rows.append(_data(first + done, found[-1]))
+            report(done + 1, len(chosen))
     if report_format is ReportFormat.JSON:
         write_json({"file": str(file), "plays": rows})
     elif len(found) == 1:
@@ -125,7 +129,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
     """Return what is known about a play, for JSON: null where it is not known."""
     from babyrobot_levels.scoring.plays.grades import bounds_of
 
-    play, distribution = verification.play, verification.distribution
+    play = verification.play
     data: dict[str, Any] = {
         "episode": number,
         "name": play.name,
@@ -139,6 +143,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
         "end": play.end,
         "hints": play.hints,
         "undone": play.undone,
+        "watched": play.watched,
         "valid": verification.is_valid,
         "fault": verification.fault,
     }
@@ -152,7 +157,7 @@ def _data(number: int, verification: Verification) -> dict[str, Any]:
         "share": None if play.end == "unfinished" else _finite(bounds.share(play.return_)),
         "log_probability": verification.log_probability,
         "luck": verification.luck,
-        "expected_return": None if distribution is None else distribution.mean,
+        "expected_return": verification.expected_return,
     }
 
 
@@ -164,13 +169,12 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
     """Return what is told about one play."""
     steps = "1 step" if play.steps == 1 else f"{play.steps:,} steps"
     limit = f" of {play.max_steps:,}" if play.max_steps is not None else ""
-    helped = [f"{row[name]} {name}" for name in ("hints", "undone") if row[name]]
     facts = {
         "level": printable(play.name or play.digest),
         "episode": f"{play.end} after {steps}{limit}",
         "return": f"{play.return_:.6g}" + _discounted(play),
         "seed": play.seed or "",
-        "help": ", ".join(helped),
+        "help": help_text(play),
     }
     if row["fault"] is not None:
         return {**facts, "verified": f"no: {printable(row['fault'])}"}
@@ -184,6 +188,12 @@ def _facts(row: dict[str, Any], play: Play) -> dict[str, str]:
         "luck": _luck(row["luck"]),
         "verified": "yes",
     }
+
+
+def help_text(row: Play | Grade) -> str:
+    """Return what helped a player, as the page tells; the empty text for nothing."""
+    counts = {"hints": row.hints, "undone": row.undone, "watched": row.watched}
+    return ", ".join(f"{count} {name}" for name, count in counts.items() if count)
 
 
 def _discounted(play: Play) -> str:

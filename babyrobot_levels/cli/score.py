@@ -21,6 +21,7 @@ from babyrobot_levels.cli.console import (
 )
 from babyrobot_levels.cli.inputs import load_level
 from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet
 from babyrobot_levels.text.source import printable
 
@@ -334,33 +335,30 @@ def _score_plays(
         raise typer.Exit(FINDINGS)
 
 
-_GRADES = ("player", "episodes", "best", "mean", "optimum", "random", "share", "success", "luck",
-           "verified")  # fmt: skip
-
-
 def _write_grades(grades: Grades, *, has_level: bool) -> None:
-    heading = ["player", "level", *_GRADES[1:]] if has_level else list(_GRADES)
-    rows = []
-    for each in grades:
-        cells = _grade_cells(each)
-        rows.append([cells[0], printable(each.level), *cells[1:]] if has_level else cells)
-    write_table(heading, rows, less=("verified",))
+    """Write a table; the column of help is left out if nobody was helped."""
+    rows = [_grade_cells(each) for each in grades]
+    is_shown = {"level": has_level, "help": any(row["help"] for row in rows)}
+    heading = [name for name in rows[0] if is_shown.get(name, True)]
+    write_table(heading, [[row[name] for name in heading] for row in rows], less=("verified",))
 
 
-def _grade_cells(row: Grade) -> list[str]:
+def _grade_cells(row: Grade) -> dict[str, str]:
     more = f" + {row.unfinished}" if row.unfinished else ""
-    return [
-        printable(row.player),
-        f"{row.episodes}{more}",
-        _number(row.best),
-        _number(row.mean),
-        _number(row.optimum),
-        _number(row.random),
-        _number(row.share),
-        _percent(row.success),
-        _percent(row.luck),
-        "yes" if row.fault is None else f"no: {printable(row.fault)}",
-    ]
+    return {
+        "player": printable(row.player),
+        "level": printable(row.level),
+        "episodes": f"{row.episodes}{more}",
+        "best": _number(row.best),
+        "mean": _number(row.mean),
+        "optimum": _number(row.optimum),
+        "random": _number(row.random),
+        "share": _number(row.share),
+        "success": _percent(row.success),
+        "luck": _percent(row.luck),
+        "help": help_text(row),
+        "verified": "yes" if row.fault is None else f"no: {printable(row.fault)}",
+    }
 
 
 def _number(value: float) -> str:

@@ -93,7 +93,7 @@ class Answers:
     Attributes:
         level: the level at hand; None before the first one. Its maze has a seed.
         optimum: its solution; None while it is not known.
-        before: the solution of the level before; None if it was not known.
+        before: the solution that was known last of the levels before; None for none.
         unreachable: the cells `[x, y]` of the level at hand in which no episode can ever be.
     """
 
@@ -109,7 +109,8 @@ class Answers:
 
     def follow(self, level: Level) -> None:
         """Go on to another level, and solve it if that is quick."""
-        self.before, self.optimum, self._page = self.optimum, None, None
+        self.before = self.optimum or self.before
+        self.optimum = self._page = None
         self.level = level.with_maze_seed(0) if level.has_random_maze else level
         self.unreachable = []
         if level.has_random_maze:
@@ -163,9 +164,9 @@ class Answers:
 
         The keys: `status` (`"done"`; `"pending"` while it is not known; `"none"` where there is
         none); `best`, the optimal policy's expected return from the starts within `max_steps`, and
-        `before`, that of the level before (None where unknown or infinite); `best_text`; `changed`,
-        the cells `[x, y]` whose value is another one than before; `reason`, why there is no return,
-        or why it is infinite.
+        `before`, that of the last level before that was solved (None where unknown or infinite);
+        `best_text`; `changed`, the cells `[x, y]` whose value is another one than there; `reason`,
+        why there is no return, or why it is infinite.
         """
         optimum = self.optimum
         if optimum is None or optimum.guide is None:

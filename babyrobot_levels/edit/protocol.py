@@ -10,7 +10,8 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 - `save`: write the text to its file. If another program has changed the file, the reply has
   `conflict`, with the file's `text` (None if it has none): then `force` overwrites it, and
   `reload` takes its text instead;
-- `reload`: take the text that the file has now.
+- `reload`: take the text that the file has now;
+- `downloaded`: the browser has saved the text that is at hand.
 
 These have `revision`, that of the state that they were made from. If the text has changed since,
 by another page, they are refused. Their replies have `state`, see `edit/state.py`. Questions
@@ -89,6 +90,8 @@ def _check(message: dict[str, Any]) -> None:
         json.dumps(message, ensure_ascii=False).encode("utf-8")
     except UnicodeEncodeError:
         raise RefusedError("the message is not valid Unicode") from None
+    except RecursionError:
+        raise RefusedError("the message is nested too deep") from None
     for text in (message.get("text"), message.get("source")):
         if isinstance(text, str) and len(text.encode("utf-8")) > MAX_BYTES:
             raise RefusedError("a level file has at most 1 MiB")
@@ -131,6 +134,8 @@ def _change(session: Session, fields: dict[str, Any]) -> None:
             session.save(force=fields.get("force") is True)
         case {"do": "reload"}:
             session.reload()
+        case {"do": "downloaded"}:
+            session.note_download()
         case _:
             try:
                 gesture = gesture_of.validate_python(fields)

@@ -140,7 +140,6 @@ def application(session: Session, token: str, stop: Callable[[], None] = lambda:
 
     def answered(message: dict[str, Any]) -> dict[str, Any]:
         prepare(session, message)
-        prepare(session, message)
         with lock:
             return answer(session, message)
 

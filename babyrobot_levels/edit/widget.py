@@ -104,23 +104,23 @@ class Editor(anywidget.AnyWidget):
 
     # -- the picture that stays ------------------------------------------------------------
 
-    def _repr_mimebundle_(self, **_: Any) -> Bundle:
-        """Return the widget, with a picture where there is no kernel.
+    def _repr_mimebundle_(self, **_: Any) -> tuple[Bundle, Bundle]:
+        """Return the widget, with a picture where there is no kernel, and no metadata.
 
         Programs that run notebooks get the picture alone. Where a person watches, the picture is
         an output of its own, since front ends show only the widget of a bundle that has one.
         """
         kind = frontend()
         if kind is Frontend.PROGRAM:
-            return self._picture()
+            return self._picture(), {}
         bundle, _metadata = super()._repr_mimebundle_() or ({}, {})
         view = {WIDGET: bundle[WIDGET], TEXT: ""}
         if kind is Frontend.NONE:
-            return view | self._picture()
+            return view | self._picture(), {}
         from babyrobot_levels.render.notebook.output import StandIn
 
         self._stand_ins.append(StandIn(self._picture, self._class))
-        return view
+        return view, {}
 
     def _picture(self) -> Bundle:
         level = self._session.level

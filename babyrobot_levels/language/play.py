@@ -89,6 +89,8 @@ class PlayFields(Model):
     """How many hints the player asked for, as the page tells."""
     undone: _Count = 0
     """How many steps the player took back, as the page tells."""
+    watched: _Count = 0
+    """How many steps the policy took that the player watched, as the page tells."""
     made_by: _Short
     """The program that wrote the line, with its version."""
 

@@ -105,16 +105,18 @@ class _Splicer:
     def _change_list(self, node: Node, values: list[Any], indent: int) -> None:
         """Change the entries of a list that stand on lines of their own."""
         for i, j, k, m in _differences(node.data, values):
-            pairs = min(j - i, m - k)
-            for old, new in zip(range(i, i + pairs), range(k, k + pairs), strict=True):
+            pairs = _pairs(node.data, values, (i, j, k, m))
+            for old in range(i, j):
                 place = self._lines_of(node.children[old], node.children[old])
-                self._change_value(None, node.children[old], values[new], place, indent)
-            for old in range(i + pairs, j):
-                place = self._lines_of(node.children[old], node.children[old])
-                self._changes.append((*place, self._kept(place, indent)))
-            above = node.children[max(i + pairs - 1, 0)]
-            row = self._lines_of(above, above)[1 if i + pairs else 0]
-            lines = [line for value in values[k + pairs : m] for line in emit_entry(value, indent)]
+                if old in pairs:
+                    value = values[pairs[old]]
+                    self._change_value(None, node.children[old], value, place, indent)
+                else:
+                    self._changes.append((*place, self._kept(place, indent)))
+            above = node.children[max(j - 1, 0)]
+            row = self._lines_of(above, above)[1 if j else 0]
+            added = values[k + len(pairs) : m]
+            lines = [line for value in added for line in emit_entry(value, indent)]
             if lines:
                 self._changes.append((row, row, lines))
 
@@ -240,6 +242,33 @@ def _differences(before: list[Any], after: list[Any]) -> Iterator[tuple[int, int
         if kind != "equal":
             i, j, k, m = (same + number for number in numbers)
             yield i, j, k, m
+
+
+MAX_COMPARED = 20
+"""Of more entries than this that one may have come from, the first ones are looked at."""
+
+
+def _pairs(
+    before: list[Any], after: list[Any], difference: tuple[int, int, int, int]
+) -> dict[int, int]:
+    """Return which entries become which others, in order: each that of the most equal fields."""
+    i, j, k, m = difference
+    pairs: dict[int, int] = {}
+    spare = max(0, (j - i) - (m - k))
+    first = i
+    for new in range(k, min(m, k + j - i)):
+        others = range(first, min(first + spare, first + MAX_COMPARED) + 1)
+        old = max(others, key=lambda other: _likeness(before[other], after[new]))
+        pairs[old] = new
+        spare -= old - first
+        first = old + 1
+    return pairs
+
+
+def _likeness(one: Any, other: Any) -> int:
+    if isinstance(one, dict) and isinstance(other, dict):
+        return sum(1 for name in one if name in other and one[name] == other[name])
+    return 0
 
 
 def _is_pair(values: tuple[Any, Any]) -> bool:

@@ -39,7 +39,8 @@ def editor_page(browser: Browser, serve: Callable[[Session], str]) -> Iterator[O
         def opened(level: Session | str, **options: Any) -> EditorPage:
             session = Session(level) if isinstance(level, str) else level
             size = {"width": 1280, "height": 800}
-            context = browser.new_context(**{"viewport": size, "device_scale_factor": 1} | options)
+            settings: dict[str, Any] = {"viewport": size, "device_scale_factor": 1} | options
+            context = browser.new_context(**settings)
             stack.callback(context.close)
             context.set_default_timeout(20_000)
             page = context.new_page()

@@ -111,6 +111,11 @@ def test_a_level_that_takes_longer_is_solved_when_asked_for(
     state = asked(session, do="answers")["state"]
     assert (state["answers"]["status"], state["answers"]["best"]) == ("done", -3.0)
     assert state["level"]["policy"] is not None
+    # Changes are told from what was known last.
+    asked(session, do="paint", brush="large", cells=[[1, 0]])
+    asked(session, do="paint", brush="large", cells=[[2, 0]])
+    told = asked(session, do="answers")["state"]["answers"]
+    assert (told["before"], told["changed"]) == (-3.0, [[0, 0], [1, 0], [2, 0]])
 
 
 def test_a_long_solution_holds_up_no_gesture_and_is_dropped_when_it_is_late(

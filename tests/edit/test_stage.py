@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Literal
 
 import pytest
 from playwright.sync_api import Locator, expect
@@ -10,6 +11,8 @@ from support.editors import OpenEditor
 from support.hands import Mouse, Point
 
 pytestmark = pytest.mark.slow
+
+Button = Literal["left", "middle", "right"]
 
 LEVEL = "version: 1\nsize: [6, 4]\n"
 
@@ -25,11 +28,11 @@ class Hand(Mouse):
     def picture(self) -> Locator:
         return self.page.locator(".stage > svg")
 
-    def drag(self, *points: Point, button: str = "left") -> None:
+    def drag(self, *points: Point, button: Button = "left") -> None:
         self.begin(*points, button=button)
         self.page.mouse.up(button=button)
 
-    def begin(self, *points: Point, button: str = "left") -> None:
+    def begin(self, *points: Point, button: Button = "left") -> None:
         """Press at the first point, and move through the others."""
         mouse = self.page.mouse
         mouse.move(*points[0])
@@ -37,7 +40,7 @@ class Hand(Mouse):
         for point in points[1:]:
             mouse.move(*point, steps=5)
 
-    def draw(self, *points: Point, button: str = "left", held: str | None = None) -> None:
+    def draw(self, *points: Point, button: Button = "left", held: str | None = None) -> None:
         """Drag through points of the grid, in cells, and wait until the level has changed."""
         with self.changing():
             if held is not None:
@@ -230,7 +233,8 @@ def test_the_size_is_dragged_at_the_rim(
 def test_arrows_at_the_rim_set_the_wind(hand: Hand) -> None:
     hand.choose("wind")
     arrow = hand.page.locator("[data-handle=wind][data-side=N][data-index='2']")
-    for button, strength in (("left", 1), ("left", 2), ("right", 1)):
+    clicks: list[tuple[Button, int]] = [("left", 1), ("left", 2), ("right", 1)]
+    for button, strength in clicks:
         with hand.changing():
             arrow.click(button=button)
         assert f"north: [0, 0, {strength}, 0, 0, 0]" in hand.text
@@ -249,6 +253,37 @@ def test_the_part_that_is_seen_stays_as_one_draws(hand: Hand) -> None:
     hand.draw((3.5, 2))
     assert hand.picture.bounding_box() == pytest.approx(before, abs=0.1)
     assert "- {at: [3, 1], side: S}" in hand.text
+
+
+def test_a_drag_to_the_edge_of_the_stage_scrolls_the_picture(hand: Hand) -> None:
+    page = hand.page
+    for _ in range(3):
+        page.get_by_role("button", name="Zoom in").click()
+    stage = page.locator(".stage").bounding_box()
+    assert stage is not None
+    hand.begin(hand.at(0.5, 1), (stage["x"] + stage["width"] - 5, hand.at(0, 1)[1]))
+    page.wait_for_function("""() => {
+      const { scrollLeft, scrollWidth, clientWidth } =
+        document.querySelector("#editor").shadowRoot.querySelector(".stage");
+      return scrollLeft + clientWidth >= scrollWidth - 2;
+    }""")
+    with hand.changing():
+        page.mouse.up()
+    assert "- {at: [0, 0], side: S, length: 6}" in hand.text
+
+
+def test_the_middle_button_moves_the_picture(hand: Hand) -> None:
+    for _ in range(2):
+        hand.page.get_by_role("button", name="Zoom in").click()
+    x, y = hand.at(1, 0)
+    hand.drag((500, 400), (440, 370), button="middle")
+    assert hand.at(1, 0) == pytest.approx((x - 60, y - 30), abs=1)
+    assert hand.text == LEVEL
+
+
+def test_the_cell_under_the_pointer_is_told(hand: Hand) -> None:
+    hand.page.mouse.move(*hand.at(3.5, 2.5))
+    expect(hand.page.locator(".pointed")).to_have_text("[3, 2]")
 
 
 def test_an_invalid_text_dims_the_last_picture(hand: Hand) -> None:

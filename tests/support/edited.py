@@ -146,6 +146,8 @@ class Plan:
         data["doors"] = [
             entry(edge) | {name: known(names) for name, names in needs.items()}
             for sides, needs in self.doors
+            # A door that is left without names would always be open.
+            if any(map(known, needs.values())) or not any(needs.values())
             for edge in sides
             if not any(needs.values()) or any(map(known, needs.values()))
         ]

@@ -124,6 +124,12 @@ def test_comments_of_a_value_that_is_written_anew_stay_above_it() -> None:
     assert "\nwalls: []\n" in emptied
 
 
+def test_entry_that_changes_below_a_removed_one_keeps_its_layout() -> None:
+    text = spliced(walls=walls({**SECOND, "pass": 0.25}, THIRD))
+    removed = TEXT.replace("  - {at: [0, 0], side: E}   # thick\n", "")
+    assert text == removed.replace("pass: 0.5  # glass", "pass: 0.25  # glass")
+
+
 def test_new_fields_come_in_their_order() -> None:
     found = splice("version: 1\n", {"version": 1, "size": [2, 2], "title": "T"}, ORDER)
     assert found == "version: 1\ntitle: T\nsize: [2, 2]\n"

@@ -91,14 +91,16 @@ function numberControl(field, change) {
   const less = holdButton("−", `less ${label}`, () => by(-step), done);
   const more = holdButton("+", `more ${label}`, () => by(step), done);
   input.addEventListener("change", done);
+  const arrows = { ArrowUp: step, ArrowDown: -step };
   input.addEventListener("keydown", (event) => {
-    const difference = { ArrowUp: step, ArrowDown: -step }[event.key];
-    if (difference === undefined) return;
+    if (!(event.key in arrows)) return;
     event.preventDefault();
-    by(difference);
+    by(arrows[event.key]);
   });
+  input.addEventListener("keyup", ({ key }) => key in arrows && done());
   const words = wordButtons(field, (word, isChosen) => change(isChosen ? (minimum ?? 0) : word));
-  const element = html("span", { class: "stepper" }, less, input, more, ...words.buttons);
+  const element = html("span", { class: "number-control" },
+    html("span", { class: "stepper" }, less, input, more), ...words.buttons);
   const show = (value) => {
     given = value;
     input.value = value ?? "";
@@ -173,13 +175,18 @@ function colorControl({ label, default: usual }, change) {
   return { element, show };
 }
 
-/** Return a CSS colour as `#rrggbb`. */
+const PEN = document.createElement("canvas").getContext("2d"); // Knows all colours.
+const DIGITS = new Map();
+
+/** Return a CSS colour as `#rrggbb`, without its alpha. */
 function digitsOf(written) {
-  const pen = document.createElement("canvas").getContext("2d");
-  pen.fillStyle = written;
-  if (pen.fillStyle.startsWith("#")) return pen.fillStyle;
-  const channels = pen.fillStyle.match(/[\d.]+/g).slice(0, 3);
-  return `#${channels.map((channel) => Number(channel).toString(16).padStart(2, "0")).join("")}`;
+  if (!DIGITS.has(written)) {
+    PEN.fillStyle = written;
+    const channels = PEN.fillStyle.startsWith("#") ? null : PEN.fillStyle.match(/[\d.]+/g).slice(0, 3);
+    const hex = (channel) => Number(channel).toString(16).padStart(2, "0");
+    DIGITS.set(written, channels === null ? PEN.fillStyle : `#${channels.map(hex).join("")}`);
+  }
+  return DIGITS.get(written);
 }
 
 /** Check boxes for names of what there is. */

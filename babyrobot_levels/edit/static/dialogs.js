@@ -9,16 +9,17 @@ function dialogElement(title, ...content) {
   return made;
 }
 
-/** Save a text as a file of the browser's downloads. */
-function download(name, content) {
-  const address = URL.createObjectURL(new Blob([content], { type: "text/plain" }));
-  html("a", { href: address, download: name }).click();
+/** Save the text as a file of the browser's downloads. Returns whether that is known to Python. */
+async function download(editor) {
+  const { path, name, text } = editor.state;
+  const address = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
+  const file = path ?? `${name ?? "level"}.yaml`;
+  html("a", { href: address, download: file }).click();
   URL.revokeObjectURL(address);
-}
-
-/** Return the name of the file that a level is downloaded as. */
-function fileName({ path, name }) {
-  return path ?? `${name ?? "level"}.yaml`;
+  editor.say(`Downloaded as ${file}.`);
+  if (path !== null) return true; // What is saved is the file's business.
+  const { error } = await editor.send({ do: "downloaded" });
+  return error === undefined;
 }
 
 /** The buttons of the bar that open, copy and save, and end the editor. */
@@ -43,10 +44,7 @@ class FileButtons {
   /** Write the level to its file, or download it. Returns whether it is saved. */
   async save() {
     const { editor } = this;
-    if (editor.state.path === null) {
-      download(fileName(editor.state), editor.state.text);
-      return false;
-    }
+    if (editor.state.path === null) return download(editor);
     const { error, conflict } = await editor.send({ do: "save" });
     if (conflict !== undefined) this.conflict.show(error, conflict);
     if (error === undefined) editor.say(`Saved to ${editor.state.path}.`);
@@ -135,7 +133,7 @@ class CopyDialog {
     this.help = html("p", { class: "field-help" });
     this.error = html("p", { class: "field-error", role: "alert" });
     this.copied = html("span", { role: "status" });
-    this.download = button("Download", { onclick: () => download(fileName(editor.state), this.shown.value) });
+    this.download = button("Download", { onclick: () => download(editor) });
     this.dialog = dialogElement("Copy the level",
       html("div", { class: "choices", role: "group", "aria-label": "Form" }, ...this.forms),
       this.shown, this.error, this.help,
@@ -190,7 +188,7 @@ class ConflictDialog {
 
   /** `content` is what the file holds now, null if it cannot be read. */
   show(message, { text: content }) {
-    this.message.textContent = `${message[0].toUpperCase()}${message.slice(1)}.`;
+    this.message.textContent = `${message}.`;
     this.ours.value = this.editor.state.text;
     this.theirs.value = content ?? "";
     this.both.setAttribute("hidden", "");
@@ -224,7 +222,6 @@ class LeaveDialog {
 
   async saveAndEnd() {
     this.dialog.close();
-    const { path } = this.editor.state;
-    if ((await this.save()) || path === null) await this.editor.send({ do: "quit", force: true });
+    if (await this.save()) await this.editor.send({ do: "quit", force: true });
   }
 }

@@ -5,6 +5,7 @@
  *
  * - "state": another state came from Python (see `edit/state.py`); `game` and `picture` are drawn;
  * - "cursor": the cell, and the side, at which the keyboard works;
+ * - "pointed": the cell under the pointer, or null;
  * - "selection": what is selected: the entry of `state.places`, or null;
  * - "caret": where the caret of the text was asked to go;
  * - "tool": another tool, other `options` of it, or other `modifiers` were chosen;
@@ -21,6 +22,7 @@ class Editor {
     this.connection = connection;
     this.state = null;
     this.cursor = { cell: [0, 0], side: null };
+    this.pointed = null;
     this.selection = null;
     this.caret = null;
     this.tool = "walls";
@@ -75,26 +77,33 @@ class Editor {
     this.set("said", { said: message, saidKind: kind });
   }
 
-  /** Send a message, one after the other, and show the state that comes back. Returns the reply. */
+  /**
+   * Send a message, one after the other, and show the state that comes back. Returns the reply; it
+   * has an `error`, too, if the other side cannot be reached.
+   */
   send(message) {
     const sent = this.last.then(async () => {
       this.count += 1;
       const revision = this.state?.revision;
-      const reply = await this.connection.send({ id: this.count, revision, ...message });
+      const reply = await this.connection
+        .send({ id: this.count, revision, ...message })
+        .catch((error) => ({ error: error.message }));
       if (reply.error !== undefined) this.say(reply.error, "refused");
       if (reply.state !== undefined) this.show(reply.state);
       if (reply.error === undefined) this.set("done", { done: message });
       return reply;
     });
-    this.last = sent.catch((error) => this.say(String(error.message ?? error), "refused"));
+    // A part that cannot show a state does not hold up the messages after it.
+    this.last = sent.catch(() => {});
     return sent;
   }
 
   /** Show another state; what was selected stays so if it is still there. */
   show(state) {
     const { selection } = this;
+    const isSelected = (place) => place.kind === selection.kind && sameRoute(place, selection);
+    this.selection = selection && ((state.places ?? []).find(isSelected) ?? null);
     this.set("state", { state });
-    if (selection === null) return;
-    this.select((state.places ?? []).find((each) => each.kind === selection.kind && sameRoute(each, selection)) ?? null);
+    if (selection !== null && this.selection === null) this.tell("selection");
   }
 }

@@ -1,11 +1,13 @@
 // The list of all keys and gestures.
 const HAND_GESTURES = [
-  { title: "Mouse", keys: [
+  { title: "Mouse and touch", keys: [
     ["Drag along sides", "build or remove walls"],
     ["Click at a side", "none, wall, glass, door, one after the other"],
     ["Drag over cells", "use the tool"],
     ["Drag start or exit", "move it, with any tool"],
     ["Drag at the rim", "change the size"],
+  ] },
+  { title: "Mouse", needsKeys: true, keys: [
     ["Shift + drag", "use the tool in a rectangle"],
     ["Right button", "erase"],
     ["Alt + click", "take the tool of what is there"],
@@ -13,7 +15,6 @@ const HAND_GESTURES = [
     ["Escape", "give up what is being drawn"],
   ] },
   { title: "Touch", keys: [
-    ["One finger", "draw as with the mouse"],
     ["Two fingers", "scroll and zoom"],
     ["Long press", "select what is there"],
   ] },
@@ -32,7 +33,7 @@ class Help {
       html("label", { class: "check with-keys" }, shortcuts, " Letters, digits and signs are shortcuts"),
       html("div", { class: "help-groups" },
         ...HAND_GESTURES.map((group) => helpGroup(group)),
-        ...[tools, ...KEYS].map((group) => helpGroup(group, keyElements))));
+        ...[tools, ...KEYS].map((group) => helpGroup({ ...group, needsKeys: true }, keyElements))));
     dialog.classList.add("help");
     root.append(dialog);
     place.append(toolButton({ title: "Keys and gestures (?)", icon: HELP_ICON }, () => dialog.showModal()));
@@ -42,12 +43,11 @@ class Help {
 
 const HELP_ICON = "M12 3a9 9 0 1 1 0 18a9 9 0 0 1 0-18zM9.5 9.5a2.5 2.5 0 1 1 3.600 2.200c-.7.4-1.100.9-1.100 1.800M12 16.500v.5";
 
-/** Return a group of the list; `shownKeys` makes elements of its keys, else they are words. */
-function helpGroup({ title, keys }, shownKeys = null) {
-  const rows = keys.map(([pressed, words]) => html("div", {},
-    html("dt", {}, ...(shownKeys?.(pressed) ?? [pressed])), html("dd", {}, words)));
-  const name = shownKeys !== null || title === "Mouse" ? "with-keys" : undefined;
-  return html("section", { class: name }, html("h3", {}, title), html("dl", {}, ...rows));
+/** Return a group of the list; `shown` makes elements of the keys, else they are words. */
+function helpGroup({ title, keys, needsKeys }, shown = (pressed) => [pressed]) {
+  const rows = keys.map(([pressed, words]) =>
+    html("div", {}, html("dt", {}, ...shown(pressed)), html("dd", {}, words)));
+  return html("section", { class: needsKeys && "with-keys" }, html("h3", {}, title), html("dl", {}, ...rows));
 }
 
 /** Return keys as they are shown, each in a frame. */

@@ -1,6 +1,7 @@
 // The fields of what is selected.
-const NOTHING = "Long-press or click something with the tool Select, or put the caret into its line of the text. " +
-  "The fields of the level itself are under Level.";
+const NOTHING = "Click something with the tool Select, press it long, or put the caret into its line of the text. " +
+  "The fields of the level are under Level.";
+const FIELDLESS = "It has no fields. Drag it to another cell, or draw another one with its tool.";
 
 class Inspector {
   constructor(editor, place) {
@@ -33,8 +34,8 @@ class Inspector {
     const { kind, route } = selection ?? { kind: null, route: [] };
     const form = (this.forms[kind] ?? []).filter(({ type }) => type in CONTROLS);
     this.rows = form.map((field) => new FieldRow(this.editor, field, route));
-    const help = html("p", { class: "field-help" }, NOTHING);
-    this.body.replaceChildren(...(selection === null ? [help] : this.rows.map((row) => row.element)));
+    const help = html("p", { class: "field-help" }, selection === null ? NOTHING : FIELDLESS);
+    this.body.replaceChildren(...(this.rows.length === 0 ? [help] : this.rows.map((row) => row.element)));
   }
 
   /** Offer what else stands in the same cells. */

@@ -127,7 +127,7 @@ class Keyboard {
 
   press(event) {
     const { target } = event;
-    if (event.defaultPrevented || this.editor.state === null || target.closest("dialog")) return;
+    if (event.defaultPrevented || target.closest("dialog")) return;
     const key = keyOf(event);
     const isText = target.matches("textarea, select, input:not([type=checkbox])");
     if (isText && !/^((Shift\+)?F\d+|Ctrl\+S)$/.test(key)) return;
@@ -139,13 +139,13 @@ class Keyboard {
     action(this);
   }
 
-  /** Return what a key does now, or undefined. What is longer than a letter needs the picture. */
+  /** Return what a key does now, or undefined. Keys with longer names do it in the picture alone. */
   actionOf(key, isStage) {
-    const { mode: current, game } = this.editor;
+    const current = this.editor.game ? this.editor.mode : null; // Without a picture none works.
     const chosen = [...TOOLS, ...MODIFIERS].find((each) => each.key === key);
     if (chosen !== undefined && current === "edit") return () => this.choose(chosen);
     return KEYS
-      .filter(({ mode }) => mode === undefined || (mode === current && game && (isStage || key.length === 1)))
+      .filter(({ mode }) => mode === undefined || (mode === current && (isStage || key.length === 1)))
       .flatMap(({ keys }) => keys)
       .map(([, , actions]) => actions[key])
       .find((action) => action !== undefined);
@@ -167,6 +167,7 @@ class Keyboard {
   }
 
   zoomBy(factor) {
+    if (!this.editor.game) return;
     const { view } = this.editor.stage;
     view.zoomTo(view.zoom * factor);
     this.reveal();

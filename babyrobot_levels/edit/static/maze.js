@@ -1,12 +1,37 @@
 // The maze that the walls begin with.
 const MOST_SEEDS = 10000; // Dice give short seeds.
 
+/** Return how many entries open walls of the maze; null without a maze. */
+function openingsOf({ fields = {}, places = [] }) {
+  return fields.maze === undefined ? null : places.filter(({ kind }) => kind === "opening").length;
+}
+
+/** Offers to write the maze out as soon as one of its walls is opened. */
+class MazeOffer {
+  constructor(editor, place) {
+    const offer = button("Write the maze out", {
+      class: "hidden",
+      title: "A wall of the maze was opened, by an entry of openings. Written out, each wall is an entry of its own.",
+      onclick: () => editor.send({ do: "resolve" }),
+    });
+    place.prepend(offer);
+    let before = null;
+    editor.on("state", () => {
+      const opened = openingsOf(editor.state);
+      const isNew = before !== null && opened > before;
+      if (isNew || !opened) offer.classList.toggle("hidden", !isNew);
+      before = opened;
+    });
+  }
+}
+
+/** Grows, changes, removes and writes out the maze. */
 class MazePanel {
   constructor(editor, form) {
     this.editor = editor;
     this.rows = form.map((field) => new FieldRow(editor, { ...field, label: field.route.at(-1) }, []));
     const seed = this.rows.find(({ field }) => field.route.at(-1) === "seed");
-    seed?.element.querySelector(".field-control").append(dice(() => this.roll()));
+    seed?.control.element.append(dice(() => this.roll()));
     this.note = html("p", { class: "field-help" }, ...prose(
       "The level removes walls of the maze: see `openings` in the text. They stay where they are if the " +
       "maze changes. Written out as walls, the maze can be changed wall by wall."));
@@ -21,12 +46,11 @@ class MazePanel {
   }
 
   show() {
-    const { fields = {}, places = [] } = this.editor.state;
-    const hasMaze = fields.maze !== undefined;
-    this.inner.classList.toggle("hidden", !hasMaze);
-    this.add.classList.toggle("hidden", hasMaze);
-    const opened = places.filter(({ kind }) => kind === "opening").length;
-    this.note.classList.toggle("hidden", opened === 0);
+    const { fields = {} } = this.editor.state;
+    const opened = openingsOf(this.editor.state);
+    this.inner.classList.toggle("hidden", opened === null);
+    this.add.classList.toggle("hidden", opened !== null);
+    this.note.classList.toggle("hidden", !opened);
     for (const row of this.rows) row.show(fields, []);
   }
 

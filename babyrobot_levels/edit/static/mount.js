@@ -21,6 +21,7 @@ const LAYOUT = `
 <div class="below">
 <p class="said" role="status" aria-live="polite"></p>
 <p class="spoken unseen" role="status" aria-live="polite"></p>
+<p class="pointed" aria-hidden="true"></p>
 <div class="zoom" role="group" aria-label="Zoom"></div>
 </div>
 </section>
@@ -70,6 +71,7 @@ export function mount(place, connection, style = "") {
   find("zoom").append(...ZOOMS.map(([title, icon, change]) => toolButton({ title, icon }, () => editor.game && change(stage.view))));
   new Inspector(editor, find("inspector"));
   new World(editor, find("world"));
+  new MazeOffer(editor, find("zoom").parentElement);
   new Findings(editor, find("findings"));
   new TextPane(editor, find("file"));
   new FileButtons(editor, find("files"), find("editor"));
@@ -78,6 +80,7 @@ export function mount(place, connection, style = "") {
     find("said").textContent = editor.said;
     find("said").dataset.kind = editor.saidKind;
   });
+  editor.on("pointed", () => (find("pointed").textContent = editor.pointed === null ? "" : `[${editor.pointed.join(", ")}]`));
   editor.on("state", () => (find("editor").dataset.revision = editor.state.revision));
   editor.on("mode", () => (find("editor").dataset.mode = editor.mode));
   editor.send({ do: "state" });

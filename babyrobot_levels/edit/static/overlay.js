@@ -1,6 +1,6 @@
 // What lies on the picture while one edits: the preview of a gesture, selection, cursor, handles.
 
-const GRIP = 9; // Half the side of a handle, in pixels,
+const TARGET = matchMedia("(pointer: coarse)").matches ? 44 : 28; // The side of what takes a handle, in pixels,
 const RIM = 16; // and how far its middle is from the border.
 const STRONGEST_WIND = 3; // A click goes on from here to no wind.
 const BLOWS = { N: "north", E: "east", S: "south", W: "west" };
@@ -114,7 +114,7 @@ class Overlay {
     if (selection === null) return [];
     const cells = selection.cells.map((cell) => boxPath(this.box(cell)));
     const sides = selection.sides.map(([x, y, side]) => this.line([x, y], side));
-    return this.outlined([...cells, ...sides].join(""), "selection");
+    return [...this.outlined(cells.join(""), "selection"), ...this.outlined(sides.join(""), "selection", "wall")];
   }
 
   cursor() {
@@ -132,34 +132,48 @@ class Overlay {
     return this.editor.tool === "wind" ? this.winds() : this.grips();
   }
 
+  /** How far handles are from the border, in cells. */
+  get rim() {
+    return (RIM * this.stage.unit) / COMMON.cell;
+  }
+
+  /** Return where handles are at the right and at the bottom, below the legend of the values. */
+  ends() {
+    const [width, height] = sizeOf(this.editor);
+    const { margin } = this.editor.game.data;
+    const legend = this.stage.view.size[1] - 2 * margin - height * COMMON.cell;
+    return [width + this.rim, height + legend / COMMON.cell + this.rim];
+  }
+
   grips() {
     const [width, height] = sizeOf(this.editor);
-    const rim = (RIM * this.stage.unit) / COMMON.cell;
-    const places = [-rim, 0.5, 1 + rim];
+    const [right, bottom] = this.ends();
+    const { rim } = this;
     return [-1, 0, 1].flatMap((dx) => [-1, 0, 1].map((dy) => {
       if (dx === 0 && dy === 0) return null;
       const at = [dx, dy].map((way, axis) => {
-        const most = [width, height][axis];
-        return way === 0 ? most / 2 : way < 0 ? places[0] : most + rim;
+        if (way === 0) return [width, height][axis] / 2;
+        return way < 0 ? -rim : [right, bottom][axis];
       });
       const [x, y] = this.corner(...at);
       const shape = dx !== 0 && dy !== 0 ? "M-5 -5h10v10h-10z" : dx === 0 ? "M-12 -3.5h24v7h-24z" : "M-3.5 -12h7v24h-7z";
       return element("g", { class: "grip", "data-handle": "size", "data-way": `${dx} ${dy}`,
         transform: `translate(${x} ${y}) scale(${this.stage.unit})` },
-        element("rect", { x: -1.6 * GRIP, y: -1.6 * GRIP, width: 3.2 * GRIP, height: 3.2 * GRIP, class: "target" }),
+        element("rect", { x: -TARGET / 2, y: -TARGET / 2, width: TARGET, height: TARGET, class: "target" }),
         element("path", { d: shape }));
     })).filter((each) => each !== null);
   }
 
   winds() {
     const [width, height] = sizeOf(this.editor);
-    const rim = (RIM * this.stage.unit) / COMMON.cell;
+    const [right, bottom] = this.ends();
+    const { rim } = this;
     const arrows = (count, side, at) => Array.from({ length: count }, (_, index) => this.wind(side, index, this.corner(...at(index + 0.5))));
     return [
       ...arrows(width, "N", (along) => [along, -rim]),
-      ...arrows(width, "S", (along) => [along, height + rim]),
+      ...arrows(width, "S", (along) => [along, bottom]),
       ...arrows(height, "W", (along) => [-rim, along]),
-      ...arrows(height, "E", (along) => [width + rim, along]),
+      ...arrows(height, "E", (along) => [right, along]),
     ];
   }
 

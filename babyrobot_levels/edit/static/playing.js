@@ -146,6 +146,11 @@ class Playing {
     this.message.dataset.kind = kind;
     this.walked = [...game.past.map(({ state }) => state), game.state].map((state) => game.place(state));
     const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Luck", this.seed]];
+    for (const [name, kind, found] of [["Held", "item", "held"], ["On", "switch", "on"]]) {
+      if (game.things.of(kind).length === 0) continue;
+      const names = game.things[found](game.configuration).map((thing) => thing.name);
+      facts.push([name, names.join(", ") || "nothing"]);
+    }
     this.facts.replaceChildren(...facts.map(([name, value]) => html("div", {}, html("dt", {}, name), html("dd", {}, value))));
     for (const each of this.pad) {
       const isShut = game.end === null && !game.isPossible(Number(each.dataset.action));

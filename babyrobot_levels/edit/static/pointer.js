@@ -1,4 +1,6 @@
 // Drawing: from where a pointer is pressed to where it is released is one gesture, and one message.
+const EDGE = 20; // How near to the edge of the stage, in pixels, a pointer scrolls the picture,
+const SCROLLED = 6; // and how far in each frame.
 
 /**
  * What a pointer draws. Mouse and pen are listened to here; touch and keys call the same methods.
@@ -17,7 +19,9 @@ class Pointer {
     place.addEventListener("pointermove", (event) => event.pointerType !== "touch" && this.move(event));
     place.addEventListener("pointerup", () => this.release());
     place.addEventListener("pointercancel", () => this.cancel());
-    place.addEventListener("pointerleave", () => this.spots ?? overlay.preview(null));
+    place.addEventListener("pointerleave", () => this.leave());
+    // The middle button pans, and does not begin to scroll by itself.
+    place.addEventListener("mousedown", (event) => event.button === 1 && event.preventDefault());
     place.addEventListener("contextmenu", (event) => event.preventDefault());
     place.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
   }
@@ -49,7 +53,7 @@ class Pointer {
     if (!this.isDrawing) return;
     const spots = (event.getCoalescedEvents?.() ?? []).map((each) => this.stage.spotAt(each));
     if (this.panned) this.panTo(event);
-    else if (this.spots !== null) this.drag(...spots, this.stage.spotAt(event));
+    else if (this.spots !== null) this.dragTo(event, spots);
     else this.hover(this.stage.spotAt(event), event);
   }
 
@@ -65,6 +69,20 @@ class Pointer {
     this.overlay.preview(messageOf(this.spots));
   }
 
+  /** Go on to a point of the window; near the edge of the stage, the picture scrolls meanwhile. */
+  dragTo(event, spots = []) {
+    if (this.spots === null) return;
+    this.drag(...spots, this.stage.spotAt(event));
+    cancelAnimationFrame(this.scrolling);
+    const { place, view } = this.stage;
+    const { left, top, right, bottom } = place.getBoundingClientRect();
+    const ways = [[left, event.clientX, right], [top, event.clientY, bottom]]
+      .map(([low, at, high]) => Number(at > high - EDGE) - Number(at < low + EDGE));
+    if (view.zoom === 1 || ways.every((way) => way === 0)) return;
+    place.scrollBy(...ways.map((way) => SCROLLED * way));
+    this.scrolling = requestAnimationFrame(() => this.dragTo(event));
+  }
+
   /** Go on to other spots. */
   drag(...spots) {
     this.spots?.push(...spots);
@@ -73,7 +91,7 @@ class Pointer {
 
   /** End the gesture: send it, or select what is there if there is nothing to send. */
   release() {
-    this.panned = null;
+    this.endPan();
     if (this.spots === null) return;
     const { spots } = this;
     const message = this.messageOf(spots);
@@ -85,15 +103,21 @@ class Pointer {
 
   /** Give the gesture up; nothing has changed. */
   cancel() {
-    this.spots = this.panned = null;
+    this.spots = null;
+    this.endPan();
     this.overlay.preview(null);
   }
 
   /** Show what a click at a spot would do. */
   hover(spot, { shiftKey = false } = {}) {
     this.overlay.preview(spot.cell === null ? null : gestureOf(this.editor, [spot], { rectangle: shiftKey }));
-    const thing = this.editor.tool === "select" && spot.cell !== null ? pickedAt(this.editor, spot) : null;
-    this.stage.place.classList.toggle("over-thing", thing !== null);
+    this.stage.place.classList.toggle("over-thing", spot.cell !== null && takenAt(this.editor, spot) !== null);
+    if (String(spot.cell) !== String(this.editor.pointed)) this.editor.set("pointed", { pointed: spot.cell });
+  }
+
+  leave() {
+    if (this.spots === null) this.overlay.preview(null);
+    this.editor.set("pointed", { pointed: null });
   }
 
   /** Select what is at a spot. */
@@ -115,6 +139,12 @@ class Pointer {
 
   pan({ clientX, clientY }) {
     this.panned = [clientX, clientY];
+    this.stage.place.classList.add("panned");
+  }
+
+  endPan() {
+    this.panned = null;
+    this.stage.place.classList.remove("panned");
   }
 
   panTo({ clientX, clientY }) {

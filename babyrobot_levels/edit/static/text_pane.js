@@ -1,7 +1,7 @@
 // The text of the level: typed, and marked where findings and what is selected are.
 const TYPING_PAUSE = 150; // Milliseconds after which what was typed is sent.
 const TYPING_STEP = 1000; // Milliseconds without typing between two steps to undo.
-const MOST_COLORED = 200000; // Characters of a text that is coloured.
+const MOST_COLORED = 60000; // Characters of a text that is coloured.
 const TEXT_INDENT = "  ";
 
 /**
@@ -27,6 +27,7 @@ class TextPane {
       autocapitalize: "off",
       autocomplete: "off",
       "aria-label": "Level file",
+      "aria-description": "Tab indents. Escape and then Tab leave the text.",
       "aria-describedby": "at-caret",
     });
     this.pane = html("div", { class: "pane" }, html("div", { class: "paper" }, this.mirror, this.area));
@@ -155,6 +156,7 @@ class TextPane {
 
   /** Put the caret at a place of the text. */
   goTo({ line, column }) {
+    if (!this.pane.checkVisibility()) this.editor.set("panel", { panel: "file" });
     const lines = this.area.value.split("\n");
     const before = lines.slice(0, line - 1).reduce((total, each) => total + each.length + 1, 0);
     const at = before + [...(lines[line - 1] ?? "")].slice(0, column - 1).join("").length;
@@ -217,12 +219,10 @@ class TextPane {
     const { editor, area } = this;
     const isOurs = this.sending > 0 || this.revision === editor.state.revision;
     this.sending += 1;
-    try {
-      const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
-      this.revision = state.revision;
-    } finally {
-      this.sending -= 1;
-    }
+    const { state } = await editor.send({ do: "text", text: area.value, joined: isOurs && this.isJoined });
+    this.sending -= 1;
+    if (state === undefined) return; // Nobody has heard of it: what was typed stays.
+    this.revision = state.revision;
     this.show();
     this.showCaret();
   }
@@ -242,7 +242,7 @@ class TextPane {
     if (isCommand && !altKey && "zy".includes(key.toLowerCase())) {
       this.ask(key.toLowerCase() === "y" || shiftKey ? "redo" : "undo");
     } else if (key === "Tab" && !isCommand && !altKey && !shiftKey && !isLeaving) {
-      this.insert(TEXT_INDENT);
+      this.indent();
     } else if (key === "Enter" && !isCommand && !altKey) {
       const { value, selectionStart } = this.area;
       const line = value.slice(value.lastIndexOf("\n", selectionStart - 1) + 1, selectionStart);
@@ -252,6 +252,20 @@ class TextPane {
     }
     event.preventDefault();
     event.stopPropagation();
+  }
+
+  /** Indent at the caret, or the lines that are selected. */
+  indent() {
+    const { value, selectionStart, selectionEnd } = this.area;
+    const chosen = value.slice(selectionStart, selectionEnd);
+    if (!chosen.includes("\n")) {
+      this.insert(TEXT_INDENT);
+      return;
+    }
+    const first = value.lastIndexOf("\n", selectionStart - 1) + 1;
+    const lines = value.slice(first, selectionEnd);
+    this.area.setRangeText(lines.replace(/^(?=.)/gm, TEXT_INDENT), first, selectionEnd, "select");
+    this.typed();
   }
 
   insert(typed) {

@@ -44,6 +44,9 @@ class ThemePanel {
     const faint = contrast.filter(({ is_enough }) => !is_enough);
     this.summary.textContent = faint.length === 0 ? "Contrast: everything stands out" : `Contrast: ${faint.map(({ color }) => color).join(", ")} too low`;
     this.summary.classList.toggle("faint", faint.length > 0);
+    const key = JSON.stringify([contrast, theme]);
+    if (key === this.key) return;
+    this.key = key;
     this.contrasts.replaceChildren(...contrast.map((pair) => this.contrast(pair, theme)));
   }
 
@@ -53,7 +56,7 @@ class ThemePanel {
       element("rect", { width: 30, height: 20, rx: 3, fill: colors[ground] }),
       element("rect", { x: 8, y: 6, width: 14, height: 8, rx: 1, fill: colors[color] }));
     const names = `${color} on ${ground}`.replaceAll("_", " ");
-    const told = `${ratio.toFixed(1)} : 1, ${isEnough ? "enough" : `needs ${least}`}`;
+    const told = `${(Math.floor(10 * ratio) / 10).toFixed(1)} : 1, ${isEnough ? "enough" : `needs ${least}`}`;
     const help = isEnough ? null : html("span", { class: "field-help" }, remedy ?? "it is hard to see in pictures");
     return html("li", { class: isEnough ? "enough" : "faint" }, chip, html("span", {}, names), html("span", { class: "ratio" }, told), help);
   }

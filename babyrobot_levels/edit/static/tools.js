@@ -54,8 +54,8 @@ function toolNamed(name) {
 function gestureOf(editor, spots, { erases = false, ...modifiers } = {}) {
   const tool = toolNamed(erases ? "erase" : editor.tool);
   if (spots[0].cell === null) return null;
-  const held = tool.name === "select" || erases ? null : heldAt(editor, spots[0], tool);
-  if (held !== null && cellsAlong(spots).length > 1) return moved(editor, tool, spots);
+  const isMove = cellsAlong(spots).length > 1 && takenAt(editor, spots[0], tool) !== null;
+  if (isMove) return moved(editor, tool, spots);
   return tool.gesture(editor, tool, spots, { ...editor.modifiers, ...modifiers });
 }
 
@@ -77,11 +77,11 @@ function selectAt(editor, spot) {
   editor.select(things[(at + 1) % things.length] ?? null);
 }
 
-/** Return the start or exit at a spot: every tool that draws drags them. */
-function heldAt(editor, spot, tool) {
-  if (["erase", "warp", "path"].includes(tool.name)) return null;
-  if (tool.name === "walls" && spot.side !== null) return null;
-  return thingsAt(editor, spot).find(({ kind }) => kind === "start" || kind === "exit") ?? null;
+/** Return what a drag from a spot moves, or null. Start and exit are moved by every tool for cells. */
+function takenAt(editor, spot, tool = toolNamed(editor.tool)) {
+  if (tool.name === "select") return pickedAt(editor, spot);
+  if (["erase", "warp", "path"].includes(tool.name) || (tool.name === "walls" && spot.side !== null)) return null;
+  return thingsAt(editor, { ...spot, side: null }).find(({ kind }) => kind === "start" || kind === "exit") ?? null;
 }
 
 function drawnWalls(editor, tool, spots) {
@@ -125,7 +125,7 @@ function erased(editor, tool, spots, modifiers) {
 
 function moved(editor, tool, spots) {
   const [first, last] = [spots[0], spots.at(-1)];
-  const thing = tool.name === "select" ? pickedAt(editor, first) : heldAt(editor, first, tool);
+  const thing = takenAt(editor, first, tool);
   if (thing === null || last.cell === null || isSameCell(first.cell, last.cell)) return null;
   return { do: "move", route: thing.route, from: first.cell, to: last.cell };
 }

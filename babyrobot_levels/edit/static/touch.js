@@ -62,8 +62,8 @@ class Touch {
 
   zoom([from, apart], [to, farther]) {
     const { place, view } = this.stage;
+    view.zoomTo((view.zoom * farther) / Math.max(1, apart), from);
     place.scrollBy(from[0] - to[0], from[1] - to[1]);
-    view.zoomTo((view.zoom * farther) / Math.max(1, apart), to);
   }
 
   /** Return the middle of two fingers, and how far they are apart. */

@@ -36,7 +36,7 @@ function render({ model, el }) {
     const resolve = waiting.get(reply.id);
     waiting.delete(reply.id);
     if (resolve !== undefined) resolve(reply);
-    else if (reply.state !== undefined) editor.set("state", { state: { ...editor.state, ...reply.state } });
+    else if (reply.state !== undefined) editor.show(reply.state);
   };
   model.on("msg:custom", hear);
   return () => model.off("msg:custom", hear);

@@ -33,6 +33,7 @@ class Game {
     this.taken = []; // The steps of the episode.
     this.undone = 0;
     this.hints = 0;
+    this.watched = 0; // How many steps the watched policy took.
     this.isHinted = false;
   }
 

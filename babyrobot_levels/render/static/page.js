@@ -198,8 +198,12 @@ function watch(wanted) {
 function takeAdvice() {
   if (!isWatching) return;
   const action = game.end === null ? game.advice() : -1;
-  if (action < 0) watch(false);
-  else take(action);
+  if (action < 0) {
+    watch(false);
+    return;
+  }
+  game.watched += 1;
+  take(action);
 }
 
 function take(action) {

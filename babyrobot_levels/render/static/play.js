@@ -2,7 +2,7 @@
 
 /** Return the episode as a line; null if the page lacks the share code of its level. */
 function playLine(game) {
-  const { data, isTurning, seed, taken, total, end, hints, undone, number } = game;
+  const { data, isTurning, seed, taken, total, end, hints, undone, watched, number } = game;
   const fact = (name) => data.facts.find(([each]) => each === name)?.[1] ?? null;
   const digest = fact("Digest");
   if (data.code === undefined || digest === null) return null;
@@ -25,6 +25,7 @@ function playLine(game) {
     end: end === null ? "unfinished" : end === "time" ? "truncated" : "terminated",
     hints,
     undone,
+    watched,
     made_by: COMMON.made_by,
   }).slice(0, -1);
   const sum = checksum(new TextEncoder().encode(text)).toString(16).padStart(8, "0");

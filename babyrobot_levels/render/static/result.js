@@ -44,9 +44,10 @@ function luckOf({ known, total }) {
 }
 
 /** Describe what helped the player; the empty text for nothing. */
-function helpOf({ hints, undone }) {
+function helpOf({ hints, undone, watched }) {
   const count = (number, name) => (number ? [`${number} ${name}${number > 1 ? "s" : ""}`] : []);
-  return [...count(hints, "hint"), ...count(undone, "undo")].join(", ");
+  return [...count(hints, "hint"), ...count(undone, "undo"),
+    ...count(watched, "watched step")].join(", ");
 }
 
 /** Return what the card of a result tells, as pairs of a name and a text. */

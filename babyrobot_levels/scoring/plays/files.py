@@ -13,7 +13,7 @@ from babyrobot_levels.text.files import append_line, open_regular
 
 SUFFIX = ".brlplay"
 
-MAX_BYTES = 256 << 20
+MAX_BYTES = 64 << 20
 """The most bytes of a file."""
 
 MAX_PLAYS = 100_000
@@ -40,6 +40,7 @@ class Play(PlayFields):
         end: `"terminated"`, `"truncated"` or `"unfinished"`.
         hints: how many hints the player asked for, as the page tells.
         undone: how many steps the player took back, as the page tells.
+        watched: how many steps the policy took that the player watched, as the page tells.
         made_by: the program that wrote it.
     """
 
@@ -72,7 +73,7 @@ def read_plays(path: str | os.PathLike[str]) -> list[Play]:
     """Return the plays of a `.brlplay` file. They are not verified; see `verify_play`.
 
     Args:
-        path: the file: one play per line, at most 100,000, and at most 256 MiB.
+        path: the file: one play per line, at most 100,000, and at most 64 MiB.
 
     Raises:
         OSError: the file cannot be read.

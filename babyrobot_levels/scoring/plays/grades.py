@@ -101,6 +101,7 @@ class Grade:
             episode; nan where it is not computed.
         hints: how many hints the player asked for, as the page tells.
         undone: how many steps the player took back, as the page tells.
+        watched: how many steps the policy took that the player watched, as the page tells.
         fault: what is wrong with the file or its first play that is not valid; None for nothing.
     """
 
@@ -120,6 +121,7 @@ class Grade:
     luck: float
     hints: int
     undone: int
+    watched: int
     fault: str | None
 
 
@@ -262,6 +264,7 @@ def _grade(player: str, level: str, plays: Sequence[Play], fault: str | None) ->
         luck=math.nan if luck is None else luck,
         hints=sum(play.hints for play in plays),
         undone=sum(play.undone for play in plays),
+        watched=sum(play.watched for play in plays),
         fault=fault,
     )
 

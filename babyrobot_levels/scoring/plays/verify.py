@@ -77,6 +77,12 @@ class Verification:
         return open_loop_distribution(space, play.states[0], play.actions, play.discount)
 
     @property
+    def expected_return(self) -> float | None:
+        """The expected return under the same actions; None as for `distribution`."""
+        found = self.distribution
+        return None if found is None else found.mean
+
+    @property
     def luck(self) -> float | None:
         """The probability of this return or a higher one under the same actions.
 

@@ -80,6 +80,21 @@ def test_a_play_of_a_page_is_valid(
     assert play.model_dump(include=told) == same.model_dump(include=told)
 
 
+def test_a_watched_policy_is_told(ground: Playground, tmp_path: Path) -> None:
+    level = brl.load("maze")
+    level = level.replace(display={**level.display.model_dump(), "robot": {"speed": 100}})
+    ground.page.goto("about:blank")
+    level.to_html(tmp_path / "page.html")
+    ground.page.goto((tmp_path / "page.html").as_uri())
+    ground.page.wait_for_selector("body.ready")
+    ground.press("p")
+    ground.page.wait_for_selector("#result:not([hidden])")
+    play = downloaded(ground.page, tmp_path)
+    assert (play.watched, play.hints) == (play.steps, 0)
+    assert brl.verify_play(play).is_valid
+    assert f"{play.steps} watched steps" in ground.page.locator("#result-facts").inner_text()
+
+
 LATE: Any = {"version": 1, "size": [3, 1], "max_steps": 3, "discount": 0.9}
 
 

@@ -42,6 +42,18 @@ def test_a_line_is_a_play(path: Path) -> None:
     assert repr(plays[0]).startswith("<Play of 'frozen-lake': ")
 
 
+def test_no_byte_of_a_line_can_be_changed_unnoticed(path: Path) -> None:
+    record(path, "frozen-lake")
+    line = path.read_bytes()
+    for place in range(len(line) - 1):
+        changed = bytearray(line)
+        changed[place] ^= 1
+        with pytest.raises(brl.PlayError):
+            brl.Play.from_line(bytes(changed))
+        with pytest.raises(brl.PlayError):
+            brl.Play.from_line(line[:place])
+
+
 def test_plays_are_appended(path: Path) -> None:
     record(path, "frozen-lake")
     before = path.read_bytes()

@@ -102,6 +102,17 @@ def test_any_observation_and_its_wrappers(path: Path) -> None:
     assert brl.verify_play(brl.read_plays(path)[0]).is_valid
 
 
+def test_the_wrapper_belongs_to_the_spec(path: Path) -> None:
+    env = brl.RecordPlay(brl.load("maze").make(), path)
+    assert env.spec is not None
+    again = gymnasium.make(env.spec)
+    again.reset(seed=1)
+    again.step(0)
+    again.close()
+    (play,) = brl.read_plays(path)
+    assert (play.name, play.seed, play.steps) == ("maze", "1", 1)
+
+
 def test_what_cannot_be_recorded_is_refused(path: Path) -> None:
     with pytest.raises(TypeError, match="RecordPlay records environments of levels, not CartPole"):
         brl.RecordPlay(gymnasium.make("CartPole-v1"), path)

@@ -1,0 +1,54 @@
+"""The page on the editor: its tables are those of the editor, and its Python runs."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from support.places import DOCS
+from support.subprocesses import run
+
+from babyrobot_levels.edit.front_end import static
+
+TEXT = (DOCS / "editor.md").read_text("utf-8")
+
+
+def rows(heading: str) -> list[list[str]]:
+    """The rows of the table below a heading, without its head."""
+    section = TEXT.partition(f"\n## {heading}\n")[2].partition("\n## ")[0]
+    lines = [line for line in section.splitlines() if line.startswith("|")]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines[2:]]
+
+
+def test_the_keys_are_those_of_the_editor() -> None:
+    script = static("keys.js")
+    groups = script[script.index("const KEYS") : script.index("];\n\n")].split("{ title: ")[1:]
+    expected = []
+    for group in groups:
+        title = group.split('"')[1]
+        for keys, what in re.findall(r'\["([^"]+)", "([^"]+)",', group):
+            expected.append([title, keys, what])
+            title = ""
+    assert len(expected) > 20
+    assert rows("Keys") == expected
+
+
+def test_the_tools_are_those_of_the_editor() -> None:
+    tools = [
+        tuple(re.search(rf'\b{field}: "([^"]+)"', entry)[1] for field in ("key", "title"))  # type: ignore[index]
+        for name in ("tools.js", "rail.js")
+        for entry in static(name).split("{ name: ")[1:]
+    ]
+    shown = [
+        pair
+        for keys, titles, _ in rows("Tools")
+        for pair in zip(keys.split(", "), titles.split(", "), strict=True)
+    ]
+    assert len(tools) > 10
+    assert shown == tools
+
+
+def test_the_python_runs(here: Path) -> None:
+    code = "".join(re.findall(r"^```python\n(.*?)^```$", TEXT, re.DOTALL | re.MULTILINE))
+    end = "\nprint(editor.yaml, end='')\n"
+    assert run(f"{code}{end}", here) == (here / "levels" / "mine.yaml").read_text("utf-8")

@@ -1,0 +1,64 @@
+"""The editor's layout: all is in reach in windows of all sizes, without scrolling the page."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import expect
+from support.editors import OpenEditor
+
+pytestmark = pytest.mark.slow
+
+WINDOWS = [(1700, 950), (1280, 800), (900, 672), (700, 800), (390, 844)]
+"""A large screen, a laptop, the cell of a notebook, half a screen, and a phone."""
+
+
+@pytest.mark.parametrize(("width", "height"), WINDOWS)
+def test_everything_is_in_reach(editor_page: OpenEditor, width: int, height: int) -> None:
+    page = editor_page(
+        "version: 1\nsize: [8, 5]\n", viewport={"width": width, "height": height}
+    ).page
+    overflow = page.evaluate(
+        """() => {
+          const { scrollWidth, scrollHeight } = document.documentElement;
+          return [scrollWidth - innerWidth, scrollHeight - innerHeight];
+        }"""
+    )
+    assert max(overflow) <= 0
+    picture = page.locator(".stage > svg").bounding_box()
+    assert picture is not None
+    assert picture["width"] >= 0.35 * width or picture["height"] >= 0.35 * height
+    for tool in page.locator("[data-tool]").all():
+        tool.click()
+        expect(tool).to_have_attribute("aria-pressed", "true")
+    for name in ("Level", "Findings", "Text"):
+        tab = page.get_by_role("tab", name=name)
+        if tab.is_visible():
+            tab.click()
+    expect(page.locator(".text")).to_be_in_viewport()
+    for mode in ("Play", "Policy", "Edit"):
+        page.get_by_role("button", name=mode, exact=True).click()
+        expect(page.locator(".stage > svg")).to_be_in_viewport(ratio=1)
+
+
+def test_one_panel_is_shown_at_a_time_beside_the_text(editor_page: OpenEditor) -> None:
+    page = editor_page("version: 1\n").page
+    page.get_by_role("tab", name="Level").click()
+    expect(page.locator(".world")).to_be_visible()
+    expect(page.locator(".inspector")).to_be_hidden()
+    expect(page.locator(".text")).to_be_visible()
+    page.keyboard.press("ArrowRight")
+    expect(page.get_by_role("tab", name="Findings")).to_have_attribute("aria-selected", "true")
+    expect(page.locator(".world")).to_be_hidden()
+
+
+def test_the_bar_tells_whether_the_file_is_saved(editor_page: OpenEditor) -> None:
+    page = editor_page("version: 1\ntitle: Two rooms\n").page
+    expect(page.locator(".name")).to_have_text("Two rooms")
+    expect(page.get_by_role("button", name="Undo")).to_be_disabled()
+    page.locator(".text").fill("version: 1\ntitle: Three rooms\n")
+    expect(page.locator(".name")).to_have_text("Three rooms")
+    expect(page.locator(".file-state")).to_contain_text("not saved")
+    page.get_by_role("button", name="Undo").click()
+    expect(page.locator(".name")).to_have_text("Two rooms")
+    expect(page.locator(".file-state")).not_to_contain_text("not saved")
+    expect(page.get_by_role("button", name="Redo")).to_be_enabled()

@@ -1,0 +1,293 @@
+"""The panels beside the picture: the selection, the level, and the findings."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Locator, Page, expect
+from support.editors import EditorPage, OpenEditor
+from support.jupyter import until
+
+pytestmark = pytest.mark.slow
+
+LEVEL = """\
+version: 1
+title: Doors and walls
+# The grid.
+size: [5, 3]
+walls:
+  - {at: [1, 0], side: E}  # first
+items:
+  - {name: key, at: [0, 2]}
+switches:
+  - {name: lever, at: [2, 2]}
+doors:
+  - {at: [3, 1], side: E, needs: key}
+puddles:
+  - {at: [2, 1]}
+"""
+
+
+def select(editor: EditorPage, found: str) -> Locator:
+    """Select the entry of the line that contains a text; return the inspector."""
+    page = editor.page
+    number = editor.session.text[: editor.session.text.index(found)].count("\n")
+    page.get_by_label("Level file").focus()
+    page.keyboard.press("Control+Home")
+    for _ in range(number):
+        page.keyboard.press("ArrowDown")
+    inspector = page.locator(".inspector")
+    expect(inspector.get_by_role("button", name="Remove")).to_be_visible()
+    return inspector
+
+
+def level_section(page: Page, title: str) -> Locator:
+    """Open a section of the level; return it."""
+    page.get_by_role("tab", name="Level").click()
+    section = page.locator("details.group").filter(has=page.locator("summary", has_text=title))
+    section.locator("> summary").click()
+    return section
+
+
+def field(place: Locator, name: str) -> Locator:
+    return place.locator(f'.field[data-name="{name}"]')
+
+
+def becomes(editor: EditorPage, wanted: str) -> None:
+    """Wait until the text contains something, and the page shows it."""
+    until(lambda: wanted in editor.session.text, f"{wanted!r} is in the text")
+    expect(editor.page.get_by_label("Level file")).to_have_value(editor.session.text)
+
+
+# -- the selection -------------------------------------------------------------------------------
+
+
+def test_each_field_of_an_entry_is_one_change(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    inspector = select(editor, "side: E}  # first")
+    number = field(inspector, "pass").get_by_role("textbox")
+    number.fill("0.25")
+    number.press("Enter")
+    becomes(editor, "{at: [1, 0], side: E, pass: 0.25}  # first")
+    field(inspector, "side").get_by_role("combobox").select_option("S")
+    becomes(editor, "side: S")
+    field(inspector, "fit").get_by_role("checkbox").check()
+    becomes(editor, "fit: true")
+    field(inspector, "color").get_by_role("textbox").last.fill("crimson")
+    field(inspector, "color").get_by_role("textbox").last.press("Enter")
+    becomes(editor, "color: crimson")
+    expect(field(inspector, "color").locator("[type=color]")).to_have_value("#dc143c")
+    field(inspector, "color").get_by_role("button", name="Reset").click()
+    until(lambda: "crimson" not in editor.session.text, "the colour is the theme's")
+    for _ in range(5):
+        editor.page.get_by_role("button", name="Undo").click()
+    expect(editor.page.get_by_label("Level file")).to_have_value(LEVEL)
+
+
+def test_a_wrong_value_is_told_at_its_field_and_can_be_corrected(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    width = field(select(editor, "# first"), "width")
+    for wrong in ("wide", "300"):
+        width.get_by_role("textbox").fill(wrong)
+        width.get_by_role("textbox").press("Enter")
+        expect(width.get_by_role("alert")).to_contain_text("width")
+        expect(width.get_by_role("textbox")).to_have_value(wrong)
+        assert editor.session.text == LEVEL
+    width.get_by_role("textbox").fill("9")
+    width.get_by_role("textbox").press("Enter")
+    becomes(editor, "width: 9")
+    expect(width.get_by_role("alert")).to_have_count(0)
+
+
+def test_a_stepper_that_is_held_is_one_change(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    reward = field(select(editor, "name: key"), "reward")
+    more = reward.get_by_role("button", name="more").bounding_box()
+    assert more is not None
+    editor.page.mouse.move(more["x"] + 5, more["y"] + 5)
+    editor.page.mouse.down()
+    editor.page.wait_for_timeout(1500)
+    assert editor.session.text == LEVEL
+    editor.page.mouse.up()
+    becomes(editor, "reward: ")
+    assert float(reward.get_by_role("textbox").input_value()) > 5
+    editor.page.get_by_role("button", name="Undo").click()
+    expect(editor.page.get_by_label("Level file")).to_have_value(LEVEL)
+
+
+def test_a_stepper_works_by_touch_and_by_keyboard(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL, viewport={"width": 390, "height": 844}, has_touch=True)
+    editor.page.get_by_role("tab", name="Level").tap()
+    editor.page.locator("summary", has_text="Rewards").tap()
+    step = editor.page.locator('.field[data-name="rewards.step"]')
+    step.get_by_role("button", name="less").tap()
+    becomes(editor, "step: -2")
+    step.get_by_role("textbox").press("ArrowDown")
+    becomes(editor, "step: -3")
+
+
+def test_a_door_needs_what_is_checked(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    needs = field(select(editor, "needs: key"), "needs")
+    expect(needs.get_by_label("key")).to_be_checked()
+    needs.get_by_label("lever").check()
+    becomes(editor, "needs: [key, lever]")
+    needs.get_by_label("key").uncheck()
+    until(
+        lambda: "needs: [lever]" in editor.session.text or "needs: lever" in editor.session.text, ""
+    )
+
+
+def test_an_entry_is_removed_and_nothing_is_selected_then(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    inspector = select(editor, "{at: [2, 1]}")
+    inspector.get_by_role("button", name="Remove").click()
+    until(lambda: "puddles" not in editor.session.text, "the puddle is removed")
+    expect(inspector.get_by_role("heading")).to_have_text("Nothing is selected")
+
+
+def test_what_else_is_in_the_cell_is_offered(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL.replace("at: [0, 2]", "at: [2, 1]"))
+    inspector = select(editor, "- {at: [2, 1]}")
+    inspector.get_by_role("button", name="key").click()
+    expect(inspector.get_by_role("heading")).to_have_text("Key at [2, 1]")
+
+
+# -- the level -----------------------------------------------------------------------------------
+
+
+def test_fields_of_the_level_are_set_and_reset(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    about = level_section(editor.page, "About the level")
+    field(about, "title").get_by_role("textbox").fill("Another: title")
+    field(about, "title").get_by_role("textbox").press("Enter")
+    becomes(editor, 'title: "Another: title"\n# The grid.')
+    field(about, "tags").get_by_role("textbox").fill("doors, walls")
+    field(about, "tags").get_by_role("textbox").press("Enter")
+    becomes(editor, "tags: [doors, walls]")
+    field(about, "title").get_by_role("button", name="Reset").click()
+    until(lambda: "title" not in editor.session.text, "there is no title")
+
+
+def test_the_size_is_changed_by_numbers(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    size = level_section(editor.page, "Size")
+    size.get_by_role("textbox", name="size: width").fill("7")
+    editor.page.keyboard.press("Enter")
+    becomes(editor, "size: [7, 3]")
+
+
+def test_a_maze_is_grown_changed_and_written_out(editor_page: OpenEditor) -> None:
+    editor = editor_page("version: 1\nsize: [6, 4]\n")
+    section = level_section(editor.page, "Maze")
+    section.get_by_role("button", name="Grow a maze").click()
+    until(lambda: "maze:" in editor.session.text, "there is a maze")
+    first = editor.session.text
+    section.get_by_role("button", name="Another seed").click()
+    until(lambda: editor.session.text not in (first, "version: 1\nsize: [6, 4]\n"), "another maze")
+    field(section, "maze.algorithm").get_by_role("combobox").select_option("wilson")
+    becomes(editor, "algorithm: wilson")
+    grid = editor.session.level.grid().open if editor.session.level else None
+    section.get_by_role("button", name="Write out as walls").click()
+    until(lambda: "maze" not in editor.session.text, "the maze is written out")
+    assert "walls:" in editor.session.text
+    assert grid is not None
+    assert editor.session.level is not None
+    assert (editor.session.level.grid().open == grid).all()
+    expect(section.get_by_role("button", name="Grow a maze")).to_be_visible()
+
+
+def test_a_maze_whose_walls_are_opened_says_so_and_can_be_written_out(
+    editor_page: OpenEditor,
+) -> None:
+    editor = editor_page("version: 1\nsize: [3, 3]\nmaze: {seed: 1}\n")
+    page = editor.page
+    section, offer = (
+        level_section(page, "Maze"),
+        page.get_by_role("button", name="Write the maze out"),
+    )
+    expect(section.get_by_text("removes walls of the maze")).to_be_hidden()
+    expect(offer).to_be_hidden()
+    page.get_by_label("Level file").fill(
+        editor.session.text + "openings:\n  - {at: [0, 0], side: E}\n"
+    )
+    expect(section.get_by_text("removes walls of the maze")).to_be_visible()
+    offer.click()
+    until(lambda: "maze" not in editor.session.text, "the maze is written out")
+    expect(offer).to_be_hidden()
+
+
+def test_wind_is_added_changed_and_removed(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    section = level_section(editor.page, "Wind")
+    section.get_by_role("combobox").select_option("S")
+    section.get_by_role("textbox", name="column or row").fill("2")
+    section.get_by_role("button", name="Add").click()
+    becomes(editor, "south: [0, 0, 1, 0, 0]")
+    section.get_by_role("button", name="more column 2").click()
+    becomes(editor, "south: [0, 0, 2, 0, 0]")
+    section.get_by_role("button", name="Remove the wind").click()
+    until(lambda: "south" not in editor.session.text, "there is no wind")
+
+
+def test_a_theme_is_chosen_and_its_contrasts_are_told(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL)
+    section = level_section(editor.page, "Theme")
+    section.get_by_role("button", name="green", exact=True).click()
+    becomes(editor, "theme: green")
+    expect(section.get_by_text("everything stands out")).to_be_visible()
+    section.locator("summary", has_text="Colours and widths").click()
+    walls = field(section, "theme.colors.walls").get_by_role("textbox").last
+    walls.fill("#588158")
+    walls.press("Enter")
+    becomes(editor, 'walls: "#588158"')
+    expect(section.get_by_text("walls too low")).to_be_visible()
+    level = editor.session.level
+    assert level is not None
+    # The other colours stay those of the theme that was chosen.
+    assert level.resolved_theme.colors.exit == "#1e3234"
+    section.get_by_role("button", name="default").click()
+    until(lambda: "theme" not in editor.session.text, "the theme is the default one")
+
+
+# -- findings ------------------------------------------------------------------------------------
+
+FOUND = """\
+version: 1
+size: [4, 2]
+walls:
+  - {at: [1, 0], side: E}
+  - {at: [1, 0], side: E}
+"""
+
+
+def test_findings_lead_to_their_places_and_are_fixed(editor_page: OpenEditor) -> None:
+    editor = editor_page(FOUND)
+    page = editor.page
+    page.get_by_role("tab", name="Findings").click()
+    panel = page.locator(".findings")
+    expect(panel.get_by_role("heading")).to_have_text("Findings (1)")
+    panel.locator(".finding").click()
+    area = page.get_by_label("Level file")
+    expect(area).to_be_focused()
+    place = area.evaluate("area => area.value.slice(0, area.selectionStart).split('\\n').length")
+    assert place == 5
+    page.get_by_role("tab", name="Findings").click()
+    panel.get_by_role("button", name="Fix").click()
+    until(lambda: editor.session.text.count("side: E") == 1, "one wall is left")
+    expect(panel.get_by_role("heading")).to_have_text("No findings")
+
+
+def test_fixes_that_change_the_level_say_so(editor_page: OpenEditor) -> None:
+    useless = "version: 1\nsize: [4, 2]\nexit: [3, 1]\nitems:\n  - {name: gem, at: [1, 1]}\n"
+    page = editor_page(useless).page
+    page.get_by_role("tab", name="Findings").click()
+    fix = page.locator(".findings .fix", has_text="changes the level")
+    expect(fix).to_have_accessible_name("Fix: remove `gem` (changes the level)")
+
+
+def test_in_a_narrow_window_a_finding_leads_to_the_text(editor_page: OpenEditor) -> None:
+    page = editor_page(FOUND, viewport={"width": 390, "height": 844}).page
+    page.get_by_role("tab", name="Findings").click()
+    page.locator(".finding").click()
+    expect(page.get_by_label("Level file")).to_be_focused()
+    expect(page.locator(".line.warning")).to_be_in_viewport()

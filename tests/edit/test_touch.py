@@ -1,0 +1,182 @@
+"""The editor under fingers: one draws, two move and zoom, a long press selects."""
+
+from __future__ import annotations
+
+import pytest
+from playwright.sync_api import Locator, expect
+from support.editors import OpenEditor
+from support.hands import Finger, Point
+
+pytestmark = pytest.mark.slow
+
+LEVEL = """\
+version: 1
+size: [6, 4]
+puddles:
+  - {at: [1, 1], size: small}
+"""
+
+LEAST_TARGET = 44
+"""Pixels."""
+
+
+class Hand(Finger):
+    """Fingers on one editor."""
+
+    @property
+    def text(self) -> str:
+        return self.editor.session.text
+
+    @property
+    def stage(self) -> Locator:
+        return self.page.locator(".stage")
+
+    @property
+    def picture_width(self) -> float:
+        box = self.page.locator(".stage > svg").bounding_box()
+        assert box is not None
+        return box["width"]
+
+    def spread(self, *moments: tuple[Point, Point]) -> None:
+        """Put two fingers down, one after the other, move them, and lift them."""
+        first, _ = moments[0]
+        self.touch("touchStart", first)
+        for fingers in moments:
+            self.touch("touchMove" if fingers is not moments[0] else "touchStart", *fingers)
+        self.touch("touchEnd")
+
+
+@pytest.fixture
+def hand(editor_page: OpenEditor) -> Hand:
+    return Hand(editor_page(LEVEL, **Hand.context))
+
+
+def test_a_tap_at_a_side_and_a_drag_along_sides_build_walls(hand: Hand) -> None:
+    hand.draw_wall((2, 0), "E")
+    assert "- {at: [2, 0], side: E}" in hand.text
+    hand.draw_wall((0, 2), "S", 3)
+    assert "- {at: [0, 2], side: S, length: 3}" in hand.text
+    hand.draw_wall((0, 2), "S", 3)
+    assert "length: 3" not in hand.text
+
+
+def test_a_drag_paints_the_cells_under_the_finger(hand: Hand) -> None:
+    hand.choose("blocked")
+    with hand.changing():
+        hand.drag(hand.at(3.5, 0.5), hand.at(5.4, 0.4))
+    assert "- {at: [3, 0], size: [3, 1]}" in hand.text
+
+
+def test_each_touch_is_one_step(hand: Hand) -> None:
+    hand.choose("small")
+    hand.paint((3, 1), (4, 1))
+    undo = hand.page.get_by_role("button", name="Undo")
+    for _ in range(2):
+        with hand.changing():
+            undo.tap()
+    assert hand.text == LEVEL
+    expect(undo).to_be_disabled()
+
+
+def test_a_tap_right_after_a_drag_is_taken(hand: Hand) -> None:
+    """Chromium drops taps while it throws what was dragged; the picture is not thrown."""
+    for x in range(3):
+        hand.choose("large")
+        expect(hand.page.locator("[data-tool=large]")).to_have_attribute("aria-pressed", "true")
+        hand.paint((x, 3))
+        hand.choose("walls")
+        expect(hand.page.locator("[data-tool=walls]")).to_have_attribute("aria-pressed", "true")
+        hand.draw_wall((2, x), "S", 3)
+
+
+def test_a_long_press_selects_what_is_there(hand: Hand) -> None:
+    hand.choose("large")
+    hand.touch("touchStart", hand.at(1.5, 1.5))
+    expect(hand.page.locator(".spoken")).to_have_text("Selected: small puddle.")
+    hand.touch("touchMove", hand.at(3.5, 1.5))
+    hand.touch("touchEnd")
+    expect(hand.page.get_by_role("tabpanel", name="Selection")).to_contain_text("puddle")
+    hand.paint((4, 2))
+    assert hand.text == LEVEL + "  - {at: [4, 2], size: large}\n"
+
+
+def test_a_finger_that_moves_draws_however_long_it_takes(hand: Hand) -> None:
+    hand.choose("small")
+    with hand.changing():
+        hand.touch("touchStart", hand.at(3.5, 1.5))
+        hand.touch("touchMove", hand.at(4.5, 1.5))
+        hand.page.wait_for_timeout(700)
+        hand.touch("touchEnd")
+    assert "- {at: [3, 1], size: small}\n  - {at: [4, 1], size: small}" in hand.text
+
+
+def test_two_fingers_zoom_and_scroll_and_draw_nothing(hand: Hand) -> None:
+    hand.choose("blocked")
+    x, y = hand.at(3, 2)
+    before = hand.picture_width
+    hand.spread(((x - 30, y), (x + 30, y)), ((x - 60, y), (x + 60, y)), ((x - 90, y), (x + 90, y)))
+    assert hand.picture_width == pytest.approx(3 * before, rel=0.1)
+    # What was between the fingers is still there.
+    assert hand.at(3, 2) == pytest.approx((x, y), abs=6)
+    hand.spread(((x - 30, y), (x + 30, y)), ((x - 60, y - 40), (x, y - 40)))
+    assert hand.at(3, 2) == pytest.approx((x - 30, y - 40), abs=6)
+    assert hand.text == LEVEL
+    # A finger alone draws again, in the part that is seen.
+    hand.paint((3, 2))
+    assert "blocked:\n  - {at: [3, 2]}" in hand.text
+
+
+def test_in_a_policy_one_finger_draws_and_two_zoom(hand: Hand) -> None:
+    hand.press(hand.page.get_by_role("button", name="Policy"))
+    x, y = hand.at(3, 2)
+    before = hand.picture_width
+    hand.spread(((x - 30, y), (x + 30, y)), ((x - 60, y), (x + 60, y)))
+    assert hand.picture_width == pytest.approx(2 * before, rel=0.1)
+    arrows = hand.page.locator(".drawn-policy > *")
+    drawn = arrows.count()
+    hand.drag(hand.at(2.5, 1.5), hand.at(3.5, 1.5))
+    assert drawn == 0
+    expect(arrows).not_to_have_count(0)
+    assert hand.text == LEVEL
+
+
+def test_touches_scroll_neither_the_page_nor_the_picture(hand: Hand) -> None:
+    hand.drag(hand.at(3.5, 3.5), hand.at(3.5, 0.5))
+    assert hand.page.evaluate("() => [scrollX, scrollY]") == [0, 0]
+    assert hand.stage.evaluate("(stage) => stage.scrollTop") == 0
+
+
+@pytest.mark.parametrize("size", [(390, 844), (844, 390)])
+def test_everything_is_large_enough_for_fingers(
+    editor_page: OpenEditor, size: tuple[int, int]
+) -> None:
+    width, height = size
+    options = Hand.context | {"viewport": {"width": width, "height": height}}
+    page = editor_page(LEVEL, **options).page
+    small = page.locator("#editor").evaluate(
+        """({ shadowRoot: root }, least) => [...root.querySelectorAll(
+            ":is(.bar, .tools, .zoom, .tabs, .answers, .options) button, [data-handle] .target")]
+          .filter((each) => each.checkVisibility())
+          .map((each) => [each.outerHTML.slice(0, 80), each.getBoundingClientRect()])
+          .filter(([, { width, height }]) => Math.min(width, height) < least - 0.01)
+          .map(([name]) => name)""",
+        LEAST_TARGET,
+    )
+    assert small == []
+    outside = page.locator("#editor").evaluate(
+        """({ shadowRoot: root }) =>
+          [...root.querySelectorAll(":is(.bar, .answers, .tabs) button")]
+          .filter((each) => each.checkVisibility())
+          .filter((each) => each.getBoundingClientRect().right > innerWidth)
+          .map((each) => each.textContent)"""
+    )
+    assert outside == []
+
+
+def test_the_help_lists_what_fingers_do(hand: Hand) -> None:
+    hand.press(hand.page.get_by_role("button", name="Keys and gestures"))
+    help_list = hand.page.get_by_role("dialog", name="Keys and gestures")
+    expect(help_list).to_contain_text("Long press")
+    expect(help_list.get_by_text("Drag along sides")).to_be_visible()
+    expect(help_list.get_by_text("Right button")).to_be_hidden()
+    expect(help_list.get_by_text("Page up")).to_be_hidden()
