@@ -165,8 +165,8 @@ class Answers:
         The keys: `status` (`"done"`; `"pending"` while it is not known; `"none"` where there is
         none); `best`, the optimal policy's expected return from the starts within `max_steps`, and
         `before`, that of the last level before that was solved (None where unknown or infinite);
-        `best_text`; `changed`, the cells `[x, y]` whose value is another one than there; `reason`, why
-        there is no return, or why it is infinite.
+        `best_text`; `changed`, the cells `[x, y]` whose value is another one than there; `reason`,
+        why there is no return, or why it is infinite.
         """
         optimum = self.optimum
         if optimum is None or optimum.guide is None:

@@ -56,6 +56,7 @@ def _python(text: str) -> str:
 
 def _link(level: Level) -> str:
     played = level.with_maze_seed(0) if level.has_random_maze else level
+    fragment = link_fragment(level, played)
     with suppress(UndefinedReturnError, TooLargeError):
-        return f"#{link_fragment(level, played, guide_of(played))}"
-    return f"#{link_fragment(level, played)}"
+        fragment = link_fragment(level, played, guide_of(played))
+    return f"#{fragment}"

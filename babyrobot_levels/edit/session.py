@@ -15,6 +15,7 @@ from babyrobot_levels.edit.history import History
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import Report, lint_document, lint_source
+from babyrobot_levels.render.page_data import MAX_CELLS
 from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
@@ -112,7 +113,7 @@ class Session:
             after = _written_anew(document, data)
         if len(after.source.text.encode()) > MAX_BYTES:
             raise RefusedError("the text would be larger than the file of a level may be")
-        report = lint_document(after, select(None), self.path)
+        report = lint_document(after, select(None), self.path, max_cells=MAX_CELLS)
         if report.level is None:
             raise RefusedError(report.diagnostics[0].message)
         self._history.change(after.source.text)
@@ -120,7 +121,7 @@ class Session:
 
     def _fix(self, fix: Fix) -> None:
         text = fixed(self.report, fix)
-        report = lint_source(SourceFile(self.source.name, text), select(None), self.path)
+        report = self._checked(SourceFile(self.source.name, text))
         if self.is_valid and not report.is_valid:
             raise RefusedError(f"after this fix, {report.diagnostics[0].message}")
         self._history.change(text)
@@ -179,7 +180,11 @@ class Session:
         self._read()
 
     def _read(self) -> None:
-        self._take(lint_source(self.source, select(None), self.path))
+        self._take(self._checked(self.source))
+
+    def _checked(self, source: SourceFile) -> Report:
+        # What is too large for a picture would also take too long to be proved on the way.
+        return lint_source(source, select(None), self.path, max_cells=MAX_CELLS)
 
     def _take(self, report: Report) -> None:
         """Take the report on the text at hand."""

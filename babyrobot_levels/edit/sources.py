@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,10 @@ exit: [7, 4]
 
 NAME = "untitled"
 """What a level without a name is called."""
+
+_RELATIVE_SCHEMA = re.compile(
+    r"^# yaml-language-server: *\$schema=(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*\n", re.M
+)
 
 
 def session_of(level: str | os.PathLike[str] | Level | None) -> Session:
@@ -70,10 +75,13 @@ def _session_of_file(path: Path) -> Session:
 
 
 def text_of(level: Level) -> str:
-    """Return a level as the text of a file, with a theme that stands in a file of its own."""
+    """Return a level as the text of a file, without what is relative to its former place.
+
+    A theme that stands in a file of its own is part of the text; a schema is not named.
+    """
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
         level = level.replace(theme=level.resolved_theme)
-    return level.to_yaml(comments=True)
+    return _RELATIVE_SCHEMA.sub("", level.to_yaml(comments=True), count=1)
 
 
 def _copied(name: str, path: Path) -> str:

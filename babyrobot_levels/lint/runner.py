@@ -118,22 +118,36 @@ def lint_file(path: Path, rules: Sequence[Rule]) -> Report:
     return lint_source(source, rules, path)
 
 
-def lint_source(source: SourceFile, rules: Sequence[Rule], path: Path | None = None) -> Report:
+def lint_source(
+    source: SourceFile,
+    rules: Sequence[Rule],
+    path: Path | None = None,
+    *,
+    max_cells: int | None = None,
+) -> Report:
     """Return the errors of a text or, if it has none, the findings of the rules.
 
     Args:
         source: the text.
         rules: the rules; see `registry.select`.
         path: the file of the text, which gives the level's name and the folder of its themes.
+        max_cells: the most cells of a level for which rules that need its tables are checked; by
+            default any number.
     """
     try:
         document = read(source)
     except LevelError as error:
         return Report(source, [*error.diagnostics])
-    return lint_document(document, rules, path)
+    return lint_document(document, rules, path, max_cells=max_cells)
 
 
-def lint_document(document: Document, rules: Sequence[Rule], path: Path | None = None) -> Report:
+def lint_document(
+    document: Document,
+    rules: Sequence[Rule],
+    path: Path | None = None,
+    *,
+    max_cells: int | None = None,
+) -> Report:
     """Return the errors of a document or, if it has none, the findings; see `lint_source`."""
     source = document.source
     level, errors = check_document(document, path)
@@ -142,10 +156,12 @@ def lint_document(document: Document, rules: Sequence[Rule], path: Path | None =
         return Report(source, errors)
     active = frozenset(name for rule in rules if rule.check is not None for name in rule.names)
     context = LintContext(level, document, path, active)
+    columns, rows = level.size
+    has_tables = not level.has_random_maze and (max_cells is None or columns * rows <= max_cells)
     # In the order of codes: the last rule checks which suppressions were used.
     found = []
     for rule in rules:
-        if rule.check is None or (rule.needs is Needs.TABLES and level.has_random_maze):
+        if rule.check is None or (rule.needs is Needs.TABLES and not has_tables):
             continue
         diagnostics = [_diagnostic(rule, finding, context) for finding in rule.check(context)]
         found += [each for each in diagnostics if not _is_suppressed(rule, each, context)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import http.client
 import json
 import socket
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
@@ -289,12 +290,20 @@ def test_a_message_about_another_text_is_refused(session: Session, revision: obj
 
 def test_a_level_that_is_too_large_for_a_picture_is_edited_as_text() -> None:
     text = "version: 1\nsize: [1024, 1024]\nstart: [0, 0]\nexit: [1023, 1023]\n"
+    began = time.monotonic()
     session = Session(text)
     state = answer(session, {"id": 1, "do": "state"})["state"]
     assert state["level"] is None
     assert "too large" in state["too_large"]
+    assert "link" not in answer(session, {"id": 1, "do": "copy", "form": "link"})
+    titled = f"{text}title: Large\n"
+    assert answer(session, {"id": 1, "do": "text", "text": titled, "revision": 1})["state"][
+        "is_valid"
+    ]
     smaller = text.replace("1024", "24").replace("1023", "23")
-    reply = answer(session, {"id": 2, "do": "text", "text": smaller, "revision": 1})
+    reply = answer(session, {"id": 2, "do": "text", "text": smaller, "revision": 2})
+    # The proofs of the linter would take longer.
+    assert time.monotonic() - began < 8
     assert reply["state"]["level"]["width"] == 24
 
 

@@ -73,6 +73,7 @@ def test_levels_of_the_project_have_files_and_those_of_the_gallery_are_copies(he
     assert session_of("own").path == (here / "levels" / "own.yaml").resolve()
     copy = session_of("gallery/final-maze")
     assert (copy.path, copy.name) == (None, "final-maze")
+    assert copy.text.startswith("version: 1\n")
     assert brl.loads(copy.text).digest == brl.load("final-maze").digest
     assert "no file" in error_of(copy, "save")
 

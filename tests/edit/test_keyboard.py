@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from playwright.sync_api import Locator, expect
 from support.editors import OpenEditor
@@ -65,8 +67,8 @@ def keys(editor_page: OpenEditor) -> Typing:
         (["End", "Home", "ArrowRight"], "[1, 0]: empty"),
         (["PageDown"], "[0, 3]: start"),
         (["PageDown", "PageUp", "ArrowRight"], "[1, 0]: empty"),
-        (["Control+ArrowRight"], "[2, 0]: empty; wall north and east"),
-        (["Control+ArrowDown", "Control+ArrowRight"], "[5, 3]: exit; wall east and south"),
+        (["Control+ArrowRight"], "[2, 0]: empty; north and east: wall"),
+        (["Control+ArrowDown", "Control+ArrowRight"], "[5, 3]: exit; east and south: wall"),
         (["ArrowDown", "ArrowRight"], "[1, 1]: small puddle"),
     ],
 )
@@ -90,7 +92,7 @@ def test_what_was_told_is_told_again_on_demand(keys: Typing) -> None:
         texts.append(keys.page.locator(".spoken").text_content())
     # What is said twice is another text, or it would not be read out again.
     assert texts[0] != texts[1]
-    assert keys.spoken == "[0, 0]: empty; wall north and west"
+    assert keys.spoken == "[0, 0]: empty; north and west: wall"
 
 
 def test_the_cursor_is_seen_in_a_part_of_the_picture(keys: Typing) -> None:
@@ -100,11 +102,12 @@ def test_the_cursor_is_seen_in_a_part_of_the_picture(keys: Typing) -> None:
     )
     assert stage is not None
     assert cursor is not None
-    for start, length in (("x", "width"), ("y", "height")):
-        assert stage[start] <= cursor[start]
-        assert cursor[start] + cursor[length] <= stage[start] + stage[length]
+    assert stage["x"] <= cursor["x"]
+    assert stage["y"] <= cursor["y"]
+    assert cursor["x"] + cursor["width"] <= stage["x"] + stage["width"]
+    assert cursor["y"] + cursor["height"] <= stage["y"] + stage["height"]
     keys.type("0")
-    assert not keys.page.locator(".stage").evaluate("(stage) => stage.classList.contains('wide')")
+    expect(keys.page.locator(".stage")).not_to_contain_class("wide")
 
 
 # -- drawing -----------------------------------------------------------------------------------
@@ -113,11 +116,11 @@ def test_the_cursor_is_seen_in_a_part_of_the_picture(keys: Typing) -> None:
 @pytest.mark.parametrize(
     ("pressed", "line", "said"),
     [
-        (["Shift+ArrowRight"], "- {at: [0, 0], side: E}", "Wall at the east side of [0, 0]"),
+        (["Shift+ArrowRight"], "- {at: [0, 0], side: E}", "East side of [0, 0]: wall."),
         (
             ["ArrowDown", "m", "ArrowRight", "Shift+ArrowDown"],
             "- {at: [0, 1], side: S, length: 2}",
-            "Wall at the south sides of [0, 1] to [1, 1]",
+            "South sides of [0, 1] to [1, 1]: wall.",
         ),
         (["2", "Space"], "- {at: [0, 0], size: small}", "Small puddle in [0, 0]"),
         (["3", "Enter"], "- {at: [0, 0], size: large}", "Large puddle in [0, 0]"),
@@ -163,13 +166,20 @@ def test_keys_draw_as_the_mouse_does(
     assert keys.said.startswith(said)
 
 
-def test_a_wall_becomes_glass_and_nothing(keys: Typing) -> None:
-    said = []
-    for _ in range(3):
-        keys.change("Shift+ArrowDown")
-        said.append(keys.said)
-    place = "at the south side of [0, 0]."
-    assert said == [f"Wall {place}", f"Glass 0.5 {place}", f"Open {place}"]
+def test_a_side_becomes_wall_glass_and_where_it_can_be_opened_a_door(keys: Typing) -> None:
+    def around() -> list[str]:
+        said = []
+        for _ in range(4):
+            keys.change("Shift+ArrowDown")
+            words = re.fullmatch(r"South side of \[0, 0\]: (.+?)\.( .*)?", keys.said)
+            assert words is not None
+            said.append(words[1])
+        return said
+
+    assert around() == ["wall", "glass 0.5", "open", "wall"]
+    keys.change("6", "End", "Space")
+    keys.type("Home")
+    assert around() == ["glass 0.5", "door, needs key", "open", "wall"]
 
 
 def test_what_is_there_is_moved_erased_and_removed(keys: Typing) -> None:

@@ -46,7 +46,7 @@ def test_places_are_those_of_all_that_a_level_has(path: Path) -> None:
 
 def standing(level: Level) -> set[tuple[Any, ...]]:
     """Return the kind, and the cell or the side, of everything that stands somewhere."""
-    cells = [("start", cell) for cell in level.starts]
+    cells: list[tuple[str, Any]] = [("start", cell) for cell in level.starts]
     cells += [("exit", cell) for cell in level.exits]
     cells += [("puddle", puddle.at) for puddle in level.puddles]
     cells += [("item", cell) for item in level.items for cell in item.places]
@@ -58,7 +58,7 @@ def standing(level: Level) -> set[tuple[Any, ...]]:
         for area in areas:
             (x, y), (width, height) = area.at, area.size
             cells += [(kind, (x + i, y + j)) for i in range(width) for j in range(height)]
-    sides = [("wall", wall) for wall in level.walls]
+    sides: list[tuple[str, Opening]] = [("wall", wall) for wall in level.walls]
     sides += [("opening", opening) for opening in level.openings]
     sides += [("door", door) for door in level.doors]
     return {(kind, *cell) for kind, cell in cells} | {
@@ -120,7 +120,7 @@ def test_moving_there_and_back_changes_nothing(path: Path) -> None:
         if place["route"][0] == "map" and place["sides"]:
             # It may have become a part of a longer wall.
             continue
-        at, *_ = *place["cells"], *(side[:2] for side in place["sides"])
+        at = [*place["cells"], *(side[:2] for side in place["sides"])][0]
         for dx, dy in ((1, 0), (0, 1), (-1, 0), (0, -1)):
             to = [at[0] + dx, at[1] + dy]
             route = place["route"]

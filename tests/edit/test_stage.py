@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from typing import Literal
 
 import pytest
 from playwright.sync_api import Locator, expect
@@ -10,6 +11,8 @@ from support.editors import OpenEditor
 from support.hands import Mouse, Point
 
 pytestmark = pytest.mark.slow
+
+Button = Literal["left", "middle", "right"]
 
 LEVEL = "version: 1\nsize: [6, 4]\n"
 
@@ -25,11 +28,11 @@ class Hand(Mouse):
     def picture(self) -> Locator:
         return self.page.locator(".stage > svg")
 
-    def drag(self, *points: Point, button: str = "left") -> None:
+    def drag(self, *points: Point, button: Button = "left") -> None:
         self.begin(*points, button=button)
         self.page.mouse.up(button=button)
 
-    def begin(self, *points: Point, button: str = "left") -> None:
+    def begin(self, *points: Point, button: Button = "left") -> None:
         """Press at the first point, and move through the others."""
         mouse = self.page.mouse
         mouse.move(*points[0])
@@ -37,7 +40,7 @@ class Hand(Mouse):
         for point in points[1:]:
             mouse.move(*point, steps=5)
 
-    def draw(self, *points: Point, button: str = "left", held: str | None = None) -> None:
+    def draw(self, *points: Point, button: Button = "left", held: str | None = None) -> None:
         """Drag through points of the grid, in cells, and wait until the level has changed."""
         with self.changing():
             if held is not None:
@@ -230,7 +233,8 @@ def test_the_size_is_dragged_at_the_rim(
 def test_arrows_at_the_rim_set_the_wind(hand: Hand) -> None:
     hand.choose("wind")
     arrow = hand.page.locator("[data-handle=wind][data-side=N][data-index='2']")
-    for button, strength in (("left", 1), ("left", 2), ("right", 1)):
+    clicks: list[tuple[Button, int]] = [("left", 1), ("left", 2), ("right", 1)]
+    for button, strength in clicks:
         with hand.changing():
             arrow.click(button=button)
         assert f"north: [0, 0, {strength}, 0, 0, 0]" in hand.text

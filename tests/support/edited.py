@@ -147,6 +147,7 @@ class Plan:
             # A door that is left without names would always be open.
             if any(map(known, needs.values())) or not any(needs.values())
             for edge in sides
+            if not any(needs.values()) or any(map(known, needs.values()))
         ]
         data["exit_needs"] = known(self.before.exit_needs)
         data |= {"warps": self.warps, "movers": self.movers}

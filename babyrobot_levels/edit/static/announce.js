@@ -22,7 +22,7 @@ function cellInWords(editor, cell) {
   const kinds = [...new Set(sides.map(([, what]) => what))].filter((what) => what !== "open");
   return [
     `${cellName(cell)}: ${inside.length > 0 ? listed(inside) : "empty"}`,
-    ...kinds.map((kind) => `${kind} ${listed(sides.filter(([, what]) => what === kind).map(([name]) => name))}`),
+    ...kinds.map((kind) => `${listed(sides.filter(([, what]) => what === kind).map(([name]) => name))}: ${kind}`),
     ...(isHere(unreachable) ? ["cannot be reached"] : []),
     ...findings.filter(({ cells }) => isHere(cells)).map(({ severity, message }) => `${severity}: ${message}`),
   ].join("; ");
@@ -40,7 +40,7 @@ function wallsInWords(editor, run) {
   const sides = sidesOfRun(run);
   const [[first, side], [last]] = [sides[0], sides.at(-1)];
   const place = sides.length === 1 ? `side of ${cellName(first)}` : `sides of ${cellName(first)} to ${cellName(last)}`;
-  return capital(`${sideInWords(editor, first, side)} at the ${SIDE_NAMES[side]} ${place}`);
+  return `${capital(SIDE_NAMES[side])} ${place}: ${sideInWords(editor, first, side)}`;
 }
 
 function windInWords({ side, index, strength }) {
