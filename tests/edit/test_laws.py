@@ -122,7 +122,7 @@ def test_formatted_text_stays_formatted(world: dict[str, Any], seed: int) -> Non
 
 
 @given(worlds(6) | thing_worlds(), st.integers(0, 10**6))
-@few
+@settings(max_examples=4)
 def test_comments_on_lines_of_their_own_survive_fifty_gestures(
     world: dict[str, Any], seed: int
 ) -> None:
