@@ -37,7 +37,7 @@ drawn_worlds = drawings(5).map(
 )
 
 
-few = settings(max_examples=settings.default.max_examples // 5)
+few = settings(max_examples=10)
 """For laws of many gestures in a row."""
 
 
