@@ -71,7 +71,7 @@ def digest(level: Level) -> str:
 @given(st.data())
 def test_gesture_comes_to_the_same_as_the_change_in_sets_of_cells(data: st.DataObject) -> None:
     session, rng = Session(data.draw(texts())), Random(data.draw(st.integers(0, 10**6)))
-    for _ in range(4):
+    for _ in range(8):
         before, level = session.text, session.level
         assert level is not None
         message = gesture(rng, level)

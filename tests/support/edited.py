@@ -27,7 +27,12 @@ def gesture(rng: Random, level: Level) -> Message:
     """Return a random gesture at a level, now and then against the rules."""
     width, height = level.size
 
+    cells = busy_cells(level)
+    sides = [(*wall.at, wall.side) for wall in (*level.walls, *level.openings, *level.doors)]
+
     def cell() -> list[int]:
+        if cells and rng.random() < 0.5:
+            return [*rng.choice(cells)]
         return [rng.randrange(width), rng.randrange(height)]
 
     kind = rng.choices(["walls", "paint", "fill", "resize", "wind", "resolve"], [9, 9, 3, 2, 2, 1])[
@@ -39,6 +44,9 @@ def gesture(rng: Random, level: Level) -> Message:
     match kind:
         case "walls":
             fields: Message = {"at": cell(), "side": rng.choice("NESW")}
+            if sides and rng.random() < 0.5:
+                x, y, fields["side"] = rng.choice(sides)
+                fields["at"] = [x, y]
             fields |= {"length": rng.choice([1, 1, 1, 2, 3])}
             fields |= {"to": rng.choice(["next", "next", "none", "wall", "glass", "door"])}
             fields |= rng.choice([{}, {"pass": 0.2}, {"pass": 0}, {"pass": 1}])
@@ -59,6 +67,15 @@ def gesture(rng: Random, level: Level) -> Message:
     if fields.get("brush") == "area":
         fields["fields"] = traits
     return {"do": kind, **fields}
+
+
+def busy_cells(level: Level) -> list[Cell]:
+    """Return the cells in which something stands."""
+    entries = (*level.puddles, *level.warps, *level.switches, *level.blocked, *level.doors)
+    cells = [*level.starts, *level.exits, *(each.at for each in entries)]
+    cells += [cell for item in level.items for cell in item.places]
+    cells += [cell for mover in level.movers for cell in walked(given(mover))[:2]]
+    return cells + [cell for area in level.areas for cell in inside(area.at, area.size)[-2:]]
 
 
 def expected(level: Level, message: Message) -> Level:
