@@ -15,7 +15,7 @@ class Canvas:
     """
 
     def __init__(self, drawing: d.Drawing) -> None:
-        self.cells = [[*row] for row in drawing.cells]
+        self.cells: list[list[str]] = [[*row] for row in drawing.cells]
         self._east = [[*row] for row in drawing.east]
         self._south = [[*row] for row in drawing.south]
 

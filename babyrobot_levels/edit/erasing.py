@@ -7,7 +7,7 @@ from typing import Any
 
 from babyrobot_levels.edit import rectangles
 from babyrobot_levels.edit.draft import Draft
-from babyrobot_levels.edit.names import replace_names
+from babyrobot_levels.edit.names import names_of, replace_names
 from babyrobot_levels.edit.rectangles import Box
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell
@@ -107,8 +107,7 @@ def forget_missing(draft: Draft) -> None:
         shown = {character for row in draft.canvas.cells for character in row}
         for character in {*"".join(draft.level.drawing.cells)} - shown:
             draft.data.get("legend", {}).pop(character, None)
-    before = {thing.name for thing in (*draft.level.items, *draft.level.switches)}
-    gone = before - {*_names(draft)}
+    gone = {*names_of(draft.level)} - {*_names(draft)}
     if gone:
         replace_names(draft, dict.fromkeys(gone))
 

@@ -10,6 +10,7 @@ from babyrobot_levels.edit.draft import Draft
 from babyrobot_levels.edit.sides import Run
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.things import as_names
+from babyrobot_levels.library.level import Level
 
 
 def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
@@ -25,6 +26,11 @@ def replace_names(draft: Draft, names: Mapping[str, str | None]) -> None:
             draft.data["doors"].remove(door)
             if draft.canvas is not None:
                 draft.canvas.mark(Run.of_entry(door), d.OPEN)
+
+
+def names_of(level: Level) -> list[str]:
+    """Return the names of the items, then of the switches."""
+    return [*(item.name for item in level.items), *(switch.name for switch in level.switches)]
 
 
 def unused_name(draft: Draft, base: str) -> str:

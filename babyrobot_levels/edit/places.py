@@ -48,12 +48,6 @@ def places_of(level: Level, document: Document) -> list[Place]:
     return places
 
 
-def place_at(level: Level, document: Document, route: Iterable[str | int]) -> Place | None:
-    """Return the place of a route, None if there is none."""
-    wanted = [*route]
-    return next((each for each in places_of(level, document) if each["route"] == wanted), None)
-
-
 # -- entries of the file -------------------------------------------------------------------
 
 

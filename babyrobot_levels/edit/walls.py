@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from babyrobot_levels.edit.draft import Draft, RefusedError
 from babyrobot_levels.edit.gestures import Walls
+from babyrobot_levels.edit.names import names_of
 from babyrobot_levels.edit.sides import Entry, Run, cut
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import Cell, blocked_cells, show_cell
@@ -111,7 +112,7 @@ def _next(level: Level, kind: str) -> str:
 
 def _need(level: Level) -> str:
     """Return the item or switch that opens a new door: the last one, if possible of no use yet."""
-    names = [thing.name for thing in (*level.items, *level.switches)]
+    names = names_of(level)
     if not names:
         raise RefusedError("a door needs an item or a switch that opens it: add one first")
     used = {*level.exit_keys}

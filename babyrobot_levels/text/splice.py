@@ -236,8 +236,8 @@ def _differences(before: list[Any], after: list[Any]) -> Iterator[tuple[int, int
     same = sum(1 for _ in takewhile(_is_pair, zip(before, after, strict=False)))
     rest = zip(reversed(before[same:]), reversed(after[same:]), strict=False)
     last = sum(1 for _ in takewhile(_is_pair, rest))
-    texts = (map(flow, values[same : len(values) - last]) for values in (before, after))
-    matcher = SequenceMatcher(None, *map(list, texts), autojunk=False)
+    old, new = ([*map(flow, all_[same : len(all_) - last])] for all_ in (before, after))
+    matcher = SequenceMatcher(None, old, new, autojunk=False)
     for kind, *numbers in matcher.get_opcodes():
         if kind != "equal":
             i, j, k, m = (same + number for number in numbers)

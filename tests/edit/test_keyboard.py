@@ -102,11 +102,12 @@ def test_the_cursor_is_seen_in_a_part_of_the_picture(keys: Typing) -> None:
     )
     assert stage is not None
     assert cursor is not None
-    for start, length in (("x", "width"), ("y", "height")):
-        assert stage[start] <= cursor[start]
-        assert cursor[start] + cursor[length] <= stage[start] + stage[length]
+    assert stage["x"] <= cursor["x"]
+    assert stage["y"] <= cursor["y"]
+    assert cursor["x"] + cursor["width"] <= stage["x"] + stage["width"]
+    assert cursor["y"] + cursor["height"] <= stage["y"] + stage["height"]
     keys.type("0")
-    assert not keys.page.locator(".stage").evaluate("(stage) => stage.classList.contains('wide')")
+    expect(keys.page.locator(".stage")).not_to_contain_class("wide")
 
 
 # -- drawing -----------------------------------------------------------------------------------

@@ -37,7 +37,7 @@ drawn_worlds = drawings(5).map(
 )
 
 
-few = settings(max_examples=settings.default.max_examples // 5)
+few = settings(max_examples=10)
 """For laws of many gestures in a row."""
 
 
@@ -71,7 +71,7 @@ def digest(level: Level) -> str:
 @given(st.data())
 def test_gesture_comes_to_the_same_as_the_change_in_sets_of_cells(data: st.DataObject) -> None:
     session, rng = Session(data.draw(texts())), Random(data.draw(st.integers(0, 10**6)))
-    for _ in range(5):
+    for _ in range(4):
         before, level = session.text, session.level
         assert level is not None
         message = gesture(rng, level)
@@ -122,7 +122,7 @@ def test_formatted_text_stays_formatted(world: dict[str, Any], seed: int) -> Non
 
 
 @given(worlds(6) | thing_worlds(), st.integers(0, 10**6))
-@few
+@settings(max_examples=4)
 def test_comments_on_lines_of_their_own_survive_fifty_gestures(
     world: dict[str, Any], seed: int
 ) -> None:

@@ -126,6 +126,20 @@ def test_two_fingers_zoom_and_scroll_and_draw_nothing(hand: Hand) -> None:
     assert "blocked:\n  - {at: [3, 2]}" in hand.text
 
 
+def test_in_a_policy_one_finger_draws_and_two_zoom(hand: Hand) -> None:
+    hand.press(hand.page.get_by_role("button", name="Policy"))
+    x, y = hand.at(3, 2)
+    before = hand.picture_width
+    hand.spread(((x - 30, y), (x + 30, y)), ((x - 60, y), (x + 60, y)))
+    assert hand.picture_width == pytest.approx(2 * before, rel=0.1)
+    arrows = hand.page.locator(".drawn-policy > *")
+    drawn = arrows.count()
+    hand.drag(hand.at(2.5, 1.5), hand.at(3.5, 1.5))
+    assert drawn == 0
+    expect(arrows).not_to_have_count(0)
+    assert hand.text == LEVEL
+
+
 def test_touches_scroll_neither_the_page_nor_the_picture(hand: Hand) -> None:
     hand.drag(hand.at(3.5, 3.5), hand.at(3.5, 0.5))
     assert hand.page.evaluate("() => [scrollX, scrollY]") == [0, 0]
@@ -166,3 +180,16 @@ def test_the_help_lists_what_fingers_do(hand: Hand) -> None:
     expect(help_list.get_by_text("Drag along sides")).to_be_visible()
     expect(help_list.get_by_text("Right button")).to_be_hidden()
     expect(help_list.get_by_text("Page up")).to_be_hidden()
+
+
+def test_a_handle_that_is_held_can_still_be_dragged(hand: Hand) -> None:
+    box = hand.page.locator("[data-handle=size][data-way='0 1']").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    row = hand.at(0, 1)[1] - hand.at(0, 0)[1]
+    with hand.changing():
+        hand.touch("touchStart", (x, y))
+        hand.page.wait_for_timeout(700)
+        hand.touch("touchMove", (x, y + row))
+        hand.touch("touchEnd")
+    assert hand.size == (6, 5)

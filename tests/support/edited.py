@@ -34,7 +34,7 @@ def gesture(rng: Random, level: Level) -> Message:
         0
     ]
     brushes = ["small", "large", "blocked", "area", "erase"]
-    traits = {"color": rng.choice(["red", "gold"])}
+    traits: Message = {"color": rng.choice(["red", "gold"])}
     traits |= rng.choice([{}, {"reward": -3}, {"label": "here"}, {"ends": True, "skid": 0.5}])
     match kind:
         case "walls":
@@ -82,9 +82,9 @@ class Plan:
         self.starts, self.exits = [*level.starts], [*level.exits]
         self.by_lot = level.exit_one_of is not None
         self.blocked = {cell for each in level.blocked for cell in inside(each.at, each.size)}
-        self.puddles = {puddle.at: puddle.size for puddle in level.puddles}
+        self.puddles: dict[Cell, str] = {each.at: each.size for each in level.puddles}
         # Of an area, whether it is drawn.
-        self.areas = [
+        self.areas: list[Any] = [
             (
                 cell,
                 given(area, "at", "size", "label"),
@@ -93,8 +93,10 @@ class Plan:
             for number, area in enumerate(level.areas)
             for cell in inside(area.at, area.size)
         ]
-        self.items = [[given(item, "at", "one_of"), [*item.places]] for item in level.items]
-        self.switches = [[given(switch, "at"), switch.at] for switch in level.switches]
+        self.items: list[Any] = [
+            [given(item, "at", "one_of"), [*item.places]] for item in level.items
+        ]
+        self.switches: list[Any] = [[given(switch, "at"), switch.at] for switch in level.switches]
         self.warps = [given(warp) for warp in level.warps]
         self.movers = [given(mover) for mover in level.movers]
         self.walls: dict[Edge, float | None] = {}
@@ -104,7 +106,7 @@ class Plan:
                 self.walls[edge] = wall.pass_ if known else self.walls.get(edge) or 0
         for opening in level.openings:
             self.walls |= dict.fromkeys(self.inner(edges(opening)), None)
-        self.doors = [
+        self.doors: list[Any] = [
             [edges(door), given(door, "at", "side", "length", "color", "width")]
             for door in level.doors
         ]
@@ -147,6 +149,7 @@ class Plan:
             # A door that is left without names would always be open.
             if any(map(known, needs.values())) or not any(needs.values())
             for edge in sides
+            if not any(needs.values()) or any(map(known, needs.values()))
         ]
         data["exit_needs"] = known(self.before.exit_needs)
         data |= {"warps": self.warps, "movers": self.movers}
@@ -220,7 +223,8 @@ class Plan:
         used = {*as_names(self.before.exit_needs)}
         for door in self.before.doors:
             used |= {*door.keys, *door.locks}
-        return [*[name for name in names if name in used], *[n for n in names if n not in used]][-1]
+        idle = [name for name in names if name not in used]
+        return str((idle or names)[-1])
 
     # -- cells -----------------------------------------------------------------------------
 

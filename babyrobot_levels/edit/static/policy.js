@@ -88,7 +88,12 @@ class PolicyDrawing {
   // -- drawing ---------------------------------------------------------------------------------
 
   listen(stage) {
+    const cancel = () => {
+      if (this.spots !== null) this.change(() => (this.drawn = this.before));
+      this.spots = null;
+    };
     stage.addEventListener("pointerdown", (event) => {
+      if (!event.isPrimary) cancel(); // Two fingers zoom.
       if (!this.isOn || !event.isPrimary || event.button !== 0 || !this.editor.game) return;
       this.spots = [this.editor.stage.spotAt(event)];
       this.before = new Map(this.drawn);
@@ -107,10 +112,7 @@ class PolicyDrawing {
       if (cells.length === 1) this.turn(cells[0]);
       else this.follow();
     });
-    stage.addEventListener("pointercancel", () => {
-      if (this.spots !== null) this.change(() => (this.drawn = this.before));
-      this.spots = null;
-    });
+    stage.addEventListener("pointercancel", cancel);
   }
 
   /** The cells of the drag, which are in the level. */

@@ -27,6 +27,7 @@ class TextPane {
       autocapitalize: "off",
       autocomplete: "off",
       "aria-label": "Level file",
+      "aria-description": "Tab indents. Escape and then Tab leave the text.",
       "aria-describedby": "at-caret",
     });
     this.pane = html("div", { class: "pane" }, html("div", { class: "paper" }, this.mirror, this.area));
@@ -241,7 +242,7 @@ class TextPane {
     if (isCommand && !altKey && "zy".includes(key.toLowerCase())) {
       this.ask(key.toLowerCase() === "y" || shiftKey ? "redo" : "undo");
     } else if (key === "Tab" && !isCommand && !altKey && !shiftKey && !isLeaving) {
-      this.insert(TEXT_INDENT);
+      this.indent();
     } else if (key === "Enter" && !isCommand && !altKey) {
       const { value, selectionStart } = this.area;
       const line = value.slice(value.lastIndexOf("\n", selectionStart - 1) + 1, selectionStart);
@@ -251,6 +252,20 @@ class TextPane {
     }
     event.preventDefault();
     event.stopPropagation();
+  }
+
+  /** Indent at the caret, or the lines that are selected. */
+  indent() {
+    const { value, selectionStart, selectionEnd } = this.area;
+    const chosen = value.slice(selectionStart, selectionEnd);
+    if (!chosen.includes("\n")) {
+      this.insert(TEXT_INDENT);
+      return;
+    }
+    const first = value.lastIndexOf("\n", selectionStart - 1) + 1;
+    const lines = value.slice(first, selectionEnd);
+    this.area.setRangeText(lines.replace(/^(?=.)/gm, TEXT_INDENT), first, selectionEnd, "select");
+    this.typed();
   }
 
   insert(typed) {
