@@ -57,7 +57,7 @@ def edit(
 
       babyrobot edit final-maze
 
-      babyrobot import lake.txt | babyrobot edit -
+      babyrobot resolve final-maze | babyrobot edit -
     """
     from babyrobot_levels.edit.sources import session_of
 

@@ -84,6 +84,12 @@ def generate(
         str | None,
         typer.Option(metavar="A..B", help="Number of puddles: 3, 0..4.", show_default=False),
     ] = None,
+    wind: Annotated[
+        str | None,
+        typer.Option(
+            metavar="A..B", help="Number of rows and columns with wind: 2, 0..3.", show_default=False
+        ),
+    ] = None,
     keys: Annotated[
         str | None,
         typer.Option(
@@ -112,7 +118,7 @@ def generate(
         str | None,
         typer.Option(
             metavar="A..B",
-            help="Steps that doors and guards add to the shortest path: 10.., 6..12.",
+            help="Steps that doors, guards and wind add to the shortest path: 10.., 6..12.",
             show_default=False,
         ),
     ] = None,
@@ -242,6 +248,7 @@ def generate(
         algorithm=tuple(map(str, algorithm or ())),
         loops=loops,
         puddles=puddles,
+        wind=wind,
         keys=keys,
         doors=doors,
         coins=coins,
@@ -424,6 +431,7 @@ _RANGE = re.compile(rf"({_NUMBER})?\.\.({_NUMBER})?")
 
 _RANGES = (
     "puddles",
+    "wind",
     "keys",
     "doors",
     "coins",
@@ -445,6 +453,7 @@ class Options:
     algorithm: tuple[str, ...] = ()
     loops: str | None = None
     puddles: str | None = None
+    wind: str | None = None
     keys: str | None = None
     doors: str | None = None
     coins: str | None = None

@@ -102,7 +102,14 @@ class EditorServer:
         Raises:
             KeyboardInterrupt: Ctrl-C has ended it.
         """
-        self._server.run([self._socket])
+        try:
+            self._server.run([self._socket])
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Free the port of a server that does not run."""
+        self._socket.close()
 
     def stop(self) -> None:
         """Ask the server to end; from any thread."""

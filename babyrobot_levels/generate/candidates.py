@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.metrics import Metrics, neighbours
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.generate.locks import Counts, Placer
 from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
@@ -34,8 +36,8 @@ SHARED = [
 ]
 """The fields of a suite that are fields of its levels."""
 
-THINGS = ("doors", "items", "movers")
-"""The fields in which things are placed."""
+PLACED = ("doors", "items", "movers", "wind")
+"""The fields of levels that are drawn after their mazes, besides puddles."""
 
 SIZES_KEPT = 256
 
@@ -82,11 +84,20 @@ class Candidate:
 
     @cached_property
     def has_room(self) -> bool:
-        """Whether all its things could be placed, with a way to the exit, and none is idle."""
-        things = self._things
-        if not things:
-            return things is not None
-        return self._steps_among_things > 0 and self._needs_its_doors
+        """Whether all its things could be placed, with a way to the exit, and none is idle.
+
+        In wind, there is a way to the exit from wherever the robot gets.
+        """
+        if self._things is None:
+            return False
+        if not self._has_more:
+            return True
+        return self._steps_among_things > 0 and self._needs_its_doors and self._is_never_lost
+
+    @property
+    def _has_more(self) -> bool:
+        """Whether there are things or wind, so that walls alone do not tell the way."""
+        return bool(self._things or self._wind)
 
     @property
     def _needs_its_doors(self) -> bool:
@@ -106,11 +117,32 @@ class Candidate:
     @property
     def detour(self) -> int:
         """How many steps more the shortest way has than `path_length`."""
-        return self._steps_among_things - self.path_length if self._things else 0
+        return self._steps_among_things - self.path_length if self._has_more else 0
 
     @cached_property
     def _steps_among_things(self) -> int:
         """The fewest steps to the exit, -1 where it cannot be reached."""
+        graph, is_exit = self._graph
+        steps = graph.distances(self._first_states)[is_exit]
+        return int(min((count for count in steps.tolist() if count >= 0), default=-1))
+
+    @property
+    def _is_never_lost(self) -> bool:
+        """Whether the exit can be reached from every state in which the robot can get."""
+        if not self._wind:
+            return True
+        graph, is_exit = self._graph
+        is_met = graph.distances(self._first_states) >= 0
+        leads_out = graph.reversed().distances(np.flatnonzero(is_exit)) >= 0
+        return bool(leads_out[is_met].all())
+
+    @property
+    def _first_states(self) -> NDArray[np.intp]:
+        return np.flatnonzero(self.level.compile().start)
+
+    @cached_property
+    def _graph(self) -> tuple[Graph, NDArray[np.bool_]]:
+        """Which states lead to which without a hit, and which states are at the exit."""
         mdp = self.level.compile()
         states = np.arange(mdp.num_states)[:, None, None]
         goes_on = (mdp.probability > 0) & ~mdp.is_terminal[:, None, None]
@@ -118,9 +150,7 @@ class Candidate:
         # What ends the episode without being at the exit is a hit.
         goes_on &= ~mdp.terminal | is_exit[mdp.next_state]
         source = np.broadcast_to(states, goes_on.shape)[goes_on]
-        graph = Graph(mdp.num_states, source, mdp.next_state[goes_on])
-        steps = graph.distances(np.flatnonzero(mdp.start))[is_exit]
-        return int(min((count for count in steps.tolist() if count >= 0), default=-1))
+        return Graph(mdp.num_states, source, mdp.next_state[goes_on]), is_exit
 
     @property
     def dead_ends(self) -> int:
@@ -157,6 +187,19 @@ class Candidate:
         return Placer(self._grown.grid(), self.start, self.exit, self._rng, taken).fields(counts)
 
     @cached_property
+    def _wind(self) -> dict[str, list[int]]:
+        """The wind of its columns and rows, drawn after everything else."""
+        width, height = self.size
+        count = _between(self._rng, *bounds(self._maker.suite.wind))
+        wind: dict[str, list[int]] = {}
+        for line in _some(self._rng, count, [*range(width + height)]):
+            is_column, turns = line < width, self._rng.getrandbits(1)
+            side = (("north", "south") if is_column else ("west", "east"))[turns]
+            pushes = wind.setdefault(side, [0] * (width if is_column else height))
+            pushes[line if is_column else line - width] = 1
+        return wind
+
+    @cached_property
     def level(self) -> Level:
         """The level."""
         suite, width, puddles = self._maker.suite, self.size[0], self._puddles
@@ -170,6 +213,8 @@ class Candidate:
                 Puddle(at=(cell % width, cell // width), size=size) for cell, size in puddles
             )
         fields |= self._things or {}
+        if self._wind:
+            fields["wind"] = Wind.model_validate(self._wind)
         level = self._grown.model_copy(update=fields)
         return self._maker.drawn(level) if suite.start == "farthest" else level
 
@@ -267,7 +312,7 @@ class Maker:
         depends on it.
         """
         given = level.to_dict()
-        kept = {field: given[field] for field in ("name", *THINGS, *SHARED) if field in given}
+        kept = {field: given[field] for field in ("name", *PLACED, *SHARED) if field in given}
         return Level.from_fields({"version": 1, "map": level.draw(), **kept}, folder=self.folder)
 
 
@@ -298,13 +343,19 @@ def _draw_puddles(
     if not count:
         return []
     free = [cell for cell in range(cells) if cell not in taken]
+    chosen = _some(rng, count, free)
+    return [(cell, "large" if rng.getrandbits(1) else "small") for cell in chosen]
+
+
+def _some(rng: random.Random, count: int, free: list[int]) -> list[int]:
+    """Draw different numbers, and return them sorted; they are taken out of the list."""
     chosen = []
     for _ in range(count):
         place = below(rng, len(free))
         chosen.append(free[place])
         free[place] = free[-1]
         free.pop()
-    return [(cell, "large" if rng.getrandbits(1) else "small") for cell in sorted(chosen)]
+    return sorted(chosen)
 
 
 def _between(rng: random.Random, least: int, most: int) -> int:

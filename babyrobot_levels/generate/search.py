@@ -177,7 +177,7 @@ class Tally:
         if self.crowded and not self.roomy:
             reason = (
                 f"in none of {self.tries:,} candidates was there room for all keys, doors, coins "
-                "and guards"
+                f"and guards{', and a way against the wind' * bool(bounds(self.suite.wind)[1])}"
             )
             return UnsatisfiableError(self._placed(), "", reason, 1.5)
         if rarest is None or not self.playable:
@@ -193,7 +193,8 @@ class Tally:
     def _placed(self) -> str:
         """Return the kind of thing of which most are asked for."""
         return max(
-            ("keys", "coins", "guards"), key=lambda name: bounds(getattr(self.suite, name))[1]
+            ("keys", "coins", "guards", "wind"),
+            key=lambda name: bounds(getattr(self.suite, name))[1],
         )
 
     def _growth(self, missed: Condition) -> float | None:

@@ -175,7 +175,12 @@ class GrownLevels:
         )
         configurations = min(prod(radices), MAX_STATES // prod(bounds(fields.size)[0]))
         return Bounds(
-            fields.largest, radices, configurations, num_items=most, has_movers=guards > 0
+            fields.largest,
+            radices,
+            configurations,
+            num_items=most,
+            has_movers=guards > 0,
+            has_wind=bounds(fields.wind)[1] > 0,
         )
 
     @property

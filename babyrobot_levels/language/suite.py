@@ -89,6 +89,8 @@ class SuiteFields(SuiteTexts):
     """Where the exit is: in the bottom-right `corner`, a `random` dead end, or `farthest` off."""
     puddles: PuddleCounts = 0
     """How many puddles there are, or a range. Cells and kinds are drawn."""
+    wind: PuddleCounts = 0
+    """How many rows and columns have wind, or a range. Each pushes one cell to one side."""
     keys: PuddleCounts = 0
     """How many keys lie in the maze, or a range. Each is needed on the way to the exit."""
     doors: PuddleCounts | None = None
@@ -98,7 +100,7 @@ class SuiteFields(SuiteTexts):
     guards: PuddleCounts = 0
     """How many guards walk up and down, or a range."""
     detour: Counts | None = None
-    """How many steps more the shortest way has than with all doors open and without guards."""
+    """How many steps more the shortest way has than with open doors, without guards and wind."""
     path_length: Counts | None = None
     """The length of the shortest path from start to exit, in steps, with all doors open."""
     dead_ends: Counts | None = None
@@ -139,6 +141,7 @@ def _issues(suite: SuiteFields) -> Iterator[Issue]:
     ranges = (
         "size",
         "puddles",
+        "wind",
         *_THINGS,
         "doors",
         "detour",
@@ -161,6 +164,9 @@ def _misfits(suite: SuiteFields) -> Iterator[Issue]:
     elif bounds(suite.puddles)[1] > cells - 2:
         message = f"the smallest level has only {cells - 2} cells besides start and exit"
         yield Issue("BR205", ("puddles",), message)
+    if bounds(suite.wind)[1] > width + height:
+        message = f"the smallest level has only {width + height} rows and columns"
+        yield Issue("BR205", ("wind",), message)
     yield from _too_many_things(suite, cells)
     if suite.start == "farthest" and max(largest) > MAX_DRAWN:
         message = (
@@ -189,8 +195,10 @@ def _too_many_things(suite: SuiteFields, cells: int) -> Iterator[Issue]:
         elif fewest < most_keys:
             message = f"{fewest} doors are too few for {most_keys} keys, each of which opens one"
             yield Issue("BR205", ("doors",), message)
-    elif suite.detour is not None and not most_keys and not bounds(suite.guards)[1]:
-        yield Issue("BR205", ("detour",), "without keys and guards no way is a detour")
+    elif suite.detour is not None and not (
+        most_keys or bounds(suite.guards)[1] or bounds(suite.wind)[1]
+    ):
+        yield Issue("BR205", ("detour",), "without keys, guards and wind no way is a detour")
     needed = most_keys + bounds(suite.coins)[1] + bounds(suite.puddles)[1]
     if needed > cells - 2 and bounds(suite.puddles)[1] <= cells - 2:
         message = f"the smallest level has only {cells - 2} cells besides start and exit"

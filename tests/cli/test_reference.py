@@ -19,6 +19,7 @@ from support.sessions import FILES, environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import app
 from babyrobot_levels.cli.reference import reference
+from babyrobot_levels.edit.server import EditorServer
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
 GROUP: Any = typer.main.get_command(app)
@@ -143,6 +144,10 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
     if "--watch" in arguments:
         # As if the level was never saved again.
         monkeypatch.setattr("babyrobot_levels.cli.watching.each_change", lambda files: [files()])
+    if arguments[0] == "edit":
+        # As if the page was closed at once.
+        monkeypatch.setattr("babyrobot_levels.edit.server.EditorServer.run", EditorServer.close)
+        monkeypatch.setattr("webbrowser.open", lambda address: True)
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":
         # The call is right, but here is no terminal.
@@ -153,7 +158,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
     if arguments[0] in ("export", "import"):
         # What another format, or ours, has no place for.
         told = [line for line in told if not line.startswith("warning: ")]
-    assert [line for line in told if not line.startswith("wrote ")] == []
+    assert [line for line in told if not line.startswith(("wrote ", "editing "))] == []
 
 
 def test_there_are_examples_for_every_command() -> None:

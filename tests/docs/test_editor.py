@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from support.places import DOCS
+from support.editor_docs import PAGE, TABLE, key_rows
 from support.subprocesses import run
 
 from babyrobot_levels.edit.front_end import static
 
-TEXT = (DOCS / "editor.md").read_text("utf-8")
+TEXT = PAGE.read_text("utf-8")
 
 
 def rows(heading: str) -> list[list[str]]:
@@ -21,16 +21,9 @@ def rows(heading: str) -> list[list[str]]:
 
 
 def test_the_keys_are_those_of_the_editor() -> None:
-    script = static("keys.js")
-    groups = script[script.index("const KEYS") : script.index("];\n\n")].split("{ title: ")[1:]
-    expected = []
-    for group in groups:
-        title = group.split('"')[1]
-        for keys, what in re.findall(r'\["([^"]+)", "([^"]+)",', group):
-            expected.append([title, keys, what])
-            title = ""
-    assert len(expected) > 20
-    assert rows("Keys") == expected
+    expected = key_rows()
+    assert expected.count("\n") > 20
+    assert TABLE.findall(TEXT) == [expected]
 
 
 def test_the_tools_are_those_of_the_editor() -> None:

@@ -85,7 +85,7 @@ def show(editor: Locator, tab: str) -> None:
 def test_everything_has_a_role_and_a_name(editor: Locator) -> None:
     stage = editor.get_by_role("application", name="Two puddles")
     expect(stage).to_have_attribute("aria-roledescription", "level editor")
-    expect(stage).to_have_accessible_description(re.compile("6 columns and 4 rows"))
+    expect(stage).to_have_accessible_description(re.compile("6 columns and 4 rows.*question mark"))
     for region in ("Level and file", "Picture", "Details"):
         expect(editor.get_by_role("region", name=region)).to_have_count(1)
     for name in ("Mode", "History", "File", "Zoom"):

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Locator, expect
 from support.editors import EditorPage, OpenEditor
-from support.hands import Mouse
+from support.hands import Finger, Mouse
 
 from babyrobot_levels.edit import answers
 
@@ -112,11 +112,26 @@ def test_an_episode_ends_with_its_result(editor_page: OpenEditor) -> None:
     assert editor.session.text == LEVEL
 
 
-def test_swipes_move_the_robot(editor_page: OpenEditor) -> None:
-    editor = editor_page(LEVEL)
+@pytest.mark.parametrize("kind", [Mouse, Finger])
+def test_swipes_move_the_robot(kind: type[Mouse | Finger], editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL, **kind.context)
     press(editor, "p")
-    Mouse(editor).drag(middle(editor, 1, 0), middle(editor, 2, 0))
+    kind(editor).drag(middle(editor, 1, 0), middle(editor, 2, 0))
     expect(part(editor, "episode-told")).to_have_text("Moved east to [1, 0]: −1")
+
+
+def test_a_finger_draws_a_policy_and_a_second_one_ends_that(editor_page: OpenEditor) -> None:
+    editor = editor_page(LEVEL, **Finger.context)
+    finger, arrows = Finger(editor), part(editor, "drawn-policy").locator("path")
+    editor.page.get_by_role("button", name="Policy", exact=True).tap()
+    finger.drag(*(middle(editor, *cell) for cell in ((0, 0), (3, 0), (3, 1))))
+    expect(arrows).to_have_count(5)
+    finger.touch("touchStart", middle(editor, 0, 1))
+    finger.touch("touchMove", middle(editor, 2, 1))
+    expect(arrows).to_have_count(8)
+    finger.touch("touchStart", middle(editor, 2, 1), middle(editor, 0, 0))
+    finger.touch("touchEnd")
+    expect(arrows).to_have_count(5)
 
 
 def test_a_policy_drawn_by_hand_has_its_exact_worth(editor_page: OpenEditor) -> None:

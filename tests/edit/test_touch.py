@@ -180,3 +180,16 @@ def test_the_help_lists_what_fingers_do(hand: Hand) -> None:
     expect(help_list.get_by_text("Drag along sides")).to_be_visible()
     expect(help_list.get_by_text("Right button")).to_be_hidden()
     expect(help_list.get_by_text("Page up")).to_be_hidden()
+
+
+def test_a_handle_that_is_held_can_still_be_dragged(hand: Hand) -> None:
+    box = hand.page.locator("[data-handle=size][data-way='0 1']").bounding_box()
+    assert box is not None
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    row = hand.at(0, 1)[1] - hand.at(0, 0)[1]
+    with hand.changing():
+        hand.touch("touchStart", (x, y))
+        hand.page.wait_for_timeout(700)
+        hand.touch("touchMove", (x, y + row))
+        hand.touch("touchEnd")
+    assert hand.size == (6, 5)

@@ -12,7 +12,8 @@ const LAYOUT = `
 <section class="board" aria-label="Picture">
 <div class="options"></div>
 <div class="view">
-<div class="stage" data-part="stage" tabindex="0" role="application" aria-roledescription="level editor" aria-labelledby="level-name" aria-describedby="alt"></div>
+<div class="stage" data-part="stage" tabindex="0" role="application" aria-roledescription="level editor" aria-labelledby="level-name" aria-describedby="alt keys-hint"></div>
+<p class="unseen" id="keys-hint">The arrow keys move a cursor, and the question mark lists all keys.</p>
 <svg class="map" aria-hidden="true" hidden><image/><path/><circle/><rect/></svg>
 <p class="notice"></p>
 </div>

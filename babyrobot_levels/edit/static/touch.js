@@ -16,7 +16,7 @@ class Touch {
     listen("pointerup", (event) => this.up(event));
     listen("pointercancel", (event) => this.up(event));
     // Else the browser makes clicks, menus and flings of the same touches, and drops taps meanwhile.
-    place.addEventListener("touchstart", (event) => event.preventDefault(), { passive: false });
+    place.addEventListener("touchstart", (event) => event.cancelable && event.preventDefault(), { passive: false });
   }
 
   down(event) {
@@ -29,7 +29,8 @@ class Touch {
     this.first = [event.clientX, event.clientY];
     this.isDrawing = true;
     this.pointer.down(event);
-    this.timer = setTimeout(() => this.inspect(event), LONG_PRESS);
+    const isHandle = event.target.closest("[data-handle]") !== null;
+    if (!isHandle) this.timer = setTimeout(() => this.inspect(event), LONG_PRESS);
   }
 
   move(event) {
@@ -37,7 +38,7 @@ class Touch {
     if (!this.fingers.has(pointerId)) return;
     const before = this.fingers.size === 2 ? this.pair() : null;
     this.fingers.set(pointerId, [clientX, clientY]);
-    if (before !== null) this.zoom(before, this.pair());
+    if (before !== null && this.pointer.editor.game) this.zoom(before, this.pair());
     if (Math.hypot(clientX - this.first[0], clientY - this.first[1]) > STILL) clearTimeout(this.timer);
     if (this.isDrawing) this.pointer.move(event);
   }
