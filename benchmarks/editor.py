@@ -4,24 +4,24 @@
 
 A maze of 20 by 20 cells is edited in Chromium, with values shown and findings in the list. Each
 gesture is a click of the mouse on the side of a cell. It is measured in the page, from `pointerup`
-to the frame after the picture was drawn anew: the way to Python and back, the splice of the text,
+until the new picture has been painted: the way to Python and back, the splice of the text,
 findings, tables, the optimum, and the new picture are all in it.
 """
 
 from __future__ import annotations
 
 import shutil
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from statistics import median
-from threading import Thread
+from subprocess import DEVNULL, PIPE, Popen
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import report
 from timing import Comparison, Measure, MissingPeer, in_turns, installed
-
-from babyrobot_levels.editor.hosts.server import EditorServer
-from babyrobot_levels.editor.session import Session
 
 SIZE = 20
 GESTURES = 20
@@ -45,12 +45,26 @@ WATCH = """
 () => {
   const stage = document.querySelector("#editor").shadowRoot.querySelector(".stage");
   stage.addEventListener("pointerup", () => (window.begin = performance.now()), true);
-  new MutationObserver(() => requestAnimationFrame(() => requestAnimationFrame(() => {
-    window.took = performance.now() - window.begin;
-  }))).observe(stage, { childList: true });
+  const painted = new MessageChannel();
+  painted.port1.onmessage = () => (window.took = performance.now() - window.begin);
+  new MutationObserver(() => requestAnimationFrame(() => painted.port2.postMessage(null)))
+    .observe(stage, { childList: true });
 }
 """
-"""Measures each gesture. The second frame begins when the first has been painted."""
+"""Measures each gesture. Messages that are sent in a frame arrive when it has been painted."""
+
+
+@contextmanager
+def served() -> Iterator[str]:
+    """Edit the level as the command does, in a process of its own, and yield the address."""
+    with TemporaryDirectory() as folder:
+        path = Path(folder, "level.yaml")
+        path.write_text(LEVEL, encoding="utf-8")
+        command = [sys.executable, "-m", "babyrobot_levels", "edit", str(path), "--no-browser"]
+        with Popen(command, stdout=PIPE, stderr=DEVNULL, text=True) as process:
+            assert process.stdout is not None
+            yield process.stdout.readline().strip()
+            process.terminate()
 
 
 @contextmanager
@@ -109,18 +123,13 @@ def compare(count: int) -> Iterator[Comparison]:
     """Measure the gestures of an editor, which has no peer."""
     unit, name = "gestures per second, editor", f"maze {SIZE}x{SIZE}, values shown"
     latencies: list[float] = []
-    server = EditorServer(Session(LEVEL))
-    thread = Thread(target=server.run)
-    thread.start()
-    try:
-        with opened(server.address) as page:
-            rates, missing = in_turns({name: drawing(page, latencies)}, count)
-    except MissingPeer as error:
-        yield Comparison(unit, {name: []}, missing={name: str(error)})
-        return
-    finally:
-        server.stop()
-        thread.join()
+    with served() as address:
+        try:
+            with opened(address) as page:
+                rates, missing = in_turns({name: drawing(page, latencies)}, count)
+        except MissingPeer as error:
+            yield Comparison(unit, {name: []}, missing={name: str(error)})
+            return
     note = f"from a gesture to its picture: median {1000 / median(rates[name]):.0f} ms"
     versions = installed("babyrobot-levels", "playwright", "starlette", "uvicorn")
     yield Comparison(
