@@ -43,10 +43,20 @@ few = settings(max_examples=10)
 
 def texts() -> st.SearchStrategy[str]:
     """Levels with all that the language has, as texts."""
-    anything = worlds(6) | thing_worlds() | drawn_worlds
+    walled = st.integers(0, 10**6).map(walled_world)
+    anything = worlds(6) | thing_worlds() | drawn_worlds | walled
     return anything.map(emit).filter(is_valid) | st.sampled_from(GALLERY).map(
         lambda path: path.read_text("utf-8")
     )
+
+
+def walled_world(seed: int) -> dict[str, Any]:
+    """Return a level with long walls, one on each line, and an item that may open doors."""
+    rng = Random(seed)
+    lines = [{"at": [0, line], "side": "S", "length": 6} for line in range(5)]
+    lines += [{"at": [line, 0], "side": "E", "length": 6} for line in range(5)]
+    items = [{"name": "key", "at": [rng.randrange(1, 5), rng.randrange(5)]}]
+    return {"version": 1, "size": [6, 6], "walls": rng.sample(lines, 4), "items": items}
 
 
 def is_valid(text: str) -> bool:
