@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.convert.babyrobot.reading import from_setup as from_setup
     from babyrobot_levels.convert.conversion import ConversionWarning as ConversionWarning
     from babyrobot_levels.convert.registration import register_babyrobot as register_babyrobot
-    from babyrobot_levels.edit.notebook import edit as edit
+    from babyrobot_levels.editor.hosts.notebook import edit as edit
     from babyrobot_levels.envs.engine.rollout import Rollout as Rollout
     from babyrobot_levels.envs.engine.rollout import rollout as rollout
     from babyrobot_levels.envs.samplers import PrioritizedSampler as PrioritizedSampler
@@ -139,7 +139,7 @@ _HOMES = {
     "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",
-    "edit": "edit.notebook",
+    "edit": "editor.hosts.notebook",
     "evaluate": "analysis.solver.evaluation",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",

@@ -20,8 +20,8 @@ from typing import Any
 import report
 from timing import Comparison, Measure, MissingPeer, in_turns, installed
 
-from babyrobot_levels.edit.server import EditorServer
-from babyrobot_levels.edit.session import Session
+from babyrobot_levels.editor.hosts.server import EditorServer
+from babyrobot_levels.editor.session import Session
 
 SIZE = 20
 GESTURES = 20

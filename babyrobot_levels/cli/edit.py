@@ -13,7 +13,7 @@ from babyrobot_levels.cli.console import fail, note, write
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
 
 if TYPE_CHECKING:
-    from babyrobot_levels.edit.session import Session
+    from babyrobot_levels.editor.session import Session
 
 
 def edit(
@@ -59,10 +59,10 @@ def edit(
 
       babyrobot resolve final-maze | babyrobot edit -
     """
-    from babyrobot_levels.edit.sources import session_of
+    from babyrobot_levels.editor.sources import session_of
 
     try:
-        from babyrobot_levels.edit.server import EditorServer
+        from babyrobot_levels.editor.hosts.server import EditorServer
     except ModuleNotFoundError as error:
         if error.name not in ("starlette", "uvicorn"):
             raise
@@ -89,8 +89,8 @@ def _open(address: str) -> None:
 
 def _piped() -> Session:
     """Return a session for the text on standard input, valid or not."""
-    from babyrobot_levels.edit.session import Session
-    from babyrobot_levels.edit.sources import NAME
+    from babyrobot_levels.editor.session import Session
+    from babyrobot_levels.editor.sources import NAME
 
     return Session(read_path(STANDARD_INPUT).text, name=NAME)
 

@@ -87,7 +87,9 @@ def generate(
     wind: Annotated[
         str | None,
         typer.Option(
-            metavar="A..B", help="Number of rows and columns with wind: 2, 0..3.", show_default=False
+            metavar="A..B",
+            help="Number of rows and columns with wind: 2, 0..3.",
+            show_default=False,
         ),
     ] = None,
     keys: Annotated[

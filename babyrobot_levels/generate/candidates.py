@@ -203,7 +203,7 @@ class Candidate:
     def level(self) -> Level:
         """The level."""
         suite, width, puddles = self._maker.suite, self.size[0], self._puddles
-        fields = {
+        fields: dict[str, Any] = {
             "name": self._name,
             "start": (self.start % width, self.start // width),
             "exit": (self.exit % width, self.exit // width),

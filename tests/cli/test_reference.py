@@ -19,7 +19,7 @@ from support.sessions import FILES, environment, run_here
 import babyrobot_levels as brl
 from babyrobot_levels.cli.commands import app
 from babyrobot_levels.cli.reference import reference
-from babyrobot_levels.edit.server import EditorServer
+from babyrobot_levels.editor.hosts.server import EditorServer
 
 TEXT = (ROOT / "cli.md").read_text(encoding="utf-8")
 GROUP: Any = typer.main.get_command(app)
@@ -146,7 +146,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         monkeypatch.setattr("babyrobot_levels.cli.watching.each_change", lambda files: [files()])
     if arguments[0] == "edit":
         # As if the page was closed at once.
-        monkeypatch.setattr("babyrobot_levels.edit.server.EditorServer.run", EditorServer.close)
+        monkeypatch.setattr("babyrobot_levels.editor.server.EditorServer.run", EditorServer.close)
         monkeypatch.setattr("webbrowser.open", lambda address: True)
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":

@@ -8,7 +8,7 @@ from pathlib import Path
 from support.editor_docs import PAGE, TABLE, key_rows
 from support.subprocesses import run
 
-from babyrobot_levels.edit.front_end import static
+from babyrobot_levels.editor.hosts.front_end import static
 
 TEXT = PAGE.read_text("utf-8")
 

@@ -11,7 +11,7 @@ from playwright.sync_api import sync_playwright
 from support.editor_docs import PAGE, PICTURE, TABLE, key_rows
 from support.editors import is_shown, served
 
-from babyrobot_levels.edit.sources import session_of
+from babyrobot_levels.editor.sources import session_of
 
 if __name__ == "__main__":
     rows = key_rows()

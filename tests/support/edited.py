@@ -71,8 +71,9 @@ def gesture(rng: Random, level: Level) -> Message:
 
 def busy_cells(level: Level) -> list[Cell]:
     """Return the cells in which something stands."""
-    entries = (*level.puddles, *level.warps, *level.switches, *level.blocked, *level.doors)
-    cells = [*level.starts, *level.exits, *(each.at for each in entries)]
+    cells = [*level.starts, *level.exits]
+    for entries in (level.puddles, level.warps, level.switches, level.blocked, level.doors):
+        cells += [entry.at for entry in entries]
     cells += [cell for item in level.items for cell in item.places]
     cells += [cell for mover in level.movers for cell in walked(given(mover))[:2]]
     return cells + [cell for area in level.areas for cell in inside(area.at, area.size)[-2:]]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from babyrobot_levels.edit.front_end import static
+from babyrobot_levels.editor.hosts.front_end import static
 from support.places import DOCS
 
 PAGE = DOCS / "editor.md"

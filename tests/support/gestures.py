@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from babyrobot_levels.edit.protocol import answer
-from babyrobot_levels.edit.session import Session
+from babyrobot_levels.editor.protocol import answer
+from babyrobot_levels.editor.session import Session
 
 
 def send(session: Session, do: str, **fields: Any) -> dict[str, Any]:

@@ -1,0 +1,1 @@
+"""What gestures do to the fields of a level."""

@@ -1,0 +1,288 @@
+"""What is painted into cells: puddles, blocked cells, areas, starts and exits, and nothing."""
+
+from __future__ import annotations
+
+from collections import defaultdict, deque
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from babyrobot_levels.editor.changes import rectangles
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError
+from babyrobot_levels.editor.changes.ends import put_exits, put_starts
+from babyrobot_levels.editor.changes.erasing import GROUND, STANDING, as_cell, erase, forget_missing
+from babyrobot_levels.editor.changes.rectangles import Box, boxes_of
+from babyrobot_levels.editor.changes.sides import Run
+from babyrobot_levels.editor.changes.sides import cut as cut_sides
+from babyrobot_levels.editor.changes.walls import grid_without_random_maze
+from babyrobot_levels.editor.gestures import Fill, Paint
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import SIDES
+from babyrobot_levels.language.geometry import Cell, blocked_cells, is_inside, show_cell
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.doors import grid_with_doors
+from babyrobot_levels.mdp.grid import BIT
+
+Entry = dict[str, Any]
+
+MAX_CELLS = 1 << 16
+"""The most cells that are painted at once."""
+
+
+def paint(draft: Draft, gesture: Paint) -> None:
+    """Paint cells."""
+    cells = _cells_of(draft.level, gesture)
+    match gesture.brush:
+        case "start":
+            _paint_starts(draft, cells, add=gesture.add)
+        case "exit":
+            _paint_exits(draft, cells, add=gesture.add)
+        case "erase":
+            _erase_all(draft, cells)
+        case brush:
+            _paint_ground(draft, brush, cells, gesture.fields)
+
+
+def fill(draft: Draft, gesture: Fill) -> None:
+    """Paint a cell and all cells like it that are reached without passing walls.
+
+    Starts and exits stay.
+    """
+    _check_inside(draft.level, gesture.at)
+    cells = _alike(draft.level, gesture.at)
+    ends = {*draft.level.starts, *draft.level.exits}
+    if gesture.brush == "erase":
+        erase(draft, [cell for cell in cells if cell not in ends], STANDING | GROUND)
+    else:
+        stay = ends if gesture.brush == "blocked" else ()
+        cells = [cell for cell in cells if cell not in stay]
+        _paint_ground(draft, gesture.brush, cells, gesture.fields)
+
+
+def _paint_ground(draft: Draft, brush: str, cells: list[Cell], fields: Entry) -> None:
+    match brush:
+        case "small" | "large":
+            _paint_puddles(draft, cells, brush)
+        case "blocked":
+            _paint_blocked(draft, cells)
+        case "area":
+            _paint_area(draft, cells, fields)
+        case _:
+            raise RefusedError(f"the brush {brush!r} does not paint yet")
+
+
+def _cells_of(level: Level, gesture: Paint) -> list[Cell]:
+    """Return the cells of a gesture, each once.
+
+    Raises:
+        RefusedError: some are off the grid, or there are too many.
+    """
+    for cell in gesture.cells:
+        _check_inside(level, cell)
+    cells = [*dict.fromkeys(gesture.cells)]
+    if gesture.rectangle:
+        (left, right), (top, bottom) = (
+            sorted((cells[0][axis], cells[-1][axis])) for axis in (0, 1)
+        )
+        box = Box(left, top, right - left + 1, bottom - top + 1)
+        _check_count(box.columns * box.rows)
+        cells = [*box.cells]
+    _check_count(len(cells))
+    return cells
+
+
+def _check_inside(level: Level, cell: Cell) -> None:
+    if not is_inside(level, cell):
+        width, height = level.size
+        raise RefusedError(f"the cell {show_cell(cell)} is off the grid, which is {width}x{height}")
+
+
+def _check_count(count: int) -> None:
+    if count > MAX_CELLS:
+        raise RefusedError(f"these are {count:,} cells; paint at most {MAX_CELLS:,} at once")
+
+
+# -- starts and exits ----------------------------------------------------------------------
+
+
+def _paint_starts(draft: Draft, cells: list[Cell], *, add: bool) -> None:
+    """Make cells the starts; an exit there gives way if there are others."""
+    level = draft.level
+    exits = [cell for cell in level.exits if cell not in cells]
+    if level.exits and not exits:
+        raise RefusedError("the exit is there: move it to another cell first")
+    put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
+    _unblock(draft, cells)
+    put_starts(draft, _with(level.starts, cells, add=add))
+    erase(draft, cells, ["areas"], lambda entry: entry.get("ends") is True)
+    erase(draft, cells, ["warps"], lambda entry: _acts_in(entry, cells))
+
+
+def _paint_exits(draft: Draft, cells: list[Cell], *, add: bool) -> None:
+    """Make cells the exits; a start there gives way if there are others."""
+    level = draft.level
+    starts = [cell for cell in level.starts if cell not in cells]
+    if not starts:
+        raise RefusedError("the start is there: move it to another cell first")
+    put_starts(draft, starts)
+    _unblock(draft, cells)
+    exits = _with(level.exits, cells, add=add)
+    put_exits(draft, exits, is_drawn_by_lot=add and level.exit_one_of is not None)
+    erase(draft, cells, ["items", "switches"])
+    erase(draft, cells, ["warps"], lambda entry: as_cell(entry["at"]) in cells)
+
+
+def _with(there: Sequence[Cell], cells: list[Cell], *, add: bool) -> list[Cell]:
+    """Return cells that are painted, and those that are there if these are to stay."""
+    return [*dict.fromkeys((*there, *cells))] if add else cells
+
+
+def _acts_in(warp: Entry, cells: list[Cell]) -> bool:
+    """Tell whether a warp acts as the robot enters one of some cells."""
+    return warp.get("when", "enter") == "enter" and as_cell(warp["at"]) in cells
+
+
+# -- the ground ----------------------------------------------------------------------------
+
+
+def _paint_puddles(draft: Draft, cells: list[Cell], size: str) -> None:
+    if draft.canvas is not None:
+        free = [cell for cell in cells if draft.canvas.at(cell) not in (d.START, d.EXIT)]
+        if not free:
+            raise RefusedError("a drawing shows one thing in a cell: move the start or exit first")
+        for cell in free:
+            draft.canvas.put(cell, d.SMALL if size == "small" else d.LARGE)
+        forget_missing(draft)
+        return
+    _unblock(draft, cells)
+    puddles = draft.entries("puddles")
+    dry = dict.fromkeys(cells)
+    for index, puddle in enumerate(puddles):
+        cell = as_cell(puddle["at"])
+        if cell in dry:
+            del dry[cell]
+            if puddle.get("size", "small") != size:
+                puddles[index] = {**puddle, "size": size}
+    puddles += [{"at": [*cell], "size": size} for cell in dry]
+
+
+def _paint_blocked(draft: Draft, cells: list[Cell]) -> None:
+    """Block cells, and erase what cannot stand there."""
+    cells = _freed_of_ends(draft, cells, are_exits_kept=True)
+    if not cells:
+        raise RefusedError("the start or the exit is there: move it to another cell first")
+    erase(draft, cells, STANDING)
+    _remove_doors(draft, cells)
+    if draft.canvas is not None:
+        for cell in cells:
+            draft.canvas.put(cell, d.BLOCKED)
+        forget_missing(draft)
+        return
+    is_blocked = blocked_cells(draft.level)
+    for box in boxes_of(cell for cell in cells if not is_blocked(cell)):
+        rectangles.add(draft.entries("blocked"), box, {}, in_order=False)
+
+
+def _remove_doors(draft: Draft, cells: list[Cell]) -> None:
+    """Remove the doors at cells."""
+    if not draft.level.doors:
+        return
+    for cell in cells:
+        for side in SIDES:
+            run = Run.of(cell, side)
+            cut_sides(draft.entries("doors"), run)
+            if draft.canvas is not None and run.line >= 0:
+                draft.canvas.unmark(run, d.DOOR)
+
+
+def _paint_area(draft: Draft, cells: list[Cell], fields: Entry) -> None:
+    """Add areas; those that lie below them and would have no effect any more go."""
+    traits = rectangles.traits(fields)
+    if not traits:
+        raise RefusedError("an area needs a colour, a reward, or another property")
+    areas = draft.entries("areas")
+    for box in boxes_of(cells):
+        areas[:] = [
+            area
+            for area in areas
+            if box.within(Box.of(area)) != Box.of(area)
+            or not {*rectangles.traits(area)} <= {*traits}
+        ]
+        rectangles.add(areas, box, traits, in_order=True)
+
+
+def _unblock(draft: Draft, cells: list[Cell]) -> None:
+    if draft.level.blocked:
+        erase(draft, cells, ["blocked"])
+
+
+# -- the eraser ----------------------------------------------------------------------------
+
+
+def _erase_all(draft: Draft, cells: list[Cell]) -> None:
+    """Take everything out of cells. The last start stays."""
+    free = _freed_of_ends(draft, cells, are_exits_kept=False)
+    before = draft.result()
+    erase(draft, cells, STANDING | GROUND)
+    if not free and draft.result() == before:
+        raise RefusedError("a level needs a start: put it into another cell instead")
+
+
+def _freed_of_ends(draft: Draft, cells: list[Cell], *, are_exits_kept: bool) -> list[Cell]:
+    """Remove starts and exits from cells, and return the cells without those that have to stay.
+
+    Args:
+        draft: the level.
+        cells: the cells.
+        are_exits_kept: whether the last exits have to stay, like the last starts.
+    """
+    level = draft.level
+    stay: set[Cell] = set()
+    starts = [cell for cell in level.starts if cell not in cells]
+    if starts:
+        put_starts(draft, starts)
+    else:
+        stay.update(level.starts)
+    exits = [cell for cell in level.exits if cell not in cells]
+    if exits or not are_exits_kept:
+        put_exits(draft, exits, is_drawn_by_lot=level.exit_one_of is not None)
+    else:
+        stay.update(level.exits)
+    return [cell for cell in cells if cell not in stay]
+
+
+# -- filling -------------------------------------------------------------------------------
+
+
+def _alike(level: Level, first: Cell) -> list[Cell]:
+    """Return the cells that are like a cell and reached from it without passing walls."""
+    grid = grid_without_random_maze(level)
+    if level.doors:
+        grid = grid_with_doors(level, grid, [True] * len(level.doors))
+    ground = _ground(level)
+    found, waiting = {first: None}, deque([first])
+    while waiting:
+        x, y = waiting.popleft()
+        walls = grid.wall_bits[y * grid.width + x]
+        for side, (dx, dy) in _STEPS.items():
+            cell = (x + dx, y + dy)
+            if not walls & BIT[side] and cell not in found and ground(cell) == ground(first):
+                found[cell] = None
+                waiting.append(cell)
+        _check_count(len(found))
+    return sorted(found, key=lambda cell: (cell[1], cell[0]))
+
+
+_STEPS = {"N": (0, -1), "E": (1, 0), "S": (0, 1), "W": (-1, 0)}
+
+
+def _ground(level: Level) -> Callable[[Cell], Any]:
+    """Return a function that tells what a cell is like: blocked, its puddle, and its areas."""
+    is_blocked = blocked_cells(level)
+    wet = {puddle.at: puddle.size for puddle in level.puddles}
+    areas: dict[Cell, list[Any]] = defaultdict(list)
+    for area in level.areas:
+        traits = (area.color, area.reward, area.skid, area.ends, area.label)
+        (x, y), (columns, rows) = area.at, area.size
+        for cell in Box(x, y, columns, rows).cells:
+            areas[cell].append(traits)
+    return lambda cell: (is_blocked(cell), wet.get(cell), areas.get(cell))

@@ -1,0 +1,83 @@
+"""Items, switches, warps and movers that are added."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+from typing import Any
+
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError
+from babyrobot_levels.editor.changes.names import unused_name
+from babyrobot_levels.editor.changes.routes import ordered, plain_value
+from babyrobot_levels.editor.gestures import Paint, Path, Warp
+from babyrobot_levels.language.geometry import Cell, show_cell
+from babyrobot_levels.language.things import SHAPES
+
+_NAMES = {"item": "key", "switch": "switch"}
+"""What new things are called."""
+
+
+def add_things(draft: Draft, gesture: Paint) -> None:
+    """Add an item, or a switch, in each cell of a gesture that has none yet."""
+    field = "items" if gesture.brush == "item" else "switches"
+    taken = {cell for item in draft.level.items for cell in item.places}
+    taken |= {switch.at for switch in draft.level.switches}
+    cells = [cell for cell in dict.fromkeys(gesture.cells) if cell not in taken]
+    if not cells:
+        where = show_cell(gesture.cells[0])
+        raise RefusedError(f"{where} has an item or a switch already: a cell holds one")
+    fields = plain_value(gesture.fields)
+    base = str(fields.pop("name", None) or fields.get("shape") or _NAMES[gesture.brush])
+    if gesture.brush == "item" and base in SHAPES:
+        fields.setdefault("shape", base)
+    for cell in cells:
+        name = unused_name(draft, base)
+        entry = {**fields, "name": name, "at": [*cell]}
+        if entry.get("shape") == name:
+            # The shape of its name is that of an item anyway.
+            del entry["shape"]
+        draft.entries(field).append(ordered(field, entry))
+
+
+def add_warp(draft: Draft, gesture: Warp) -> None:
+    """Add a warp, or lead the warp that the cell has to another one."""
+    for warp in draft.data.get("warps", []):
+        if tuple(warp["at"]) == gesture.at:
+            warp["to"] = [*gesture.to]
+            return
+    draft.entries("warps").append({"at": [*gesture.at], "to": [*gesture.to]})
+
+
+def add_mover(draft: Draft, gesture: Path) -> None:
+    """Add a guard on a path, or a wanderer in a rectangle."""
+    if gesture.rectangle:
+        draft.entries("movers").append({"within": _rectangle(gesture.cells[0], gesture.cells[-1])})
+        return
+    path = [*_joined(gesture.cells)]
+    if len(path) > 1 and path[0] == path[-1]:
+        path.pop()
+    is_loop = _distance(path[-1], path[0]) <= 1
+    back = {} if is_loop else {"back": True}
+    draft.entries("movers").append({"path": [[*cell] for cell in path], **back})
+
+
+def _rectangle(one: Cell, other: Cell) -> dict[str, Any]:
+    columns, rows = (sorted(pair) for pair in zip(one, other, strict=True))
+    size = [columns[1] - columns[0] + 1, rows[1] - rows[0] + 1]
+    return {"at": [columns[0], rows[0]], "size": size}
+
+
+def _joined(cells: list[Cell]) -> Iterator[Cell]:
+    """Yield cells with those between two of a row or a column, which a fast pointer leaves out."""
+    yield cells[0]
+    for (x, y), (to_x, to_y) in pairwise(cells):
+        steps = max(abs(to_x - x), abs(to_y - y))
+        if min(abs(to_x - x), abs(to_y - y)):
+            yield to_x, to_y
+            continue
+        for step in range(1, steps + 1):
+            yield x + (to_x - x) * step // steps, y + (to_y - y) * step // steps
+
+
+def _distance(one: Cell, other: Cell) -> int:
+    return abs(one[0] - other[0]) + abs(one[1] - other[1])

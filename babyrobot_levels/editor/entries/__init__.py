@@ -1,0 +1,1 @@
+"""What stands where in a level, and which fields it has."""

@@ -1,0 +1,151 @@
+"""The messages between the editor's page or widget and Python.
+
+A message is a mapping with `id`, which the reply repeats, and `do`, what is asked for: a gesture
+(`editor/gestures.py`, with its fields), or one of
+
+- `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
+- `undo`, `redo`;
+- `open`: another level: `source`, a name, a share code, the text of a level or a map of another
+  program; `format` if the map may be in several (`convert/formats.py`);
+- `save`: write the text to its file. If another program has changed the file, the reply has
+  `conflict`, with the file's `text` (None if it has none): then `force` overwrites it, and
+  `reload` takes its text instead;
+- `reload`: take the text that the file has now;
+- `downloaded`: the browser has saved the text that is at hand.
+
+These have `revision`, that of the state that they were made from. If the text has changed since,
+by another page, they are refused. Their replies have `state`, see `editor/state.py`. Questions
+change nothing:
+
+- `state`: the state, for one who begins; it also has `forms`, see `editor/entries/forms.py`;
+- `answers`, with `revision`: the state again, with the optimum, however long that takes; if the
+  text has changed meanwhile, the reply has no state. See `prepare`;
+- `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
+  `policy.worth_of`. The reply has `policy`;
+- `levels`: what can be opened by name, and from texts, see `sources.known`;
+- `copy`: the level in a `form` (`editor/copies.py`). The reply has `copy`;
+- `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
+  refused, and the reply has `unsaved`.
+
+A reply has `id`, as it was given, and, if the message was refused, `error`, a sentence.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from pydantic import ValidationError
+
+from babyrobot_levels.editor.changes.draft import RefusedError
+from babyrobot_levels.editor.copies import FORMS, copied
+from babyrobot_levels.editor.edited_file import ConflictError
+from babyrobot_levels.editor.entries.forms import forms
+from babyrobot_levels.editor.gestures import gesture_of
+from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.shown.policy import worth_of
+from babyrobot_levels.editor.sources import known, opened
+from babyrobot_levels.editor.state import state_of
+from babyrobot_levels.text.source import MAX_BYTES
+
+STALE = "the level was changed elsewhere meanwhile; this is how it is now"
+
+QUESTIONS = ("state", "levels", "answers", "policy", "copy", "quit")
+"""What changes nothing."""
+
+
+def prepare(session: Session, message: dict[str, Any]) -> None:
+    """Do what takes long before a message is answered.
+
+    It may run beside other messages, in a thread of its own, so that it holds up none of them.
+    """
+    if message.get("do") in ("answers", "policy"):
+        session.answers.catch_up()
+
+
+def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
+    """Do what a message asks for, and return the reply."""
+    fields = dict(message)
+    reply: dict[str, Any] = {"id": fields.pop("id", None)}
+    is_current = fields.pop("revision", None) == session.revision
+    is_question = fields.get("do") in QUESTIONS
+    prepare(session, message)
+    try:
+        if is_question:
+            return reply | _asked(session, fields, is_current=is_current)
+        _check(message)
+        if not is_current:
+            raise RefusedError(STALE)
+        _change(session, fields)
+    except ConflictError as error:
+        reply |= {"error": str(error), "conflict": {"text": error.found}}
+    except RefusedError as error:
+        reply["error"] = str(error)
+    return reply if is_question else {**reply, "state": state_of(session)}
+
+
+def _check(message: dict[str, Any]) -> None:
+    """Refuse texts that no file can hold."""
+    try:
+        json.dumps(message, ensure_ascii=False).encode("utf-8")
+    except UnicodeEncodeError:
+        raise RefusedError("the message is not valid Unicode") from None
+    except RecursionError:
+        raise RefusedError("the message is nested too deep") from None
+    for text in (message.get("text"), message.get("source")):
+        if isinstance(text, str) and len(text.encode("utf-8")) > MAX_BYTES:
+            raise RefusedError("a level file has at most 1 MiB")
+
+
+def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dict[str, Any]:
+    """Answer a question."""
+    match fields:
+        case {"do": "state"}:
+            return {"state": {**state_of(session), "forms": forms()}}
+        case {"do": "answers"}:
+            return {"state": state_of(session)} if is_current else {}
+        case {"do": "policy"}:
+            if not is_current:
+                raise RefusedError(STALE)
+            return {"policy": _policy(session, fields.get("actions"))}
+        case {"do": "copy", "form": str(form)} if form in FORMS:
+            return {"copy": copied(session, form)}
+        case {"do": "levels"}:
+            return known()
+        case {"do": "quit"}:
+            if not session.is_saved and fields.get("force") is not True:
+                return {"unsaved": True, "error": "there are unsaved changes"}
+            return {"ended": True}
+    raise RefusedError("this question is not known")
+
+
+def _change(session: Session, fields: dict[str, Any]) -> None:
+    """Change the level, or its file."""
+    match fields:
+        case {"do": "text", "text": str(text)}:
+            session.type(text, joined=fields.get("joined") is True)
+        case {"do": "undo"}:
+            session.undo()
+        case {"do": "redo"}:
+            session.redo()
+        case {"do": "open", "source": str(source)}:
+            session.open(*opened(source, fields.get("format")))
+        case {"do": "save"}:
+            session.save(force=fields.get("force") is True)
+        case {"do": "reload"}:
+            session.reload()
+        case {"do": "downloaded"}:
+            session.note_download()
+        case _:
+            try:
+                gesture = gesture_of.validate_python(fields)
+            except ValidationError:
+                raise RefusedError("this gesture is not known") from None
+            session.apply(gesture)
+
+
+def _policy(session: Session, actions: Any) -> dict[str, Any]:
+    optimum = session.answers.optimum
+    if optimum is None:
+        raise RefusedError("there is no valid level yet")
+    return worth_of(optimum, actions)

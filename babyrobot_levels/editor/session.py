@@ -1,0 +1,201 @@
+"""One level being edited: its text, and what gestures make of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from babyrobot_levels.editor.changes.dispatch import change
+from babyrobot_levels.editor.changes.draft import Draft, RefusedError
+from babyrobot_levels.editor.changes.fields import fixed
+from babyrobot_levels.editor.edited_file import EditedFile
+from babyrobot_levels.editor.gestures import Fix, Gesture
+from babyrobot_levels.editor.history import History
+from babyrobot_levels.editor.shown.answers import Answers
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.lint.registry import select
+from babyrobot_levels.lint.runner import Report, lint_document, lint_source
+from babyrobot_levels.render.page_data import MAX_CELLS
+from babyrobot_levels.text.comments import comments
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import MAX_BYTES, SourceFile
+from babyrobot_levels.text.splice import spliced
+
+
+class Session:
+    """A level text that is edited by gestures and by typing.
+
+    Args:
+        text: the text.
+        name: what it is called where there is no file.
+        file: the file that it is saved to.
+
+    Attributes:
+        file: the file that it is saved to; None where there is none.
+        name: what it is called where there is no file.
+        revision: a number that grows with each change of the text.
+        level: the level of the text, or of the last text that was valid; None if none was.
+        document: the text that `level` is from, as it was read.
+        report: the findings in the text.
+        answers: the optimum of the level.
+    """
+
+    def __init__(
+        self, text: str, *, name: str | None = None, file: EditedFile | None = None
+    ) -> None:
+        self.file = file
+        self.name = name
+        self.revision = 0
+        self.level: Level | None = None
+        self.document: Document | None = None
+        self.answers = Answers()
+        self._history = History(text)
+        self._saved = text
+        self._read()
+
+    @property
+    def text(self) -> str:
+        """The text at hand."""
+        return self._history.text
+
+    @property
+    def path(self) -> Path | None:
+        """The path of the file, None where there is none."""
+        return None if self.file is None else self.file.path
+
+    @property
+    def source(self) -> SourceFile:
+        """The text, with the name under which messages speak of it."""
+        return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
+
+    @property
+    def is_valid(self) -> bool:
+        """Whether the text is a valid level, which `level` then is."""
+        return self.report.level is not None
+
+    @property
+    def is_saved(self) -> bool:
+        """Whether the text is as it was opened or saved last."""
+        return self.text == self._saved
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is a change to undo."""
+        return self._history.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether there is a change to do again."""
+        return self._history.can_redo
+
+    def apply(self, gesture: Gesture) -> None:
+        """Carry out a gesture, as one step.
+
+        Raises:
+            RefusedError: it cannot be carried out, or the level would not be valid; nothing has
+                changed.
+        """
+        if isinstance(gesture, Fix):
+            self._fix(gesture)
+            return
+        document = self.report.document
+        if self.report.level is None or document is None:
+            raise RefusedError("the text has errors; correct them before you go on drawing")
+        draft = Draft(document, self.report.level)
+        change(draft, gesture)
+        data = draft.result()
+        after = spliced(document, data, [*Level.model_fields])
+        if after is document:
+            return
+        if after is None:
+            after = _written_anew(document, data)
+        if len(after.source.text.encode()) > MAX_BYTES:
+            raise RefusedError("the text would be larger than the file of a level may be")
+        report = lint_document(after, select(None), self.path, max_cells=MAX_CELLS)
+        if report.level is None:
+            raise RefusedError(report.diagnostics[0].message)
+        self._history.change(after.source.text)
+        self._take(report)
+
+    def _fix(self, fix: Fix) -> None:
+        text = fixed(self.report, fix)
+        report = self._checked(SourceFile(self.source.name, text))
+        if self.is_valid and not report.is_valid:
+            raise RefusedError(f"after this fix, {report.diagnostics[0].message}")
+        self._history.change(text)
+        self._take(report)
+
+    def type(self, text: str, *, joined: bool = False) -> None:
+        """Replace the text by what was typed; `joined` makes it one step with the change before."""
+        self._change(text, joined=joined)
+
+    def undo(self) -> None:
+        """Undo the last step."""
+        self._history.undo()
+        self._read()
+
+    def redo(self) -> None:
+        """Do the step again that was undone last."""
+        self._history.redo()
+        self._read()
+
+    def open(self, text: str, name: str) -> None:
+        """Replace the level by another one, which can be undone. The file stays the same."""
+        self._change(text)
+        if self.file is None:
+            self.name, self._saved = name, text
+
+    def save(self, *, force: bool = False) -> None:
+        """Write the text to the file; see `EditedFile.write`.
+
+        Raises:
+            ConflictError: another program has changed the file; `force` overwrites it.
+            RefusedError: there is no file, or it cannot be written.
+        """
+        if self.file is None:
+            raise RefusedError("this level has no file; download it instead")
+        self.file.write(self.text, force=force)
+        self._saved = self.text
+
+    def note_download(self) -> None:
+        """Note that the user has the text at hand in a file that only the browser knows."""
+        self._saved = self.text
+
+    def reload(self) -> None:
+        """Take the text that the file has now, which can be undone.
+
+        Raises:
+            RefusedError: there is no file, or it cannot be read.
+        """
+        if self.file is None:
+            raise RefusedError("this level has no file")
+        self.file.reread()
+        self._change(self.file.text)
+        self._saved = self.text
+
+    def _change(self, text: str, *, joined: bool = False) -> None:
+        self._history.change(text, joined=joined)
+        self._read()
+
+    def _read(self) -> None:
+        self._take(self._checked(self.source))
+
+    def _checked(self, source: SourceFile) -> Report:
+        # What is too large for a picture would also take too long to be proved on the way.
+        return lint_source(source, select(None), self.path, max_cells=MAX_CELLS)
+
+    def _take(self, report: Report) -> None:
+        """Take the report on the text at hand."""
+        self.revision += 1
+        self.report = report
+        if self.report.level is not None:
+            self.level, self.document = self.report.level, self.report.document
+            self.answers.follow(self.level)
+
+
+def _written_anew(document: Document, data: dict[str, Any]) -> Document:
+    """Return fields as a text of its own, below the comments of the document."""
+    above = "".join(f"{comment.text}\n" for comment in comments(document))
+    return read(SourceFile(document.source.name, above + emit(data)))

@@ -1,0 +1,1 @@
+"""What the editor tells of a level beside its text and picture."""

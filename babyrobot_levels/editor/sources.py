@@ -1,0 +1,165 @@
+"""What the editor is opened with: files, names, share codes, and texts that are pasted."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from babyrobot_levels.convert.conversion import ConversionError
+from babyrobot_levels.convert.formats import FORMATS, file_text, guess
+from babyrobot_levels.convert.tiled.reading import is_tiled
+from babyrobot_levels.editor.changes.draft import RefusedError
+from babyrobot_levels.editor.edited_file import EditedFile
+from babyrobot_levels.editor.session import Session
+from babyrobot_levels.language.looks import BUILTIN_THEMES
+from babyrobot_levels.language.share_code import is_code
+from babyrobot_levels.library.catalogue import find, levels, load, looks_like_path
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import load_code
+from babyrobot_levels.library.search_path import gallery_folder
+from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
+from babyrobot_levels.text.files import read_source
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
+
+EMPTY = """\
+version: 1
+title: Untitled
+size: [8, 5]
+start: [0, 0]
+exit: [7, 4]
+"""
+"""A new level."""
+
+NAME = "untitled"
+"""What a level without a name is called."""
+
+_RELATIVE_SCHEMA = re.compile(
+    r"^# yaml-language-server: *\$schema=(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*\n", re.M
+)
+
+
+def session_of(level: str | os.PathLike[str] | Level | None) -> Session:
+    """Return a session for a level.
+
+    A level of one's own folders is edited in its file, which need not be a valid level, nor exist
+    if it is given by its path. One of the gallery, of a pack, or without a file is a copy.
+
+    Args:
+        level: a name, a path, a share code or a level; None for a new one.
+
+    Raises:
+        LevelNotFoundError: nothing has that name.
+        LevelError: the file cannot be read, or the share code is damaged.
+    """
+    if level is None:
+        return Session(EMPTY, name=NAME)
+    if isinstance(level, Level):
+        return Session(text_of(level), name=level.name or NAME)
+    if isinstance(level, str) and is_code(level):
+        return session_of(load_code(level))
+    if not isinstance(level, str) or looks_like_path(level):
+        return _session_of_file(Path(level).expanduser())
+    path = find(level)
+    if "/" not in level and not path.resolve().is_relative_to(gallery_folder().resolve()):
+        return _session_of_file(path)
+    return Session(_copied(level, path), name=level.rpartition("/")[2])
+
+
+def _session_of_file(path: Path) -> Session:
+    file = EditedFile(path)
+    return Session(file.text or EMPTY, file=file)
+
+
+def text_of(level: Level) -> str:
+    """Return a level as the text of a file, without what is relative to its former place.
+
+    A theme that stands in a file of its own is part of the text; a schema is not named.
+    """
+    if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
+        level = level.replace(theme=level.resolved_theme)
+    return _RELATIVE_SCHEMA.sub("", level.to_yaml(comments=True), count=1)
+
+
+def _copied(name: str, path: Path) -> str:
+    """Return the text of a level that is found by its name."""
+    try:
+        return text_of(load(name))
+    except LevelError:
+        return read_source(path).text
+
+
+def known() -> dict[str, Any]:
+    """Return what can be opened: `levels` by name, and the `formats` of texts, as plain data."""
+    return {
+        "levels": [
+            {"name": each.name, "title": each.title, "size": [*each.size]} for each in levels()
+        ],
+        "formats": [{"name": name, "title": each.title} for name, each in FORMATS.items()],
+    }
+
+
+def opened(source: str, kind: str | None = None) -> tuple[str, str]:
+    """Return the text and the name of a level that is asked for in the editor.
+
+    Files are not opened by their paths here: the page reads those that the user chooses, and
+    sends their text.
+
+    Args:
+        source: a name, a share code or a link with one, the text of a level, or a map of another
+            program.
+        kind: the format of the map, a name of `FORMATS`, where it may be in several.
+
+    Raises:
+        RefusedError: it is none of these, or may be several; nothing is opened.
+    """
+    if not source.strip():
+        raise RefusedError("the text is blank")
+    try:
+        if is_code(source):
+            level = load_code(source)
+            return text_of(level), level.name or NAME
+        name = source.strip()
+        if not any(sign in name for sign in "\n:") and not looks_like_path(name):
+            return _copied(name, find(name)), name.rpartition("/")[2]
+        return _read(source, kind), NAME
+    except LevelNotFoundError as error:
+        raise RefusedError(str(error)) from None
+    except LevelError as error:
+        raise RefusedError(sentence(error)) from None
+
+
+def _read(text: str, kind: str | None) -> str:
+    """Return the text of a level that a text is, or is translated to."""
+    source = SourceFile("the text", text)
+    if kind is None and _is_level(source):
+        return text
+    found = [kind] if kind in FORMATS else guess(source)
+    if not found:
+        raise RefusedError("the text is no level and no map of a known format")
+    if len(found) > 1:
+        titles = " or a ".join(FORMATS[each].title for each in found)
+        raise RefusedError(f"the text may be a {titles}: choose the format")
+    return file_text(FORMATS[found[0]].read(source), schema=None, name=None, title="Imported")
+
+
+def _is_level(source: SourceFile) -> bool:
+    """Tell whether a text is meant as a level, valid or not."""
+    try:
+        data = read(source).data
+    except LevelError:
+        return source.text.lstrip().startswith(("version:", "#"))
+    return isinstance(data, Mapping) and "version" in data and not is_tiled(data)
+
+
+def sentence(error: LevelError) -> str:
+    """Return what is wrong with a level in one sentence."""
+    if error.diagnostics:
+        first = error.diagnostics[0]
+        return first.message if first.line <= 1 else f"line {first.line}: {first.message}"
+    if isinstance(error, ConversionError) and error.help:
+        return f"{str(error).partition(chr(10))[0]}; {error.help}"
+    return str(error).partition("\n")[0]

@@ -1,0 +1,109 @@
+// The editor: what is shown, and the messages that change it. Everything else listens to it.
+
+/**
+ * The state of one editor. Its parts get it when they are made, and listen:
+ *
+ * - "state": another state came from Python (see `editor/state.py`); `game` and `picture` are drawn;
+ * - "cursor": the cell, and the side, at which the keyboard works;
+ * - "pointed": the cell under the pointer, or null;
+ * - "selection": what is selected: the entry of `state.places`, or null;
+ * - "caret": where the caret of the text was asked to go;
+ * - "tool": another tool, other `options` of it, or other `modifiers` were chosen;
+ * - "mode": another mode ("edit", "play", "policy") was chosen;
+ * - "zoom": the picture has another size in the window;
+ * - "panel": another panel is to be shown: the name of its class;
+ * - "done": Python did what `done`, a message, asked for;
+ * - "look": what is in the cell of the cursor is to be told;
+ * - "help": the list of keys and gestures is to be shown;
+ * - "said": a message for people.
+ */
+class Editor {
+  constructor(connection) {
+    this.connection = connection;
+    this.state = null;
+    this.cursor = { cell: [0, 0], side: null };
+    this.pointed = null;
+    this.selection = null;
+    this.caret = null;
+    this.tool = "walls";
+    this.options = structuredClone(DEFAULT_OPTIONS);
+    this.modifiers = { rectangle: false, fill: false };
+    this.mode = "edit";
+    this.panel = "inspector";
+    this.done = null;
+    this.listeners = new Map();
+    this.last = Promise.resolve();
+    this.count = 0;
+  }
+
+  on(event, listener) {
+    this.listeners.set(event, [...(this.listeners.get(event) ?? []), listener]);
+  }
+
+  tell(event) {
+    for (const listener of this.listeners.get(event) ?? []) listener(this);
+  }
+
+  /** Set properties and tell those who listen to an event. */
+  set(event, properties) {
+    Object.assign(this, properties);
+    this.tell(event);
+  }
+
+  /** Choose a tool; what is given of its options replaces those at hand. */
+  choose(tool, options = {}) {
+    const own = { ...this.options[tool], ...options };
+    this.set("tool", { tool, options: Object.keys(own).length > 0 ? { ...this.options, [tool]: own } : this.options });
+  }
+
+  /** Switch what changes brushes on, which switches the others off, or off. */
+  toggle(name) {
+    const others = Object.fromEntries(Object.keys(this.modifiers).map((each) => [each, false]));
+    this.set("tool", { modifiers: { ...others, [name]: !this.modifiers[name] } });
+  }
+
+  /** Select an entry of `state.places`; null selects the level itself. */
+  select(selection) {
+    this.set("selection", { selection });
+  }
+
+  /** Remove what is selected. */
+  removeSelected() {
+    if (this.selection !== null) this.send({ do: "remove", route: this.selection.route });
+  }
+
+  /** Show a message for people; screen readers read it out. */
+  say(message, kind = "") {
+    this.set("said", { said: message, saidKind: kind });
+  }
+
+  /**
+   * Send a message, one after the other, and show the state that comes back. Returns the reply; it
+   * has an `error`, too, if the other side cannot be reached.
+   */
+  send(message) {
+    const sent = this.last.then(async () => {
+      this.count += 1;
+      const revision = this.state?.revision;
+      const reply = await this.connection
+        .send({ id: this.count, revision, ...message })
+        .catch((error) => ({ error: error.message }));
+      if (reply.error !== undefined) this.say(reply.error, "refused");
+      if (reply.state !== undefined) this.show(reply.state);
+      if (reply.error === undefined) this.set("done", { done: message });
+      return reply;
+    });
+    // A part that cannot show a state does not hold up the messages after it.
+    this.last = sent.catch(() => {});
+    return sent;
+  }
+
+  /** Show another state; what was selected stays so if it is still there. */
+  show(state) {
+    const { selection } = this;
+    const isSelected = (place) => place.kind === selection.kind && sameRoute(place, selection);
+    this.selection = selection && ((state.places ?? []).find(isSelected) ?? null);
+    this.set("state", { state });
+    if (selection !== null && this.selection === null) this.tell("selection");
+  }
+}

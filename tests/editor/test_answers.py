@@ -1,0 +1,146 @@
+"""The optimum of the level that is edited, and what the last change did to it."""
+
+from __future__ import annotations
+
+from threading import Event, Thread
+from typing import Any
+
+import pytest
+
+from babyrobot_levels.analysis.pictures import guide_of
+from babyrobot_levels.editor.protocol import answer, prepare
+from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.shown import answers as module
+from babyrobot_levels.editor.shown.answers import Optimum
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.render.page_data import page_data
+
+CORRIDOR = "version: 1\nsize: [5, 1]\nstart: [0, 0]\nexit: [4, 0]\n"
+
+
+def asked(session: Session, **message: Any) -> dict[str, Any]:
+    """Send a message that was made from the state at hand, and return the reply."""
+    return answer(session, {"id": 1, "revision": session.revision, **message})
+
+
+def test_the_state_has_the_optimum_and_the_pages_data_with_its_marks() -> None:
+    session = Session(CORRIDOR)
+    state = asked(session, do="state")["state"]
+    assert state["answers"] == {
+        "status": "done",
+        "best": -3.0,
+        "best_text": "−3",
+        "before": None,
+        "changed": [],
+        "reason": "",
+    }
+    assert session.level is not None
+    page = page_data(session.level, guide=guide_of(session.level))
+    for name in ("policy", "marks", "best", "picture"):
+        assert state["level"][name] == page[name]
+
+
+def test_a_change_is_told_with_the_cells_whose_values_it_changed() -> None:
+    session = Session(CORRIDOR)
+    state = asked(session, do="paint", brush="large", cells=[[2, 0]])["state"]
+    told = state["answers"]
+    assert told["before"] == -3.0
+    assert told["best"] < -3.0
+    # Nothing changes for a robot that has the puddle behind it.
+    assert told["changed"] == [[0, 0], [1, 0], [2, 0]]
+    again = asked(session, do="text", text=session.text + "title: Wet\n")["state"]["answers"]
+    assert (again["before"], again["changed"]) == (again["best"], [])
+
+
+def test_the_best_average_is_that_within_the_time_limit() -> None:
+    short = Session(CORRIDOR + "max_steps: 2\n")
+    assert asked(short, do="state")["state"]["answers"]["best"] == -2.0
+
+
+def test_another_size_has_no_changed_cells() -> None:
+    session = Session(CORRIDOR)
+    text = session.text.replace("[5, 1]", "[6, 1]").replace("exit: [4, 0]", "exit: [5, 0]")
+    told = asked(session, do="text", text=text)["state"]["answers"]
+    assert (told["best"], told["before"], told["changed"]) == (-4.0, -3.0, [])
+
+
+def test_an_invalid_text_keeps_the_last_optimum() -> None:
+    session = Session(CORRIDOR)
+    state = asked(session, do="text", text="version: 1\nsize: [5, x]\n")["state"]
+    assert not state["is_valid"]
+    assert state["answers"]["best"] == -3.0
+    assert state["level"]["width"] == 5
+
+
+@pytest.mark.parametrize(
+    ("text", "best", "reason"),
+    [
+        (CORRIDOR + "walls:\n- {at: [1, 0], side: E}\n", "−∞", "may go on for ever around"),
+        (CORRIDOR + "areas:\n- {at: [1, 0], color: gold, reward: 5}\n", "∞", "rewards add up"),
+        ("version: 1\nmaze: {seed: random}\n", "", "another maze"),
+        ("version: 1\nsize: [200, 200]\n", "", "too large for a page"),
+    ],
+)
+def test_why_there_is_no_finite_return_is_told(text: str, best: str, reason: str) -> None:
+    told = asked(Session(text), do="state")["state"]["answers"]
+    assert told["best"] is None
+    assert told["best_text"] == best
+    assert reason in told["reason"]
+
+
+def test_a_random_maze_has_the_picture_of_one_maze() -> None:
+    state = asked(Session("version: 1\nsize: [4, 4]\nmaze: {seed: random}\n"), do="state")["state"]
+    assert (state["level"]["width"], state["level"]["policy"]) == (4, None)
+
+
+def test_cells_that_no_episode_comes_to_are_told_but_for_blocked_ones() -> None:
+    text = CORRIDOR.replace("[5, 1]", "[5, 2]") + (
+        "walls:\n- {at: [4, 1], side: W}\n- {at: [4, 1], side: N}\nblocked:\n- {at: [0, 1]}\n"
+    )
+    assert asked(Session(text), do="state")["state"]["unreachable"] == [[4, 1]]
+
+
+def test_a_level_that_takes_longer_is_solved_when_asked_for(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "BUDGET", 0.0)
+    session = Session(CORRIDOR)
+    state = asked(session, do="state")["state"]
+    assert state["answers"]["status"] == "pending"
+    assert state["level"]["policy"] is None
+    state = asked(session, do="answers")["state"]
+    assert (state["answers"]["status"], state["answers"]["best"]) == ("done", -3.0)
+    assert state["level"]["policy"] is not None
+    # Changes are told from what was known last.
+    asked(session, do="paint", brush="large", cells=[[1, 0]])
+    asked(session, do="paint", brush="large", cells=[[2, 0]])
+    told = asked(session, do="answers")["state"]["answers"]
+    assert (told["before"], told["changed"]) == (-3.0, [[0, 0], [1, 0], [2, 0]])
+
+
+def test_a_long_solution_holds_up_no_gesture_and_is_dropped_when_it_is_late(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "BUDGET", 0.0)
+    session = Session(CORRIDOR)
+    begun, go_on = Event(), Event()
+    usual = module.solved
+
+    def slow(level: Level) -> Optimum:
+        begun.set()
+        assert go_on.wait(20)
+        return usual(level)
+
+    monkeypatch.setattr(module, "solved", slow)
+    message = {"id": 1, "do": "answers", "revision": session.revision}
+    thread = Thread(target=prepare, args=(session, message))
+    thread.start()
+    assert begun.wait(20)
+    state = asked(session, do="paint", brush="large", cells=[[2, 0]])["state"]
+    assert state["answers"]["status"] == "pending"
+    monkeypatch.setattr(module, "solved", usual)
+    go_on.set()
+    thread.join(20)
+    assert session.answers.optimum is None
+    assert "state" not in answer(session, message)
+    assert asked(session, do="answers")["state"]["answers"]["best"] < -3.0

@@ -1,0 +1,345 @@
+"""Puddles, blocked cells, areas, starts and exits: painted, filled in, and erased."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from support.gestures import done, refused
+
+from babyrobot_levels.editor.session import Session
+
+EMPTY = "version: 1\nsize: [4, 3]\n"
+
+DRAWN = """\
+version: 1
+map: |
+  +---+---+---+
+  | S   k     |
+  +   +   +   +
+  | o   g   E |
+  +---+---+---+
+legend:
+  k: {item: key}
+  g: {color: tan}
+"""
+
+DOOR = "doors:\n  - {at: [1, 0], side: E, needs: key}\n"
+
+
+def paint(session: Session, brush: str, *cells: tuple[int, int], **fields: Any) -> str:
+    return done(session, "paint", brush=brush, cells=[[*cell] for cell in cells], **fields)
+
+
+def added(text: str, before: str = EMPTY) -> str:
+    """Return what a text says beyond the one before."""
+    assert text.startswith(before)
+    return text.removeprefix(before)
+
+
+def rows(text: str) -> list[str]:
+    """Return the rows of cells of a text's drawing."""
+    return [line.strip() for line in text.splitlines() if line.strip().startswith("|")]
+
+
+# -- puddles -------------------------------------------------------------------------------
+
+
+def test_puddles_are_painted_in_order_each_cell_once() -> None:
+    text = paint(Session(EMPTY), "small", (2, 1), (1, 1), (2, 1))
+    assert added(text) == (
+        "puddles:\n  - {at: [2, 1], size: small}\n  - {at: [1, 1], size: small}\n"
+    )
+
+
+def test_puddle_of_another_size_takes_the_place_of_the_first() -> None:
+    session = Session(EMPTY + "puddles:\n  - {at: [1, 1]}  # wet\n  - {at: [2, 1]}\n")
+    text = paint(session, "large", (1, 1))
+    assert added(text) == ("puddles:\n  - {at: [1, 1], size: large}  # wet\n  - {at: [2, 1]}\n")
+
+
+def test_puddle_unblocks_its_cell() -> None:
+    session = Session(EMPTY + "blocked:\n  - {at: [1, 1]}\n")
+    assert added(paint(session, "small", (1, 1))) == ("puddles:\n  - {at: [1, 1], size: small}\n")
+
+
+def test_rectangle_is_given_by_two_corners() -> None:
+    text = paint(Session(EMPTY), "small", (2, 2), (1, 1), rectangle=True)
+    assert [line.split("]")[0] for line in added(text).splitlines()[1:]] == [
+        f"  - {{at: [{cell}" for cell in ("1, 1", "2, 1", "1, 2", "2, 2")
+    ]
+
+
+def test_cell_off_the_grid_is_refused() -> None:
+    error = refused(Session(EMPTY), "paint", brush="small", cells=[[1, 1], [4, 0]])
+    assert error == "the cell [4, 0] is off the grid, which is 4x3"
+
+
+def test_very_many_cells_are_refused() -> None:
+    session = Session("version: 1\nsize: [1024, 1024]\n")
+    error = refused(session, "paint", brush="erase", cells=[[0, 0], [1023, 1023]], rectangle=True)
+    assert error == "these are 1,048,576 cells; paint at most 65,536 at once"
+
+
+# -- blocked cells -------------------------------------------------------------------------
+
+
+def test_blocked_cells_painted_one_after_another_become_one_rectangle() -> None:
+    session = Session(EMPTY)
+    for cell in ((1, 1), (2, 1), (1, 2), (2, 2)):
+        text = paint(session, "blocked", cell)
+    assert added(text) == "blocked:\n  - {at: [1, 1], size: [2, 2]}\n"
+
+
+def test_erased_cell_leaves_the_rest_of_a_rectangle() -> None:
+    session = Session(EMPTY + "blocked:\n  - {at: [1, 0], size: [2, 3]}  # rock\n")
+    assert added(paint(session, "erase", (1, 1))) == (
+        "blocked:\n"
+        "  - {at: [1, 0], size: [2, 1]}  # rock\n"
+        "  - {at: [2, 1]}\n"
+        "  - {at: [1, 2], size: [2, 1]}\n"
+    )
+
+
+def test_blocked_cell_is_empty() -> None:
+    text = """\
+items:
+  - {name: key, at: [1, 1]}
+doors:
+  - {at: [0, 0], side: E, needs: key}
+warps:
+  - {at: [0, 2], to: [1, 1]}
+puddles:
+  - {at: [1, 1]}
+"""
+    assert added(paint(Session(EMPTY + text), "blocked", (1, 1))) == "blocked:\n  - {at: [1, 1]}\n"
+
+
+def test_doors_beside_a_blocked_cell_go() -> None:
+    text = "doors:\n  - {at: [1, 0], side: E, length: 2, needs: key}\n"
+    text += "items:\n  - {name: key, at: [0, 1]}\n"
+    blocked = paint(Session(EMPTY + text), "blocked", (2, 0))
+    assert "doors:\n  - {at: [1, 1], side: E, needs: key}\n" in blocked
+
+
+def test_blocked_cells_leave_out_the_only_start_and_exit() -> None:
+    session = Session(EMPTY)
+    paint(session, "blocked", (0, 0), (3, 2), rectangle=True)
+    assert session.level is not None
+    assert session.level.grid().blocked.sum() == 10
+    error = refused(session, "paint", brush="blocked", cells=[[0, 0]])
+    assert error == "the start or the exit is there: move it to another cell first"
+
+
+def test_maze_that_needs_the_whole_rectangle_stays_without_blocked_cells() -> None:
+    session = Session(EMPTY + "maze: {seed: 1, algorithm: eller}\n")
+    error = refused(session, "paint", brush="blocked", cells=[[1, 1]])
+    assert error == "`eller` cannot grow a maze around blocked cells"
+
+
+# -- starts and exits ----------------------------------------------------------------------
+
+
+def test_painted_start_is_the_only_one_unless_it_is_added() -> None:
+    session = Session(EMPTY)
+    assert added(paint(session, "start", (1, 1))) == "start: [1, 1]\n"
+    assert added(paint(session, "start", (2, 1), add=True)) == "start: [[1, 1], [2, 1]]\n"
+    assert added(paint(session, "start", (0, 0), (0, 1))) == "start: [[0, 0], [0, 1]]\n"
+
+
+def test_painting_the_default_start_or_exit_writes_nothing() -> None:
+    session = Session(EMPTY)
+    paint(session, "start", (0, 0))
+    assert paint(session, "exit", (3, 2)) == EMPTY
+
+
+def test_start_takes_what_cannot_be_there_away() -> None:
+    session = Session(
+        EMPTY + "areas:\n  - {at: [0, 1], size: [2, 1], ends: true}\n"
+        "blocked:\n  - {at: [2, 2]}\nwarps:\n  - {at: [1, 1], to: [2, 1]}\n"
+    )
+    assert added(paint(session, "start", (1, 1), (2, 2))) == (
+        "start: [[1, 1], [2, 2]]\nareas:\n  - {at: [0, 1], ends: true}\n"
+    )
+
+
+def test_start_and_exit_take_each_others_cells_while_others_are_left() -> None:
+    session = Session(EMPTY + "exit: [[3, 2], [1, 1]]\n")
+    assert added(paint(session, "start", (1, 1))) == "start: [1, 1]\nexit: [3, 2]\n"
+    error = refused(session, "paint", brush="start", cells=[[3, 2]])
+    assert error == "the exit is there: move it to another cell first"
+    error = refused(session, "paint", brush="exit", cells=[[1, 1]])
+    assert error == "the start is there: move it to another cell first"
+
+
+def test_exit_takes_the_place_of_an_item() -> None:
+    text = "items:\n  - {name: key, at: [1, 1]}\nexit_needs: key\n"
+    assert added(paint(Session(EMPTY + text), "exit", (1, 1))) == "exit: [1, 1]\n"
+
+
+def test_erased_exits_leave_a_level_without_an_exit() -> None:
+    session = Session(EMPTY)
+    assert added(paint(session, "erase", (3, 2))) == "exit: none\n"
+
+
+def test_last_start_cannot_be_erased() -> None:
+    session = Session(EMPTY + "puddles:\n  - {at: [0, 0]}\n")
+    assert paint(session, "erase", (0, 0)) == EMPTY
+    error = refused(session, "paint", brush="erase", cells=[[0, 0]])
+    assert error == "a level needs a start: put it into another cell instead"
+
+
+def test_exits_drawn_by_lot_stay_several_or_become_one() -> None:
+    session = Session(EMPTY + "exit_one_of: [[1, 0], [2, 0]]\n")
+    text = paint(session, "exit", (3, 0), add=True)
+    assert added(text) == "exit_one_of: [[1, 0], [2, 0], [3, 0]]\n"
+    paint(session, "erase", (1, 0))
+    assert added(paint(session, "erase", (2, 0))) == "exit: [3, 0]\n"
+
+
+# -- areas ---------------------------------------------------------------------------------
+
+
+def test_area_is_a_rectangle_with_properties() -> None:
+    text = paint(
+        Session(EMPTY),
+        "area",
+        (1, 1),
+        (2, 2),
+        rectangle=True,
+        fields={"reward": -3, "color": "tan"},
+    )
+    assert added(text) == "areas:\n  - {at: [1, 1], size: [2, 2], color: tan, reward: -3}\n"
+
+
+def test_area_beside_one_like_it_makes_that_larger() -> None:
+    session = Session(EMPTY)
+    for cell in ((1, 1), (2, 1)):
+        text = paint(session, "area", cell, fields={"color": "tan"})
+    assert added(text) == "areas:\n  - {at: [1, 1], size: [2, 1], color: tan}\n"
+    text = paint(session, "area", (3, 1), fields={"color": "red"})
+    assert "  - {at: [3, 1], color: red}\n" in text
+
+
+def test_area_takes_the_place_of_one_with_the_same_properties() -> None:
+    session = Session(EMPTY + "areas:\n  - {at: [1, 1], color: tan}\n  - {at: [2, 1], skid: 0.5}\n")
+    text = paint(session, "area", (1, 1), (2, 1), fields={"color": "red"})
+    assert added(text) == (
+        "areas:\n  - {at: [2, 1], skid: 0.5}\n  - {at: [1, 1], size: [2, 1], color: red}\n"
+    )
+
+
+def test_area_does_not_grow_below_another_one() -> None:
+    areas = "areas:\n  - {at: [1, 1], color: tan}\n  - {at: [2, 1], size: [2, 1], color: red}\n"
+    text = paint(Session(EMPTY + areas), "area", (2, 1), fields={"color": "tan"})
+    assert added(text) == areas + "  - {at: [2, 1], color: tan}\n"
+
+
+def test_area_without_properties_is_refused() -> None:
+    error = refused(Session(EMPTY), "paint", brush="area", cells=[[1, 1]])
+    assert error == "an area needs a colour, a reward, or another property"
+
+
+def test_erased_cells_leave_the_label_with_one_part_of_an_area() -> None:
+    session = Session(EMPTY + "areas:\n  - {at: [0, 1], size: [3, 1], skid: 0.5, label: ice}\n")
+    assert added(paint(session, "erase", (1, 1))) == (
+        "areas:\n  - {at: [0, 1], skid: 0.5, label: ice}\n  - {at: [2, 1], skid: 0.5}\n"
+    )
+
+
+# -- the eraser ----------------------------------------------------------------------------
+
+
+def test_erased_item_is_no_longer_needed() -> None:
+    text = "items:\n  - {name: key, at: [1, 1]}\n  - {name: coin, at: [2, 1]}\n"
+    doors = "doors:\n  - {at: [0, 0], side: E, needs: [key, coin]}\n"
+    erased = paint(Session(EMPTY + text + doors), "erase", (1, 1))
+    assert "doors:\n  - {at: [0, 0], side: E, needs: coin}\n" in erased
+
+
+def test_erased_place_of_an_item_leaves_its_others() -> None:
+    items = "items:\n  - {name: key, one_of: [[1, 1], [2, 1], [3, 1]]}\n"
+    session = Session(EMPTY + items)
+    assert "one_of: [[1, 1], [3, 1]]}" in paint(session, "erase", (2, 1))
+    assert added(paint(session, "erase", (3, 1))) == "items:\n  - {name: key, at: [1, 1]}\n"
+    assert paint(session, "erase", (1, 1)) == EMPTY
+
+
+@pytest.mark.parametrize(
+    "thing",
+    [
+        "switches:\n  - {name: lever, at: [1, 1]}\n",
+        "warps:\n  - {at: [1, 1], to: start}\n",
+        "warps:\n  - {at: [2, 2], to: [1, 1]}\n",
+        "movers:\n  - {path: [[0, 1], [1, 1]], back: true}\n",
+        "movers:\n  - {within: {at: [0, 1], size: [2, 2]}}\n",
+    ],
+    ids=["switch", "warp", "target of a warp", "path", "wanderer"],
+)
+def test_thing_in_the_cell_is_erased(thing: str) -> None:
+    assert paint(Session(EMPTY + thing), "erase", (1, 1)) == EMPTY
+
+
+# -- filling -------------------------------------------------------------------------------
+
+ROOM = EMPTY + "walls:\n  - {at: [1, 0], side: E, length: 3}\n"
+
+
+def test_fill_stops_at_walls_and_at_what_is_different() -> None:
+    session = Session(ROOM + "puddles:\n  - {at: [0, 1], size: large}\n  - {at: [1, 1]}\n")
+    done(session, "fill", brush="small", at=[0, 0])
+    assert session.level is not None
+    assert {puddle.at for puddle in session.level.puddles if puddle.size == "small"} == {
+        (0, 0), (1, 0), (1, 1)
+    }  # fmt: skip
+
+
+def test_filled_area_is_one_rectangle() -> None:
+    text = done(Session(ROOM), "fill", brush="area", at=[3, 0], fields={"color": "tan"})
+    assert text.endswith("areas:\n  - {at: [2, 0], size: [2, 3], color: tan}\n")
+
+
+@pytest.mark.parametrize("brush", ["blocked", "erase"])
+def test_fill_leaves_starts_and_exits(brush: str) -> None:
+    session = Session(ROOM)
+    done(session, "fill", brush=brush, at=[0, 0])
+    assert session.level is not None
+    assert (session.level.starts, session.level.exits) == (((0, 0),), ((3, 2),))
+
+
+# -- drawings ------------------------------------------------------------------------------
+
+
+def test_drawing_shows_what_is_painted() -> None:
+    session = Session(DRAWN)
+    paint(session, "large", (0, 1))
+    paint(session, "blocked", (2, 0))
+    assert rows(paint(session, "small", (1, 1))) == ["| S   k  ###|", "| O   o   E |"]
+
+
+def test_character_that_is_no_longer_drawn_leaves_the_legend() -> None:
+    session = Session(DRAWN.replace("k     |", "k /   |") + DOOR)
+    text = paint(session, "erase", (1, 0))
+    assert "legend:\n  g: {color: tan}\n" in text
+    assert "doors" not in text
+
+
+def test_drawn_start_moves_to_the_cell() -> None:
+    assert rows(paint(Session(DRAWN), "start", (0, 1))) == ["|     k     |", "| S   g   E |"]
+
+
+def test_start_of_a_drawing_hides_no_puddle() -> None:
+    error = refused(Session(DRAWN), "paint", brush="small", cells=[[0, 0]])
+    assert error == "a drawing shows one thing in a cell: move the start or exit first"
+
+
+def test_area_in_a_drawn_level_is_an_entry_beside_the_drawing() -> None:
+    text = paint(Session(DRAWN), "area", (0, 0), (2, 0), rectangle=True, fields={"color": "red"})
+    assert added(text, DRAWN) == "areas:\n  - {at: [0, 0], size: [3, 1], color: red}\n"
+
+
+def test_exits_by_lot_of_a_drawn_level_become_a_drawn_one() -> None:
+    session = Session(DRAWN.replace("E |", "  |") + "exit_one_of: [[2, 0], [2, 1]]\n")
+    text = paint(session, "erase", (2, 0))
+    assert rows(text) == ["| S   k     |", "| o   g   E |"]
+    assert "exit_one_of" not in text

@@ -1,0 +1,124 @@
+"""Where findings are shown in the picture."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.shown.findings import findings_of
+from babyrobot_levels.editor.state import state_of
+from babyrobot_levels.text.diagnostics import Diagnostic, Severity
+from babyrobot_levels.text.source import Position, SourceFile
+
+GRID = "version: 1\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
+
+CASES = {
+    "an entry at a cell": (
+        GRID + "puddles:\n- {at: [3, 2]}\n",
+        "puddle",
+        [[3, 2]],
+        [],
+    ),
+    "a wall along a run": (
+        GRID + "walls:\n- {at: [3, 0], side: E, length: 2}\n",
+        "has no effect",
+        [],
+        [[3, 0, "E"], [3, 1, "E"]],
+    ),
+    "an area of several cells": (
+        GRID + "areas:\n- {at: [1, 0], size: [2, 1], color: red, reward: -1}\n"
+        "- {at: [0, 0], size: [4, 3], color: blue, reward: -2}\n",
+        "covered",
+        [[1, 0], [2, 0]],
+        [],
+    ),
+    "cells that only the message names": (
+        GRID + "walls:\n- {at: [0, 2], side: N}\n- {at: [0, 2], side: E}\n",
+        "cannot be reached",
+        [[0, 2]],
+        [],
+    ),
+    "one of several exits": (
+        GRID.replace("[3, 2]", "[[3, 2], [0, 2]]")
+        + "walls:\n- {at: [0, 2], side: N}\n- {at: [0, 2], side: E}\n",
+        "exit [0, 2] cannot be reached",
+        [[0, 2]],
+        [],
+    ),
+    "a field that is no place": (
+        GRID + "max_steps: 20\npuddles:\n- {at: [1, 1]}\n",
+        "should come before",
+        [],
+        [],
+    ),
+}
+
+
+def shown(text: str, words: str) -> dict[str, Any]:
+    """Return the finding whose message contains some words, as the editor gets it."""
+    findings = state_of(Session(text))["findings"]
+    (found,) = [each for each in findings if words in each["message"]]
+    return dict(found)
+
+
+@pytest.mark.parametrize(("text", "words", "cells", "sides"), CASES.values(), ids=CASES)
+def test_a_finding_is_shown_at_what_it_is_about(
+    text: str, words: str, cells: list[Any], sides: list[Any]
+) -> None:
+    found = shown(text, words)
+    assert (found["cells"], found["sides"]) == (cells, sides)
+
+
+def test_an_error_is_shown_in_the_last_picture_where_it_is_on_it() -> None:
+    session = Session(GRID)
+    session.type(GRID + "puddles:\n- {at: [1, 1], size: huge}\n")
+    (found,) = state_of(session)["findings"]
+    assert (found["severity"], found["cells"]) == ("error", [[1, 1]])
+    session.type(GRID.replace("exit: [3, 2]", "exit: [9, 9]"))
+    (found,) = state_of(session)["findings"]
+    assert (found["cells"], found["sides"]) == ([], [])
+
+
+def test_a_text_that_is_no_yaml_has_a_finding_without_a_place() -> None:
+    session = Session(GRID)
+    session.type("version: [1\n")
+    (found,) = state_of(session)["findings"]
+    assert (found["cells"], found["sides"]) == ([], [])
+
+
+DRAWN = """\
+version: 1
+map: |
+  +---+---+---+
+  | S         |
+  +   +---+   +
+  |   |   | E |
+  +---+---+---+
+"""
+
+
+def test_a_finding_in_a_drawing_is_shown_at_its_cell() -> None:
+    assert shown(DRAWN, "cannot be reached")["cells"] == [[1, 1]]
+
+
+@pytest.mark.parametrize(
+    ("mark", "cells", "sides"),
+    [
+        ((1, 2), [[0, 0]], []),
+        ((1, 0), [], [[0, 0, "W"]]),
+        ((3, 4), [], [[0, 1, "E"]]),
+        ((0, 5), [], [[1, 0, "N"]]),
+        ((2, 6), [], [[1, 0, "S"]]),
+        ((2, 4), [], []),
+    ],
+)
+def test_each_character_of_a_drawing_has_its_place(
+    mark: tuple[int, int], cells: list[Any], sides: list[Any]
+) -> None:
+    line, column = 3 + mark[0], 3 + mark[1]
+    at = Position(line, column + 1)
+    given = Diagnostic("BR000", Severity.ERROR, "wrong", "x", line, column, at)
+    (found,) = findings_of([given], SourceFile("x", DRAWN), (3, 2))
+    assert (found["cells"], found["sides"]) == (cells, sides)

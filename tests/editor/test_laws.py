@@ -1,0 +1,152 @@
+"""What holds whatever is drawn, in whatever order, in whatever level."""
+
+from __future__ import annotations
+
+from collections import Counter
+from contextlib import suppress
+from random import Random
+from typing import Any
+
+import pytest
+from hypothesis import assume, given, note, settings
+from hypothesis import strategies as st
+from support.edited import Message, Refused, expected, gesture
+from support.handwriting import Scribe
+from support.things import thing_worlds
+from support.worlds import LEGEND, drawings, worlds
+
+from babyrobot_levels.editor.changes.draft import RefusedError
+from babyrobot_levels.editor.gestures import gesture_of
+from babyrobot_levels.editor.protocol import answer
+from babyrobot_levels.editor.session import Session
+from babyrobot_levels.language.drawing import compose
+from babyrobot_levels.language.formatting.formatter import format_text
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import loads
+from babyrobot_levels.library.search_path import gallery_folder, yaml_files
+from babyrobot_levels.text.comments import comments
+from babyrobot_levels.text.emitter import emit
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
+
+GALLERY = [path for path in yaml_files(gallery_folder()) if "suites" not in path.parts]
+
+drawn_worlds = drawings(5).map(
+    lambda drawing: {"version": 1, "map": compose(drawing), "legend": LEGEND}
+)
+
+
+few = settings(max_examples=10)
+"""For laws of many gestures in a row."""
+
+
+def texts() -> st.SearchStrategy[str]:
+    """Levels with all that the language has, as texts."""
+    walled = st.integers(0, 10**6).map(walled_world)
+    anything = worlds(6) | thing_worlds() | drawn_worlds | walled
+    return anything.map(emit).filter(is_valid) | st.sampled_from(GALLERY).map(
+        lambda path: path.read_text("utf-8")
+    )
+
+
+def walled_world(seed: int) -> dict[str, Any]:
+    """Return a level with long walls, one on each line, and an item that may open doors."""
+    rng = Random(seed)
+    lines = [{"at": [0, line], "side": "S", "length": 6} for line in range(5)]
+    lines += [{"at": [line, 0], "side": "E", "length": 6} for line in range(5)]
+    items = [{"name": "key", "at": [rng.randrange(1, 5), rng.randrange(5)]}]
+    return {"version": 1, "size": [6, 6], "walls": rng.sample(lines, 4), "items": items}
+
+
+def is_valid(text: str) -> bool:
+    try:
+        loads(text)
+    except LevelError:
+        return False
+    return True
+
+
+def draw_on(session: Session, message: Message) -> str | None:
+    """Send a gesture; return the sentence by which it is refused, if it is."""
+    reply = answer(session, {"id": 1, "revision": session.revision, **message})
+    error: str | None = reply.get("error")
+    return error
+
+
+def digest(level: Level) -> str:
+    return (level.with_maze_seed(7) if level.has_random_maze else level).digest
+
+
+@given(st.data())
+def test_gesture_comes_to_the_same_as_the_change_in_sets_of_cells(data: st.DataObject) -> None:
+    session, rng = Session(data.draw(texts())), Random(data.draw(st.integers(0, 10**6)))
+    for _ in range(8):
+        before, level = session.text, session.level
+        assert level is not None
+        message = gesture(rng, level)
+        note(f"{before}\n{message}")
+        error = draw_on(session, message)
+        if error is not None:
+            assert session.text == before
+            with pytest.raises((Refused, LevelError)):
+                expected(level, message)
+            continue
+        assert session.is_valid
+        note(session.text)
+        assert session.level is not None
+        assert digest(session.level) == digest(expected(level, message))
+
+
+@given(texts(), st.integers(0, 10**6))
+@few
+def test_undone_gestures_leave_the_first_text_and_redone_ones_the_last(
+    text: str, seed: int
+) -> None:
+    session, rng = Session(text), Random(seed)
+    for _ in range(10):
+        assert session.level is not None
+        with suppress(RefusedError):
+            session.apply(gesture_of.validate_python(gesture(rng, session.level)))
+    last, steps = session.text, 0
+    while session.can_undo:
+        session.undo()
+        steps += 1
+    assert session.text == text
+    for _ in range(steps):
+        session.redo()
+    assert session.text == last
+    assert not session.can_redo
+
+
+@given(worlds(6) | drawn_worlds, st.integers(0, 10**6))
+@few
+def test_formatted_text_stays_formatted(world: dict[str, Any], seed: int) -> None:
+    session, rng = Session(format_text(emit(world))), Random(seed)
+    for _ in range(30):
+        assert session.level is not None
+        before, message = session.text, gesture(rng, session.level)
+        draw_on(session, message)
+        note(f"{before}\n{message}\n{session.text}")
+        assert format_text(session.text) == session.text
+
+
+@given(worlds(6) | thing_worlds(), st.integers(0, 10**6))
+@settings(max_examples=4)
+def test_comments_on_lines_of_their_own_survive_fifty_gestures(
+    world: dict[str, Any], seed: int
+) -> None:
+    rng = Random(seed)
+    text = Scribe(rng, 0.3).write(world)
+    assume(is_valid(text))
+    session = Session(text)
+    written = own_lines(text)
+    for _ in range(50):
+        assert session.level is not None
+        draw_on(session, gesture(rng, session.level))
+    assert Counter(own_lines(session.text)) >= Counter(written)
+
+
+def own_lines(text: str) -> list[str]:
+    """Return the comments of a text that stand on lines of their own."""
+    return [each.text for each in comments(read(SourceFile("", text))) if each.is_alone]

@@ -1,0 +1,238 @@
+"""The editor in notebooks: as an object of Python, and in a real JupyterLab."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import nbformat
+import pytest
+from nbformat.v4 import new_code_cell, new_notebook
+from playwright.sync_api import Locator, Page, expect
+from support.jupyter import OpenNotebook, jupyterlab, until
+from support.subprocesses import python, run
+
+import babyrobot_levels as brl
+from babyrobot_levels.editor.changes.draft import RefusedError
+from babyrobot_levels.editor.hosts.notebook import edit
+from babyrobot_levels.editor.hosts.widget import Editor
+
+TEXT = "version: 1\nsize: [3, 2]  # small\nstart: [0, 0]\nexit: [2, 1]\n"
+PUDDLE = {"do": "paint", "brush": "small", "cells": [[1, 1]]}
+
+
+@pytest.fixture
+def sent(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, Any]]:
+    """What widgets send to their views."""
+    messages: list[dict[str, Any]] = []
+    monkeypatch.setattr(Editor, "send", lambda self, content: messages.append(content))
+    return messages
+
+
+def receive(editor: Editor, revision: int, **message: Any) -> None:
+    """Let a widget receive a message of a view."""
+    content = {"id": "a-1", "revision": revision, **message}
+    editor._handle_custom_msg(content, [])
+
+
+def level_of(editor: Editor) -> brl.Level:
+    """Return the level of a widget that has one."""
+    assert editor.level is not None
+    return editor.level
+
+
+# -- in Python -------------------------------------------------------------------------------
+
+
+def test_what_is_drawn_is_in_the_level_and_the_text(sent: list[dict[str, Any]]) -> None:
+    editor = edit(brl.loads(TEXT))
+    changes: list[tuple[str, Any]] = []
+    editor.observe(lambda change: changes.append((change.name, change.new)), ["level", "yaml"])
+    receive(editor, 1, **PUDDLE)
+    assert sent[-1]["id"] == "a-1"
+    assert sent[-1]["state"]["text"] == editor.yaml
+    assert "# small" in editor.yaml
+    assert level_of(editor).to_dict() == brl.loads(editor.yaml).to_dict()
+    assert [puddle.at for puddle in level_of(editor).puddles] == [(1, 1)]
+    assert dict(changes) == {"level": editor.level, "yaml": editor.yaml}
+
+
+def test_an_invalid_text_leaves_the_last_level(sent: list[dict[str, Any]]) -> None:
+    editor = edit(brl.loads(TEXT))
+    level = editor.level
+    receive(editor, 1, do="text", text="version: 1\nsize: [")
+    assert (editor.level, editor.yaml) == (level, "version: 1\nsize: [")
+
+
+def test_what_is_refused_changes_nothing(sent: list[dict[str, Any]]) -> None:
+    editor = edit(brl.loads(TEXT))
+    receive(editor, 7, **PUDDLE)
+    assert "elsewhere" in sent[-1]["error"]
+    assert editor.yaml == TEXT
+
+
+def test_a_text_that_is_set_in_python_is_shown_and_can_be_undone(
+    sent: list[dict[str, Any]],
+) -> None:
+    editor = edit(brl.loads(TEXT))
+    editor.yaml = TEXT.replace("[3, 2]", "[3, 3]")
+    assert level_of(editor).size == (3, 3)
+    assert sent[-1]["state"]["text"] == editor.yaml
+    receive(editor, 2, do="undo")
+    assert level_of(editor).size == (3, 2)
+
+
+def test_a_level_is_saved_to_its_file_or_to_another_one(
+    tmp_path: Path, sent: list[dict[str, Any]]
+) -> None:
+    editor = edit("gallery/final-maze")
+    with pytest.raises(RefusedError, match="no file"):
+        editor.save()
+    editor.save(tmp_path / "maze.yaml")
+    editor.yaml = TEXT
+    editor.save()
+    assert (tmp_path / "maze.yaml").read_text("utf-8") == TEXT
+    assert edit(tmp_path / "maze.yaml").yaml == TEXT
+
+
+def test_it_takes_what_load_takes(tmp_path: Path) -> None:
+    level = brl.load("final-maze")
+    fields = {"version": 1, "size": [3, 2]}
+    for given in ("gallery/final-maze", level, level.share_code(), level.to_dict(whole=True)):
+        assert level_of(edit(given)).digest == level.digest
+    assert level_of(edit(fields)).to_dict() == fields
+    assert level_of(edit()).size == (8, 5)
+    with pytest.raises(brl.LevelNotFoundError):
+        edit("final-mace")
+    with pytest.raises(TypeError):
+        edit(7)  # type: ignore[arg-type]
+
+
+def test_outside_of_notebooks_it_is_the_widget_and_a_picture() -> None:
+    bundle, _ = edit("gallery/final-maze")._repr_mimebundle_()
+    assert {"application/vnd.jupyter.widget-view+json", "image/svg+xml", "image/png"} <= {*bundle}
+
+
+def test_the_root_offers_it(tmp_path: Path) -> None:
+    code = "import babyrobot_levels as brl\nprint(brl.edit('gallery/final-maze'))"
+    assert run(code, tmp_path) == "<Editor of final-maze>\n"
+
+
+def test_without_the_extra_it_says_how_to_get_it(tmp_path: Path) -> None:
+    missing = "raise ModuleNotFoundError('No module named anywidget', name='anywidget')\n"
+    (tmp_path / "anywidget.py").write_text(missing, "utf-8")
+    code = "import babyrobot_levels as brl\nbrl.edit()"
+    done = python("-c", code, cwd=tmp_path, path=tmp_path)
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("ImportError: the editor needs the package `anywidget`")
+    assert "extra `editor`" in last
+
+
+# -- in JupyterLab ---------------------------------------------------------------------------
+
+OPEN = f"""\
+import babyrobot_levels as brl
+editor = brl.edit(brl.loads({TEXT!r}))
+editor"""
+
+AGAIN = "editor"
+
+PAINTED = brl.loads(TEXT + "puddles:\n  - {at: [1, 1], size: small}\n").digest
+
+SHOW = "print(len(editor.level.puddles), editor.level.digest)"
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Path, str]]:
+    root = tmp_path_factory.mktemp("served")
+    with jupyterlab(root, tmp_path_factory.mktemp("jupyter")) as address:
+        yield root, address
+
+
+def write(root: Path, name: str, *cells: str) -> None:
+    """Write a notebook of some cells of code."""
+    made = [new_code_cell(code) for code in cells]  # type: ignore[no-untyped-call]
+    metadata = {"kernelspec": {"name": "python3", "display_name": "Python 3"}}
+    notebook = new_notebook(cells=made, metadata=metadata)  # type: ignore[no-untyped-call]
+    nbformat.write(notebook, root / name)  # type: ignore[no-untyped-call]
+
+
+def drawing(notebook: OpenNotebook, number: int) -> Locator:
+    """The picture on which one draws."""
+    return notebook.output(number).locator(".stage svg[viewBox]")
+
+
+def still(notebook: OpenNotebook, number: int) -> Locator:
+    """The picture in a cell's output that needs no kernel."""
+    return notebook.output(number).locator("img:visible")
+
+
+def text(notebook: OpenNotebook, number: int) -> str:
+    """The level file beside the picture."""
+    return notebook.output(number).get_by_role("textbox", name="Level file").input_value()
+
+
+def paint(notebook: OpenNotebook, number: int, x: int, y: int) -> None:
+    """Paint a small puddle into a cell with the mouse."""
+    output = notebook.output(number)
+    output.get_by_role("button", name="Small puddle").click()
+    picture = drawing(notebook, number)
+    box = picture.bounding_box()
+    assert box
+    picture.click(position={"x": (x + 0.5) * box["width"] / 3, "y": (y + 0.5) * box["height"] / 2})
+
+
+def restart(page: Page) -> None:
+    """Restart the kernel as a user does, and wait for it."""
+    page.locator(".jp-Toolbar").get_by_title("Restart the kernel").first.click()
+    with page.expect_response(re.compile("/api/kernels/.*/restart")):
+        page.locator(".jp-Dialog .jp-mod-accept").click()
+
+
+@pytest.mark.slow
+def test_it_draws_and_its_picture_stays(served: tuple[Path, str], page: Page) -> None:
+    root, address = served
+    write(root, "edit.ipynb", OPEN, SHOW, AGAIN)
+    notebook = OpenNotebook(page, address, "edit.ipynb")
+    notebook.run(0)
+    drawing(notebook, 0).wait_for()
+    paint(notebook, 0, 1, 1)
+    until(lambda: "puddles:" in text(notebook, 0), "the text has the puddle")
+    notebook.run(1)
+    assert notebook.output(1).inner_text().split() == ["1", PAINTED]
+
+    # Two views show the same level, and its keys are not Jupyter's.
+    notebook.run(2)
+    drawing(notebook, 2).wait_for()
+    paint(notebook, 2, 1, 0)
+    until(lambda: "[1, 0]" in text(notebook, 0), "the other view shows the second puddle")
+    drawing(notebook, 2).hover()
+    page.keyboard.press("Control+z")
+    until(lambda: "[1, 0]" not in text(notebook, 0), "the key undoes it")
+    for key in "bbadd":
+        page.keyboard.press(key)
+    assert page.locator(".jp-CodeCell").count() == 3
+    assert still(notebook, 0).count() == still(notebook, 2).count() == 0
+
+    # It is as dark as the notebook, whatever the system prefers.
+    sheet = notebook.output(0).locator(".editor")
+    for is_light, color in ("false", "rgb(20, 24, 30)"), ("true", "rgb(246, 244, 239)"):
+        page.evaluate("is => (document.body.dataset.jpThemeLight = is)", is_light)
+        expect(sheet).to_have_css("background-color", color)
+
+    # The picture is renewed when one pauses.
+    page.wait_for_timeout(2000)
+    notebook.run(1)
+    notebook.save()
+    notebook.reload()
+    drawing(notebook, 0).wait_for()
+    restart(page)
+    notebook.reload()
+    for number in (0, 2):
+        still(notebook, number).wait_for()
+        assert drawing(notebook, number).count() == 0
+        assert "Error" not in notebook.output(number).inner_text()
+    notebook.run(1)
+    assert "NameError" in notebook.output(1).inner_text()
