@@ -18,8 +18,8 @@ by another page, they are refused. Their replies have `state`, see `editor/state
 change nothing:
 
 - `state`: the state, for one who begins; it also has `forms`, see `editor/entries/forms.py`;
-- `answers`, with `revision`: the state again, with the optimum, however long that takes; if the
-  text has changed meanwhile, the reply has no state. See `prepare`;
+- `answers`, with `revision`: the state again, with the optimum and all findings, however long that
+  takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
   `policy.worth_of`. The reply has `policy`;
 - `filled`, with `revision`, and further fields as of the gesture `fill`: the `cells` that it paints;
@@ -61,8 +61,11 @@ def prepare(session: Session, message: dict[str, Any]) -> None:
 
     It may run beside other messages, in a thread of its own, so that it holds up none of them.
     """
-    if message.get("do") in ("answers", "policy"):
-        session.answers.catch_up()
+    match message.get("do"):
+        case "answers":
+            session.catch_up()
+        case "policy":
+            session.answers.catch_up()
 
 
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
