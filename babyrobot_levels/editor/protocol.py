@@ -22,7 +22,7 @@ change nothing:
   takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
   `policy.worth_of`. The reply has `policy`;
-- `filled`, with `revision`, and further fields as of the gesture `fill`: the `cells` that it paints;
+- `filled`, with `revision` and the fields of the gesture `fill`: the `cells` that it paints;
 - `levels`: what can be opened by name, and from texts, see `sources.known`;
 - `copy`: the level in a `form` (`editor/copies.py`). The reply has `copy`;
 - `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
