@@ -54,16 +54,24 @@ QUESTIONS = ("state", "levels", "answers", "policy", "copy", "quit")
 """What changes nothing."""
 
 
-def prepare(session: Session, message: dict[str, Any]) -> None:
+SLOW = ("answers", "policy", "copy")
+"""The questions that may take long, which `prepare` is for."""
+
+
+def prepare(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
     """Do what takes long before a message is answered.
 
     It may run beside other messages, in a thread of its own, so that it holds up none of them.
+
+    Returns:
+        The reply, if it is of one level alone; None if `answer` gives it, which is quick then.
     """
     match message.get("do"):
-        case "answers":
+        case "policy" | "copy":
+            return answer(session, message)
+        case "answers" if message.get("revision") == session.revision:
             session.catch_up()
-        case "policy":
-            session.answers.catch_up()
+    return None
 
 
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
@@ -72,7 +80,6 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     reply: dict[str, Any] = {"id": fields.pop("id", None)}
     is_current = fields.pop("revision", None) == session.revision
     is_question = fields.get("do") in QUESTIONS
-    prepare(session, message)
     try:
         if is_question:
             return reply | _asked(session, fields, is_current=is_current)
@@ -106,7 +113,10 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
         case {"do": "state"}:
             return {"state": {**state_of(session), "forms": forms()}}
         case {"do": "answers"}:
-            return {"state": state_of(session)} if is_current else {}
+            if not is_current:
+                return {}
+            session.catch_up()
+            return {"state": state_of(session)}
         case {"do": "policy"}:
             if not is_current:
                 raise RefusedError(STALE)
@@ -148,7 +158,11 @@ def _change(session: Session, fields: dict[str, Any]) -> None:
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:
+    revision = session.revision
+    session.answers.catch_up()
     optimum = session.answers.optimum
+    if session.revision != revision:
+        raise RefusedError(STALE)
     if optimum is None:
         raise RefusedError("there is no valid level yet")
     return worth_of(optimum, actions)
