@@ -320,8 +320,10 @@ def picture(layers: list[list[Room]]) -> str:
         f'<text class="size" x="{RIGHT - 16}" y="{TOP - 9}">lines of code</text>'
     )
     drawn = "\n".join([head, *ways, *lines, *dots, *boxes])
+    width = max(columns.values(), default=RIGHT) + LEFT
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 900 {y + 6:.0f}" width="900">\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {y + 6:.0f}" '
+        f'width="{width}">\n'
         "<style>text{font:14px system-ui,'DejaVu Sans',sans-serif;fill:#39414d}"
         ".name{font-size:17px;font-weight:600;fill:#161b22}"
         ".size{font-size:12.5px;fill:#6b7480;text-anchor:end}"

@@ -122,10 +122,9 @@ def opened(source: str, kind: str | None = None) -> tuple[str, str]:
         if is_code(source):
             level = load_code(source)
             return text_of(level), level.name or NAME
-        if "\n" not in source.strip():
-            name = source.strip()
-            if not looks_like_path(name):
-                return _copied(name, find(name)), name.rpartition("/")[2]
+        name = source.strip()
+        if not any(sign in name for sign in "\n:") and not looks_like_path(name):
+            return _copied(name, find(name)), name.rpartition("/")[2]
         return _read(source, kind), NAME
     except LevelNotFoundError as error:
         raise RefusedError(str(error)) from None

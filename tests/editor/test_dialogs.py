@@ -56,6 +56,7 @@ def test_a_level_is_opened_by_its_name_and_undone(editor_page: OpenEditor) -> No
     opening.get_by_label("Name of the level").fill("final")
     opening.get_by_role("button", name="The final maze").click()
     expect(opening).to_be_hidden()
+    expect(editor.page.locator(".said")).to_have_text("Opened.")
     assert editor.session.level is not None
     assert editor.session.level.digest == brl.load("final-maze").digest
     editor.page.get_by_role("button", name="Undo").click()

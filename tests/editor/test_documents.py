@@ -104,6 +104,7 @@ def test_a_theme_in_a_file_of_its_own_goes_with_a_copy(tmp_path: Path) -> None:
         (" gallery/cliff-walking\n", brl.load("cliff-walking")),
         (brl.load("final-maze").share_code(), brl.load("final-maze")),
         (TEXT, brl.loads(TEXT)),
+        ("{version: 1, size: [4, 3]}", brl.loads("{version: 1, size: [4, 3]}")),
         ("SFFF\nFHFH\nFFFH\nHFFG\n", brl.load("frozen-lake")),
     ],
 )

@@ -91,7 +91,7 @@ def test_playing_has_the_same_luck_each_time_and_leaves_a_trail(editor_page: Ope
     press(editor, "r")
     assert played() == first
     press(editor, "n")
-    expect(part(editor, "episode")).to_contain_text("Luck1")
+    expect(part(editor, "episode")).to_contain_text("Seed1")
     press(editor, "ArrowRight", "p")
     expect(part(editor, "playing")).to_be_hidden()
     trail = editor.page.locator("#walked.faint path").first

@@ -137,6 +137,16 @@ def test_a_door_needs_what_is_checked(editor_page: OpenEditor) -> None:
     )
 
 
+def test_an_exit_needs_what_is_checked(editor_page: OpenEditor) -> None:
+    text = LEVEL.replace("walls:", "exit: [4, 2]\nwalls:")
+    editor = editor_page(text)
+    needs = field(select(editor, "exit:"), "exit_needs")
+    needs.get_by_label("key").check()
+    becomes(editor, "exit_needs: key")
+    needs.get_by_label("key").uncheck()
+    until(lambda: editor.session.text == text, "the exit needs nothing")
+
+
 def test_an_entry_is_removed_and_nothing_is_selected_then(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
     inspector = select(editor, "{at: [2, 1]}")
@@ -153,6 +163,12 @@ def test_what_else_is_in_the_cell_is_offered(editor_page: OpenEditor) -> None:
 
 
 # -- the level -----------------------------------------------------------------------------------
+
+
+def test_a_section_that_is_opened_is_seen(editor_page: OpenEditor) -> None:
+    page = editor_page(LEVEL).page
+    section = level_section(page, "Display")
+    expect(field(section, "display.compass")).to_be_in_viewport(ratio=1)
 
 
 def test_fields_of_the_level_are_set_and_reset(editor_page: OpenEditor) -> None:

@@ -255,6 +255,17 @@ def test_the_part_that_is_seen_stays_as_one_draws(hand: Hand) -> None:
     assert "- {at: [3, 1], side: S}" in hand.text
 
 
+def test_the_map_follows_what_is_drawn_when_one_pauses(hand: Hand) -> None:
+    for _ in range(2):
+        hand.page.get_by_role("button", name="Zoom in").click()
+    image = hand.page.locator("svg.map image")
+    expect(image).to_have_attribute("href", re.compile("^data:"))
+    before = image.get_attribute("href") or ""
+    hand.draw((1, 0.5))
+    assert image.get_attribute("href") == before
+    expect(image).not_to_have_attribute("href", before)
+
+
 def test_a_drag_to_the_edge_of_the_stage_scrolls_the_picture(hand: Hand) -> None:
     page = hand.page
     for _ in range(3):

@@ -116,6 +116,27 @@ def test_a_mistake_is_shown_at_its_place_and_told_at_the_caret(editor_page: Open
     expect(area(page)).to_have_attribute("aria-invalid", "false")
 
 
+def test_the_line_of_the_caret_is_seen_beside_the_message_about_it(editor_page: OpenEditor) -> None:
+    page = editor_page(LEVEL + "# more\n" * 20).page
+    put_caret(page, 28)
+    page.keyboard.type("wind: [")
+    expect(page.locator(".at-caret")).to_contain_text("Line 2")
+    last, pane = line(page, 28).bounding_box(), page.locator(".pane").bounding_box()
+    assert last is not None
+    assert pane is not None
+    assert last["y"] + last["height"] <= pane["y"] + pane["height"]
+
+
+def test_a_refusal_is_told_until_the_text_is_corrected(editor_page: OpenEditor) -> None:
+    page = editor_page(LEVEL.replace("large", "huge")).page
+    page.get_by_role("tab", name="Level").click()
+    page.locator("summary", has_text="Theme").click()
+    page.locator("[data-theme=black_orange]").click()
+    expect(page.locator(".said")).to_contain_text("correct them")
+    area(page).fill(LEVEL)
+    expect(page.locator(".said")).to_have_text("")
+
+
 def test_findings_are_found_in_lines_with_signs_of_two_halves(editor_page: OpenEditor) -> None:
     page = editor_page("version: 1\nmaze: {seed: 1, 🤖🤖: 2}\n").page
     expect(line(page, 2).locator(".mark").first).to_have_text("🤖🤖")

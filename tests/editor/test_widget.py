@@ -12,7 +12,7 @@ from typing import Any
 import nbformat
 import pytest
 from nbformat.v4 import new_code_cell, new_notebook
-from playwright.sync_api import Locator, Page
+from playwright.sync_api import Locator, Page, expect
 from support.jupyter import OpenNotebook, jupyterlab, until
 from support.subprocesses import python, run
 
@@ -256,6 +256,12 @@ def test_it_draws_and_its_picture_stays(served: tuple[Path, str], page: Page) ->
         page.keyboard.press(key)
     assert page.locator(".jp-CodeCell").count() == 3
     assert still(notebook, 0).count() == still(notebook, 2).count() == 0
+
+    # It is as dark as the notebook, whatever the system prefers.
+    sheet = notebook.output(0).locator(".editor")
+    for is_light, color in ("false", "rgb(20, 24, 30)"), ("true", "rgb(246, 244, 239)"):
+        page.evaluate("is => (document.body.dataset.jpThemeLight = is)", is_light)
+        expect(sheet).to_have_css("background-color", color)
 
     # The picture is renewed when one pauses.
     page.wait_for_timeout(2000)

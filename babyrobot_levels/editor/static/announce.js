@@ -65,20 +65,27 @@ const DONE = {
   path: (editor, { cells }) => `Mover through ${cellsInWords(cells)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
   remove: () => "Removed",
-  set: (editor, { route, value }) => value === null ? `${route.at(-1)} removed` : `${route.at(-1)} set${written(value)}`,
+  set: (editor, { route, value }) => value === null ? `${fieldInWords(route)} removed` : `${fieldInWords(route)} set${written(value)}`,
   resize: (editor, { size: [columns, rows] }) => `The level has ${columns} columns and ${rows} rows`,
   wind: (editor, gesture) => windInWords(gesture),
   resolve: () => "The maze is written out as walls",
   fix: () => "The finding is fixed",
+  open: () => "Opened",
   undo: () => "Undone",
   redo: () => "Done again",
 };
 
 const MODES_IN_WORDS = { edit: "Editing.", play: "Playing.", policy: "Drawing a policy." };
 
+/** Return the name of the field at the end of a route. */
+function fieldInWords(route) {
+  return capital(String(route.at(-1)).replaceAll("_", " "));
+}
+
 /** Return a value in words; a mapping is too long for any. */
 function written(value) {
-  return typeof value === "object" && !Array.isArray(value) ? "" : ` to ${JSON.stringify(value)}`;
+  if (Array.isArray(value)) return ` to ${value.join(", ")}`;
+  return typeof value === "object" ? "" : ` to ${value}`;
 }
 
 /** Says what was done, and what is in the cell of the cursor as it moves. */
@@ -89,7 +96,7 @@ class Announcer {
     this.cell = editor.cursor.cell;
     this.route = null; // Of what is selected.
     this.count = 0; // Of findings.
-    editor.on("done", () => editor.game && this.tellDone());
+    editor.on("done", () => this.tellDone());
     editor.on("cursor", () => this.tellCell());
     editor.on("look", () => editor.game && this.speak(cellInWords(editor, editor.cursor.cell)));
     editor.on("selection", () => this.tellSelection());
@@ -102,6 +109,7 @@ class Announcer {
     const done = DONE[editor.done.do]?.(editor, editor.done);
     const words = [done, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
     if (done !== undefined) editor.say(words.filter((each) => each !== undefined).map((each) => `${each}.`).join(" "));
+    else if (editor.saidKind === "refused") editor.say(""); // It was about what was before.
     this.count = count;
   }
 

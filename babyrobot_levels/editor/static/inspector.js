@@ -26,14 +26,17 @@ class Inspector {
     this.title.textContent = selection === null ? "Nothing is selected" : titleOfPlace(selection);
     this.remove.classList.toggle("hidden", selection === null);
     this.showOthers(selection);
-    for (const row of this.rows) row.show(selection.fields, thingNames(state));
+    for (const row of this.rows) row.show(row.base.length === 0 ? state.fields : selection.fields, thingNames(state));
   }
 
   /** Make the rows of an entry. */
   build(selection) {
     const { kind, route } = selection ?? { kind: null, route: [] };
-    const form = (this.forms[kind] ?? []).filter(({ type }) => type in CONTROLS);
-    this.rows = form.map((field) => new FieldRow(this.editor, field, route));
+    // What the exits need is a field of the level: the same for all of them.
+    const [form, base] = kind === "exit"
+      ? [this.forms.level.filter(({ name }) => name === "exit_needs"), []]
+      : [this.forms[kind] ?? [], route];
+    this.rows = form.filter(({ type }) => type in CONTROLS).map((field) => new FieldRow(this.editor, field, base));
     const help = html("p", { class: "field-help" }, selection === null ? NOTHING : FIELDLESS);
     this.body.replaceChildren(...(this.rows.length === 0 ? [help] : this.rows.map((row) => row.element)));
   }

@@ -145,7 +145,7 @@ class Playing {
     this.message.textContent = message;
     this.message.dataset.kind = kind;
     this.walked = [...game.past.map(({ state }) => state), game.state].map((state) => game.place(state));
-    const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Luck", this.seed]];
+    const facts = [["Steps", String(game.steps)], ["Return", formatted(game.total)], ["Seed", this.seed]];
     for (const [name, kind, found] of [["Held", "item", "held"], ["On", "switch", "on"]]) {
       if (game.things.of(kind).length === 0) continue;
       const names = game.things[found](game.configuration).map((thing) => thing.name);

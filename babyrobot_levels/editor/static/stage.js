@@ -1,5 +1,7 @@
 // The stage: the picture of the level, which keeps its zoom while the level changes.
 
+const MAP_PAUSE = 300; // Milliseconds without a change, after which the map is drawn anew.
+
 /** A view that follows the robot only while one plays, and keeps its part of the picture. */
 class StageView extends View {
   constructor(editor, stage, map) {
@@ -20,6 +22,12 @@ class StageView extends View {
   zoomTo(...args) {
     super.zoomTo(...args);
     if (this.svg === this.editor.picture?.svg) this.editor.tell("zoom");
+  }
+
+  /** Draw the map when one pauses: of a large level, that takes as long as the picture. */
+  drawGround() {
+    clearTimeout(this.drawing);
+    this.drawing = setTimeout(() => super.drawGround(), MAP_PAUSE);
   }
 
   follow(isGliding) {

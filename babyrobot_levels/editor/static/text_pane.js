@@ -199,6 +199,8 @@ class TextPane {
     const told = found === undefined ? "" : `Line ${number}: ${found.message} (${found.code})`;
     this.note.replaceChildren(...prose(told));
     this.note.dataset.severity = found?.severity ?? "";
+    // The message takes room from the text.
+    if (told !== "") this.scrollTo(number);
   }
 
   // -- typing ------------------------------------------------------------------------------------

@@ -4,6 +4,14 @@ const SILENT = "The kernel does not answer: it is busy, or was restarted. If so,
 const PATIENCE = 15000;
 let views = 0;
 
+/** Return the colour scheme of the notebook, which may be another one than the system's. */
+function schemeOf({ documentElement, body }) {
+  const { jpThemeLight, vscodeThemeKind = documentElement.getAttribute("theme") } = body.dataset;
+  if (jpThemeLight !== undefined) return jpThemeLight === "true" ? "light" : "dark";
+  if (vscodeThemeKind !== null) return vscodeThemeKind.endsWith("light") ? "light" : "dark";
+  return "light dark";
+}
+
 function render({ model, el }) {
   // Several views of one widget hear the replies of all.
   const view = `${Date.now().toString(36)}-${(views += 1)}`;
@@ -31,6 +39,10 @@ function render({ model, el }) {
   // Jupyter's menu is for what is outside.
   el.dataset.jpSuppressContextMenu = "true";
   const editor = mount(place, connection, STYLE);
+  const follow = () => (place.style.colorScheme = schemeOf(document));
+  const themes = new MutationObserver(follow);
+  for (const each of [document.documentElement, document.body]) themes.observe(each, { attributes: true });
+  follow();
 
   const hear = (reply) => {
     const resolve = waiting.get(reply.id);
@@ -39,7 +51,10 @@ function render({ model, el }) {
     else if (reply.state !== undefined) editor.show(reply.state);
   };
   model.on("msg:custom", hear);
-  return () => model.off("msg:custom", hear);
+  return () => {
+    themes.disconnect();
+    model.off("msg:custom", hear);
+  };
 }
 
 export default { render };

@@ -54,5 +54,7 @@ class World {
 
 /** Return a group of controls that can be collapsed. */
 function section(title, ...children) {
-  return html("details", { class: "group" }, html("summary", {}, title), html("div", { class: "fields" }, ...children));
+  const made = html("details", { class: "group" }, html("summary", {}, title), html("div", { class: "fields" }, ...children));
+  made.addEventListener("toggle", () => made.open && made.scrollIntoView({ block: "nearest" }));
+  return made;
 }

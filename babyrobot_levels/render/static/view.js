@@ -48,7 +48,7 @@ class View {
     this.stage.parentElement.style.setProperty("--ratio", ratio);
     this.map.setAttribute("viewBox", `0 0 ${width} ${height}`);
     this.map.style.width = `${(MAP_SIDE * width) / Math.max(width, height)}px`;
-    this.map.querySelector("image").removeAttribute("href");
+    this.isMapDrawn = false;
     const fitting = (COMMON.cell * this.fittingWidth()) / width;
     this.zoomTo(fitting < LEAST_CELL ? CELL_OF_PART / fitting : 1);
   }
@@ -125,31 +125,41 @@ class View {
   /** Show on the map where the robot is, and which part of the picture is seen. */
   drawMap() {
     if (this.zoom === 1) return;
-    const [image, marks, dot, frame] = this.map.children;
+    if (!this.isMapDrawn) this.drawGround();
+    const [, , dot, frame] = this.map.children;
     const [width, height] = this.size;
-    const set = (shape, attributes) => Object.entries(attributes).forEach(([name, value]) =>
-      shape.setAttribute(name, value));
     const half = COMMON.cell / 2;
-    const size = (4 * Math.max(width, height)) / MAP_SIDE;
-    if (!image.hasAttribute("href")) {
-      set(image, { width, height, href: this.still() });
-      set(marks, { d: this.exits.map(([x, y]) =>
-        `M${x + half} ${y + half - size}l${size} ${size}l${-size} ${size}l${-size} ${-size}z`).join("") });
-    }
     const { left, top, width: wide } = this.svg.getBoundingClientRect();
     const scale = width / wide;
     const seen = this.stage.getBoundingClientRect();
-    set(frame, {
+    setAttributes(frame, {
       x: Math.max(0, scale * (seen.left - left)),
       y: Math.max(0, scale * (seen.top - top)),
       width: Math.min(width, scale * seen.width),
       height: Math.min(height, scale * seen.height),
     });
     const { e, f } = this.robot.transform.baseVal[0]?.matrix ?? { e: 0, f: 0 };
-    set(dot, { cx: e + half, cy: f + half, r: size });
+    setAttributes(dot, { cx: e + half, cy: f + half, r: this.signSize });
     // The map is in a corner in which the robot is not.
     const isBelow = [e / scale + left - seen.left > seen.width / 2, f / scale + top - seen.top > seen.height / 2];
     this.map.classList.toggle("left", isBelow.every(Boolean));
+  }
+
+  /** Draw the map itself: the level, and its exits. */
+  drawGround() {
+    this.isMapDrawn = true;
+    const [image, marks] = this.map.children;
+    const [width, height] = this.size;
+    const half = COMMON.cell / 2;
+    const size = this.signSize;
+    setAttributes(image, { width, height, href: this.still() });
+    setAttributes(marks, { d: this.exits.map(([x, y]) =>
+      `M${x + half} ${y + half - size}l${size} ${size}l${-size} ${size}l${-size} ${-size}z`).join("") });
+  }
+
+  /** The size of signs on the map, in units of the picture. */
+  get signSize() {
+    return (4 * Math.max(...this.size)) / MAP_SIDE;
   }
 
   /** Return the level without what moves and without answers, as an image of its own. */
@@ -160,4 +170,8 @@ class View {
     for (const answer of copy.querySelectorAll("#heat, #beside, #places")) answer.remove();
     return `data:image/svg+xml,${encodeURIComponent(new XMLSerializer().serializeToString(copy))}`;
   }
+}
+
+function setAttributes(shape, attributes) {
+  for (const [name, value] of Object.entries(attributes)) shape.setAttribute(name, value);
 }
