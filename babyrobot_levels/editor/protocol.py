@@ -4,7 +4,7 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 (`editor/gestures.py`, with its fields), or one of
 
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
-- `undo`, `redo`;
+- `undo`, `redo`: the reply has `step`, what was asked for in that step, None if there is none;
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
@@ -86,7 +86,7 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
         _check(message)
         if not is_current:
             raise RefusedError(STALE)
-        _change(session, fields)
+        reply |= _changed(session, fields)
     except ConflictError as error:
         reply |= {"error": str(error), "conflict": {"text": error.found}}
     except RefusedError as error:
@@ -132,15 +132,15 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
     raise RefusedError("this question is not known")
 
 
-def _change(session: Session, fields: dict[str, Any]) -> None:
-    """Change the level, or its file."""
+def _changed(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
+    """Change the level, or its file; return what the reply has beside the state."""
     match fields:
         case {"do": "text", "text": str(text)}:
             session.type(text, joined=fields.get("joined") is True)
         case {"do": "undo"}:
-            session.undo()
+            return {"step": session.undo()}
         case {"do": "redo"}:
-            session.redo()
+            return {"step": session.redo()}
         case {"do": "open", "source": str(source)}:
             session.open(*opened(source, fields.get("format")))
         case {"do": "save"}:
@@ -155,6 +155,7 @@ def _change(session: Session, fields: dict[str, Any]) -> None:
             except ValidationError:
                 raise RefusedError("this gesture is not known") from None
             session.apply(gesture)
+    return {}
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:
