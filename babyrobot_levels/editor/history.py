@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 @dataclass(frozen=True, slots=True)
 class Step:
-    """One change: from a place on, `old` became `new`."""
+    """One change, with its name: from a place on, `old` became `new`."""
 
+    name: str
     first: int
     old: str
     new: str
@@ -32,11 +33,12 @@ class History:
         """Whether there is a change to do again."""
         return bool(self._undone)
 
-    def change(self, text: str, *, joined: bool = False) -> None:
+    def change(self, text: str, name: str, *, joined: bool = False) -> None:
         """Make another text of it.
 
         Args:
             text: the text.
+            name: what the step is called.
             joined: whether this and the change before are one step.
         """
         if text == self.text:
@@ -44,28 +46,32 @@ class History:
         before = self.text
         if joined and self._done:
             before = _replaced(before, self._done.pop(), undo=True)
-        self._done.append(_step(before, text))
+        self._done.append(_step(name, before, text))
         self._undone.clear()
         self.text = text
 
-    def undo(self) -> None:
-        """Undo the last change, if there is one."""
-        if self._done:
-            self._undone.append(self._done.pop())
-            self.text = _replaced(self.text, self._undone[-1], undo=True)
+    def undo(self) -> str | None:
+        """Undo the last change, and return its name; None if there is none."""
+        if not self._done:
+            return None
+        self._undone.append(self._done.pop())
+        self.text = _replaced(self.text, self._undone[-1], undo=True)
+        return self._undone[-1].name
 
-    def redo(self) -> None:
-        """Do again what was undone last, if there is anything."""
-        if self._undone:
-            self._done.append(self._undone.pop())
-            self.text = _replaced(self.text, self._done[-1], undo=False)
+    def redo(self) -> str | None:
+        """Do again what was undone last, and return its name; None if there is nothing."""
+        if not self._undone:
+            return None
+        self._done.append(self._undone.pop())
+        self.text = _replaced(self.text, self._done[-1], undo=False)
+        return self._done[-1].name
 
 
-def _step(old: str, new: str) -> Step:
+def _step(name: str, old: str, new: str) -> Step:
     first = _common(old, new)
     left, right = old[first:], new[first:]
     same = _common(left[::-1], right[::-1])
-    return Step(first, left[: len(left) - same], right[: len(right) - same])
+    return Step(name, first, left[: len(left) - same], right[: len(right) - same])
 
 
 def _common(left: str, right: str) -> int:

@@ -4,7 +4,7 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 (`editor/gestures.py`, with its fields), or one of
 
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
-- `undo`, `redo`;
+- `undo`, `redo`: the reply has `step`, what was asked for in that step, None if there is none;
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
@@ -56,16 +56,24 @@ QUESTIONS = ("state", "levels", "answers", "policy", "filled", "copy", "quit")
 """What changes nothing."""
 
 
-def prepare(session: Session, message: dict[str, Any]) -> None:
+SLOW = ("answers", "policy", "copy")
+"""The questions that may take long, which `prepare` is for."""
+
+
+def prepare(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
     """Do what takes long before a message is answered.
 
     It may run beside other messages, in a thread of its own, so that it holds up none of them.
+
+    Returns:
+        The reply, if it is of one level alone; None if `answer` gives it, which is quick then.
     """
     match message.get("do"):
-        case "answers":
+        case "policy" | "copy":
+            return answer(session, message)
+        case "answers" if message.get("revision") == session.revision:
             session.catch_up()
-        case "policy":
-            session.answers.catch_up()
+    return None
 
 
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
@@ -74,14 +82,13 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     reply: dict[str, Any] = {"id": fields.pop("id", None)}
     is_current = fields.pop("revision", None) == session.revision
     is_question = fields.get("do") in QUESTIONS
-    prepare(session, message)
     try:
         if is_question:
             return reply | _asked(session, fields, is_current=is_current)
         _check(message)
         if not is_current:
             raise RefusedError(STALE)
-        _change(session, fields)
+        reply |= _changed(session, fields)
     except ConflictError as error:
         reply |= {"error": str(error), "conflict": {"text": error.found}}
     except RefusedError as error:
@@ -108,7 +115,10 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
         case {"do": "state"}:
             return {"state": {**state_of(session), "forms": forms()}}
         case {"do": "answers"}:
-            return {"state": state_of(session)} if is_current else {}
+            if not is_current:
+                return {}
+            session.catch_up()
+            return {"state": state_of(session)}
         case {"do": "policy"}:
             if not is_current:
                 raise RefusedError(STALE)
@@ -126,15 +136,15 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
     raise RefusedError("this question is not known")
 
 
-def _change(session: Session, fields: dict[str, Any]) -> None:
-    """Change the level, or its file."""
+def _changed(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
+    """Change the level, or its file; return what the reply has beside the state."""
     match fields:
         case {"do": "text", "text": str(text)}:
             session.type(text, joined=fields.get("joined") is True)
         case {"do": "undo"}:
-            session.undo()
+            return {"step": session.undo()}
         case {"do": "redo"}:
-            session.redo()
+            return {"step": session.redo()}
         case {"do": "open", "source": str(source)}:
             session.open(*opened(source, fields.get("format")))
         case {"do": "save"}:
@@ -145,6 +155,7 @@ def _change(session: Session, fields: dict[str, Any]) -> None:
             session.note_download()
         case _:
             session.apply(_gesture(fields))
+    return {}
 
 
 def _gesture(fields: dict[str, Any]) -> Gesture:
@@ -162,7 +173,11 @@ def _filled(session: Session, fields: dict[str, Any]) -> list[Cell]:
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:
+    revision = session.revision
+    session.answers.catch_up()
     optimum = session.answers.optimum
+    if session.revision != revision:
+        raise RefusedError(STALE)
     if optimum is None:
         raise RefusedError("there is no valid level yet")
     return worth_of(optimum, actions)

@@ -122,7 +122,7 @@ class Session:
         report = lint_document(after, (), self.path)
         if report.level is None:
             raise RefusedError(report.diagnostics[0].message)
-        self._history.change(after.source.text)
+        self._history.change(after.source.text, gesture.do)
         self._take(report)
 
     def _fix(self, fix: Fix) -> None:
@@ -130,26 +130,28 @@ class Session:
         report = self._checked(SourceFile(self.source.name, text))
         if self.is_valid and not report.is_valid:
             raise RefusedError(f"after this fix, {report.diagnostics[0].message}")
-        self._history.change(text)
+        self._history.change(text, fix.do)
         self._take(report)
 
     def type(self, text: str, *, joined: bool = False) -> None:
         """Replace the text by what was typed; `joined` makes it one step with the change before."""
-        self._change(text, joined=joined)
+        self._change(text, "text", joined=joined)
 
-    def undo(self) -> None:
-        """Undo the last step."""
-        self._history.undo()
+    def undo(self) -> str | None:
+        """Undo the last step, and return its name; None if there is none."""
+        step = self._history.undo()
         self._read()
+        return step
 
-    def redo(self) -> None:
-        """Do the step again that was undone last."""
-        self._history.redo()
+    def redo(self) -> str | None:
+        """Do the step again that was undone last, and return its name; None if there is none."""
+        step = self._history.redo()
         self._read()
+        return step
 
     def open(self, text: str, name: str) -> None:
         """Replace the level by another one, which can be undone. The file stays the same."""
-        self._change(text)
+        self._change(text, "open")
         if self.file is None:
             self.name, self._saved = name, text
 
@@ -178,11 +180,11 @@ class Session:
         if self.file is None:
             raise RefusedError("this level has no file")
         self.file.reread()
-        self._change(self.file.text)
+        self._change(self.file.text, "reload")
         self._saved = self.text
 
-    def _change(self, text: str, *, joined: bool = False) -> None:
-        self._history.change(text, joined=joined)
+    def _change(self, text: str, step: str, *, joined: bool = False) -> None:
+        self._history.change(text, step, joined=joined)
         self._read()
 
     def _read(self) -> None:

@@ -209,6 +209,14 @@ def test_a_new_file_that_another_program_made_first_is_a_conflict(tmp_path: Path
     assert (tmp_path / "new.yaml").read_text("utf-8") == OTHER
 
 
+def test_what_is_undone_and_done_again_is_told() -> None:
+    session = Session(TEXT)
+    ask(session, "walls", at=[0, 0], side="E", to="wall")
+    ask(session, "text", text=TEXT + "max_steps: 9\n")
+    assert [ask(session, "undo")["step"] for _ in range(3)] == ["text", "walls", None]
+    assert [ask(session, "redo")["step"] for _ in range(3)] == ["walls", "text", None]
+
+
 def test_the_text_of_another_program_is_taken_on_demand_and_can_be_undone(file: Path) -> None:
     session = session_of(file)
     ask(session, "text", text=TEXT + "max_steps: 7\n")

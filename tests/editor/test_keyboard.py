@@ -208,9 +208,9 @@ def test_steps_are_undone_and_done_again(keys: Typing) -> None:
     keys.change("2", "Space")
     drawn = keys.text
     keys.change("Control+z")
-    assert (keys.text, keys.said) == (LEVEL, "Undone.")
+    assert (keys.text, keys.said) == (LEVEL, "Undone: painting.")
     keys.change("Control+Shift+z")
-    assert (keys.text, keys.said) == (drawn, "Done again.")
+    assert (keys.text, keys.said) == (drawn, "Done again: painting.")
     keys.change("Control+z")
     keys.change("Control+y")
     assert keys.text == drawn
@@ -232,7 +232,7 @@ def test_mistakes_are_counted_as_they_come_and_go(keys: Typing) -> None:
     keys.type("ArrowRight")
     assert "cannot be reached" in keys.spoken
     keys.change("Control+z")
-    assert keys.said == "Undone. No findings."
+    assert keys.said == "Undone: walls. No findings."
 
 
 # -- the rest of the editor --------------------------------------------------------------------

@@ -76,9 +76,16 @@ def test_only_what_is_moved_moves(text: str, seed: int) -> None:
         moved["cells"] = [
             [x + dx, y + dy] if [x, y] in wanted else [x, y] for x, y in place["cells"]
         ]
-        moved["sides"] = [[x + dx, y + dy, side] for x, y, side in place["sides"]]
+        moved["sides"] = [named(x + dx, y + dy, side) for x, y, side in place["sides"]]
         others = [each for each in before if each is not place]
         assert inner(stands(found(session))) == inner(stands([*others, moved]))
+
+
+def named(x: int, y: int, side: str) -> list[Any]:
+    """Return a side as places name it: between two cells, it is E or S."""
+    if side == "W" and x > 0:
+        return [x - 1, y, "E"]
+    return [x, y - 1, "S"] if side == "N" and y > 0 else [x, y, side]
 
 
 def inner(places: Counter[tuple[Any, ...]]) -> Counter[tuple[Any, ...]]:

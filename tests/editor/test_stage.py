@@ -213,6 +213,19 @@ def test_what_is_selected_is_outlined_moved_and_deleted(hand: Hand) -> None:
     expect(hand.page.locator(".selected path")).to_have_count(0)
 
 
+def test_what_is_moved_in_a_drawing_stays_selected(editor_page: OpenEditor) -> None:
+    drawn = "version: 1\nmap: |\n  +---+---+---+\n  | S   o   E |\n  +---+---+---+\n"
+    hand = Hand(editor_page(drawn.replace("E |", "E |\n  +   +   +   +\n  |           |")))
+    hand.choose("select")
+    hand.drag(hand.at(1.5, 0.5))
+    hand.draw((1.5, 0.5), (1.5, 1.5))
+    expect(hand.page.locator(".selected path")).not_to_have_count(0)
+    hand.draw((1.5, 1.5), (2.5, 1.5))
+    with hand.changing():
+        hand.page.keyboard.press("Delete")
+    assert "o" not in hand.text.partition("map")[2]
+
+
 @pytest.mark.parametrize(
     ("way", "drag", "size", "start"),
     [

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import nbformat
@@ -18,6 +20,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.hosts.notebook import edit
 from babyrobot_levels.editor.hosts.widget import Editor
+from babyrobot_levels.editor.shown import answers
 
 TEXT = "version: 1\nsize: [3, 2]  # small\nstart: [0, 0]\nexit: [2, 1]\n"
 PUDDLE = {"do": "paint", "brush": "small", "cells": [[1, 1]]}
@@ -82,6 +85,44 @@ def test_a_text_that_is_set_in_python_is_shown_and_can_be_undone(
     assert sent[-1]["state"]["text"] == editor.yaml
     receive(editor, 2, do="undo")
     assert level_of(editor).size == (3, 2)
+
+
+def test_the_kernel_goes_on_while_a_question_takes_long(
+    sent: list[dict[str, Any]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(answers, "BUDGET", 0.0)
+    editor = edit(brl.loads(TEXT))
+    begun, go_on = Event(), Event()
+    usual = answers.solved
+
+    def slow(level: brl.Level) -> answers.Optimum:
+        begun.set()
+        assert go_on.wait(20)
+        return usual(level)
+
+    async def kernel() -> None:
+        monkeypatch.setattr(answers, "solved", slow)
+        receive(editor, 1, do="answers")
+        await asyncio.to_thread(begun.wait, 20)
+        receive(editor, 1, **PUDDLE)
+        assert sent[-1]["state"]["revision"] == 2
+        go_on.set()
+        await until_sent(2)
+        # What was asked of another text is not told.
+        assert "state" not in sent[-1]
+        receive(editor, 2, do="answers")
+        await until_sent(3)
+        assert sent[-1]["state"]["answers"]["status"] == "done"
+        receive(editor, 2, do="copy", form="link")
+        await until_sent(4)
+        assert sent[-1]["copy"].startswith("#")
+
+    async def until_sent(count: int) -> None:
+        async with asyncio.timeout(20):
+            while len(sent) < count:
+                await asyncio.sleep(0.01)
+
+    asyncio.run(kernel())
 
 
 def test_a_level_is_saved_to_its_file_or_to_another_one(

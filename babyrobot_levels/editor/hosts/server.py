@@ -146,7 +146,9 @@ def application(session: Session, token: str, stop: Callable[[], None] = lambda:
     lock = Lock()
 
     def answered(message: dict[str, Any]) -> dict[str, Any]:
-        prepare(session, message)
+        reply = prepare(session, message)
+        if reply is not None:
+            return reply
         with lock:
             return answer(session, message)
 

@@ -13,7 +13,7 @@ import traitlets
 
 from babyrobot_levels.editor.edited_file import EditedFile
 from babyrobot_levels.editor.hosts.front_end import module, static, style
-from babyrobot_levels.editor.protocol import answer
+from babyrobot_levels.editor.protocol import SLOW, answer, prepare
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.state import state_of
 from babyrobot_levels.library.level import Level
@@ -46,6 +46,7 @@ class Editor(anywidget.AnyWidget):
         self._session = session
         self._stand_ins: list[Any] = []
         self._timer: asyncio.TimerHandle | None = None
+        self._tasks: set[asyncio.Task[None]] = set()
         super().__init__()
         self._class = f"babyrobot-{self.model_id}"
         self.add_class(self._class)
@@ -78,11 +79,21 @@ class Editor(anywidget.AnyWidget):
     def _receive(self, _: object, content: Any, buffers: object) -> None:
         if not isinstance(content, dict):
             return
+        if content.get("do") in SLOW:
+            task = asyncio.get_running_loop().create_task(self._answer_later(content))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+            return
         before = self._session.revision
         self.send(answer(self._session, content))
         if self._session.revision != before:
             self._take_over()
             self._renew_later()
+
+    async def _answer_later(self, question: dict[str, Any]) -> None:
+        """Answer a question that may take long, while the kernel does other things."""
+        reply = await asyncio.to_thread(prepare, self._session, question)
+        self.send(answer(self._session, question) if reply is None else reply)
 
     def _type(self, change: Any) -> None:
         """Take a text that was set in Python."""

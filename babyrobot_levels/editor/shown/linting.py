@@ -152,6 +152,6 @@ def _moved(found: list[Diagnostic], before: Report, document: Document) -> list[
             moved.append(replace(each, fix=None, source=document.source))
         elif each.line > len(old) - same:
             end = Position(each.end.line + shift, each.end.column)
-            place = {"line": each.line + shift, "end": end}
-            moved.append(replace(each, fix=None, source=document.source, **place))
+            line, source = each.line + shift, document.source
+            moved.append(replace(each, fix=None, source=source, line=line, end=end))
     return moved

@@ -71,8 +71,27 @@ const DONE = {
   resolve: () => "The maze is written out as walls",
   fix: () => "The finding is fixed",
   open: () => "Opened",
-  undo: () => "Undone",
-  redo: () => "Done again",
+  undo: (editor, { step }) => `Undone${step ? `: ${STEPS[step]}` : ""}`,
+  redo: (editor, { step }) => `Done again${step ? `: ${STEPS[step]}` : ""}`,
+};
+
+/** What steps are called that are undone. */
+const STEPS = {
+  walls: "walls",
+  paint: "painting",
+  fill: "filling",
+  warp: "warp",
+  path: "mover",
+  move: "moving",
+  remove: "removing",
+  set: "setting a field",
+  resize: "the size",
+  wind: "wind",
+  resolve: "writing the maze out",
+  fix: "a fix",
+  text: "typing",
+  open: "opening",
+  reload: "reading the file again",
 };
 
 const MODES_IN_WORDS = { edit: "Editing.", play: "Playing.", policy: "Drawing a policy." };

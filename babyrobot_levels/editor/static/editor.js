@@ -12,7 +12,7 @@
  * - "mode": another mode ("edit", "play", "policy") was chosen;
  * - "zoom": the picture has another size in the window;
  * - "panel": another panel is to be shown: the name of its class;
- * - "done": Python did what `done`, a message, asked for;
+ * - "done": Python did what `done`, a message, asked for; of `undo` and `redo`, it has the `step`;
  * - "look": what is in the cell of the cursor is to be told;
  * - "help": the list of keys and gestures is to be shown;
  * - "said": a message for people.
@@ -89,8 +89,8 @@ class Editor {
         .send({ id: this.count, revision, ...message })
         .catch((error) => ({ error: error.message }));
       if (reply.error !== undefined) this.say(reply.error, "refused");
-      if (reply.state !== undefined) this.show(reply.state);
-      if (reply.error === undefined) this.set("done", { done: message });
+      if (reply.state !== undefined) this.show(reply.state, reply.error === undefined ? message : null);
+      if (reply.error === undefined) this.set("done", { done: { ...message, step: reply.step } });
       return reply;
     });
     // A part that cannot show a state does not hold up the messages after it.
@@ -105,11 +105,16 @@ class Editor {
     return this.connection.send(message).catch(() => ({}));
   }
 
-  /** Show another state; what was selected stays so if it is still there. */
-  show(state) {
+  /**
+   * Show another state, which a message led to if one is given. What was selected stays so if it is
+   * still there: in a drawing, what is moved is then at another route.
+   */
+  show(state, message = null) {
     const { selection } = this;
-    const isSelected = (place) => place.kind === selection.kind && sameRoute(place, selection);
-    this.selection = selection && ((state.places ?? []).find(isSelected) ?? null);
+    const places = (state.places ?? []).filter(({ kind }) => kind === selection?.kind);
+    const isMoved = message?.do === "move" && sameRoute(message, selection);
+    this.selection = places.find((place) => sameRoute(place, selection)) ??
+      places.find(({ cells }) => isMoved && cells.some((cell) => isSameCell(cell, message.to))) ?? null;
     this.set("state", { state });
     if (selection !== null && this.selection === null) this.tell("selection");
   }
