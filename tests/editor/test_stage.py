@@ -286,7 +286,7 @@ def test_the_map_follows_what_is_drawn_when_one_pauses(hand: Hand) -> None:
     image = hand.page.locator("svg.map image")
     expect(image).to_have_attribute("href", re.compile("^data:"))
     before = image.get_attribute("href") or ""
-    hand.draw((1, 0.5))
+    hand.draw((3, 1.5))
     assert image.get_attribute("href") == before
     expect(image).not_to_have_attribute("href", before)
 
@@ -297,7 +297,7 @@ def test_a_drag_to_the_edge_of_the_stage_scrolls_the_picture(hand: Hand) -> None
         page.get_by_role("button", name="Zoom in").click()
     stage = page.locator(".stage").bounding_box()
     assert stage is not None
-    hand.begin(hand.at(0.5, 1), (stage["x"] + stage["width"] - 5, hand.at(0, 1)[1]))
+    hand.begin(hand.at(2.5, 2), (stage["x"] + stage["width"] - 5, hand.at(0, 2)[1]))
     page.wait_for_function("""() => {
       const { scrollLeft, scrollWidth, clientWidth } =
         document.querySelector("#editor").shadowRoot.querySelector(".stage");
@@ -305,7 +305,15 @@ def test_a_drag_to_the_edge_of_the_stage_scrolls_the_picture(hand: Hand) -> None
     }""")
     with hand.changing():
         page.mouse.up()
-    assert "- {at: [0, 0], side: S, length: 6}" in hand.text
+    assert "- {at: [2, 1], side: S, length: 4}" in hand.text
+
+
+def test_the_buttons_zoom_to_the_middle(hand: Hand) -> None:
+    middle = hand.at(3, 2)
+    for _ in range(3):
+        hand.page.get_by_role("button", name="Zoom in").click()
+    assert hand.at(1, 0)[0] - hand.at(0, 0)[0] > 128
+    assert hand.at(3, 2) == pytest.approx(middle, abs=3)
 
 
 def test_the_middle_button_moves_the_picture(hand: Hand) -> None:

@@ -169,7 +169,7 @@ class Keyboard {
   zoomBy(factor) {
     if (!this.editor.game) return;
     const { view } = this.editor.stage;
-    view.zoomTo(view.zoom * factor);
+    view.zoomBy(factor);
     this.reveal();
   }
 

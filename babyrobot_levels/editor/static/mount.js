@@ -38,9 +38,9 @@ const LAYOUT = `
 `;
 
 const ZOOMS = [
-  ["Zoom out", "M6 12h12", (view) => view.zoomTo(view.zoom / ZOOM_STEP)],
+  ["Zoom out", "M6 12h12", (view) => view.zoomBy(1 / ZOOM_STEP)],
   ["Show the whole level", "M4 9V4h5M15 4h5v5M20 15v5h-5M9 20H4v-5", (view) => view.fit()],
-  ["Zoom in", "M6 12h12M12 6v12", (view) => view.zoomTo(view.zoom * ZOOM_STEP)],
+  ["Zoom in", "M6 12h12M12 6v12", (view) => view.zoomBy(ZOOM_STEP)],
 ];
 
 /**

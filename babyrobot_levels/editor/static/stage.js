@@ -24,6 +24,12 @@ class StageView extends View {
     if (this.svg === this.editor.picture?.svg) this.editor.tell("zoom");
   }
 
+  /** Zoom by a factor; what is in the middle stays there. */
+  zoomBy(factor) {
+    const { left, top, width, height } = this.stage.getBoundingClientRect();
+    this.zoomTo(this.zoom * factor, [left + width / 2, top + height / 2]);
+  }
+
   /** Draw the map when one pauses: of a large level, that takes as long as the picture. */
   drawGround() {
     clearTimeout(this.drawing);
