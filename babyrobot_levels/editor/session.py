@@ -12,10 +12,9 @@ from babyrobot_levels.editor.edited_file import EditedFile
 from babyrobot_levels.editor.gestures import Fix, Gesture
 from babyrobot_levels.editor.history import History
 from babyrobot_levels.editor.shown.answers import Answers
+from babyrobot_levels.editor.shown.linting import Linter, Linting
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.lint.registry import select
 from babyrobot_levels.lint.runner import Report, lint_document, lint_source
-from babyrobot_levels.render.page_data import MAX_CELLS
 from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
@@ -38,7 +37,7 @@ class Session:
         revision: a number that grows with each change of the text.
         level: the level of the text, or of the last text that was valid; None if none was.
         document: the text that `level` is from, as it was read.
-        report: the findings in the text.
+        linting: the findings in the text.
         answers: the optimum of the level.
     """
 
@@ -51,6 +50,8 @@ class Session:
         self.level: Level | None = None
         self.document: Document | None = None
         self.answers = Answers()
+        self.linting: Linting
+        self._linter = Linter()
         self._history = History(text)
         self._saved = text
         self._read()
@@ -69,6 +70,11 @@ class Session:
     def source(self) -> SourceFile:
         """The text, with the name under which messages speak of it."""
         return SourceFile(str(self.path or self.name or "level.yaml"), self.text)
+
+    @property
+    def report(self) -> Report:
+        """What is found in the text so far; see `catch_up`."""
+        return self.linting.report
 
     @property
     def is_valid(self) -> bool:
@@ -113,7 +119,7 @@ class Session:
             after = _written_anew(document, data)
         if len(after.source.text.encode()) > MAX_BYTES:
             raise RefusedError("the text would be larger than the file of a level may be")
-        report = lint_document(after, select(None), self.path, max_cells=MAX_CELLS)
+        report = lint_document(after, (), self.path)
         if report.level is None:
             raise RefusedError(report.diagnostics[0].message)
         self._history.change(after.source.text)
@@ -183,16 +189,20 @@ class Session:
         self._take(self._checked(self.source))
 
     def _checked(self, source: SourceFile) -> Report:
-        # What is too large for a picture would also take too long to be proved on the way.
-        return lint_source(source, select(None), self.path, max_cells=MAX_CELLS)
+        return lint_source(source, (), self.path)
 
     def _take(self, report: Report) -> None:
-        """Take the report on the text at hand."""
+        """Take the text at hand, of which a report has the errors."""
         self.revision += 1
-        self.report = report
-        if self.report.level is not None:
-            self.level, self.document = self.report.level, self.report.document
-            self.answers.follow(self.level)
+        if report.level is not None:
+            self.level, self.document = report.level, report.document
+            self.answers.follow(report.level)
+        self.linting = self._linter.follow(report, self.path, self.answers)
+
+    def catch_up(self) -> None:
+        """Compute what takes long: the optimum, and the findings that need it or more."""
+        self.answers.catch_up()
+        self._linter.catch_up(self.answers)
 
 
 def _written_anew(document: Document, data: dict[str, Any]) -> Document:

@@ -16,8 +16,9 @@ def state_of(session: Session) -> dict[str, Any]:
     """Return everything that the editor shows.
 
     The keys: `revision`, `text`, `name`, `path`, `is_valid`, `is_saved`, `can_undo`, `can_redo`;
-    `findings`, see `findings_of`; and of the level of the text or, if the text is invalid, of the
-    last valid one:
+    `findings`, see `findings_of`; `findings_pending`, whether some are still to be looked for,
+    which the question `answers` does; and of the level of the text or, if the text is invalid, of
+    the last valid one:
 
     - `level`, what a page knows about it (None if none was valid, or if it is too large for a
       picture: `too_large` then says so);
@@ -48,7 +49,8 @@ def state_of(session: Session) -> dict[str, Any]:
         "is_saved": session.is_saved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
-        "findings": findings_of(session.report.diagnostics, session.source, size),
+        "findings": findings_of(session.linting, size),
+        "findings_pending": bool(session.linting.waiting),
         "unreachable": answers.unreachable,
         "answers": answers.to_dict(),
         "level": level,

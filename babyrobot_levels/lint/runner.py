@@ -34,7 +34,7 @@ class Report:
         source: the text, None if the file could not be read.
         diagnostics: the findings, sorted by position.
         level: the level; None if the text has errors.
-        document: the text as it was read, which gave the level; None if the text has errors.
+        document: the text as it was read; None if it is not YAML.
     """
 
     source: SourceFile | None
@@ -153,20 +153,33 @@ def lint_document(
     level, errors = check_document(document, path)
     if not isinstance(level, Level):
         # Rules check levels; a suite only has errors.
-        return Report(source, errors)
-    active = frozenset(name for rule in rules if rule.check is not None for name in rule.names)
-    context = LintContext(level, document, path, active)
-    columns, rows = level.size
-    has_tables = not level.has_random_maze and (max_cells is None or columns * rows <= max_cells)
-    # In the order of codes: the last rule checks which suppressions were used.
+        return Report(source, errors, document=document)
+    context = LintContext(level, document, path, names_of(rules))
+    return Report(source, findings_in(context, rules, max_cells=max_cells), level, document)
+
+
+def names_of(rules: Iterable[Rule]) -> frozenset[str]:
+    """Return the codes and names of the rules that check levels, in lower case."""
+    return frozenset(name for rule in rules if rule.check is not None for name in rule.names)
+
+
+def findings_in(
+    context: LintContext, rules: Sequence[Rule], *, max_cells: int | None = None
+) -> list[Diagnostic]:
+    """Return the findings of rules in a level, sorted by position; see `lint_source`.
+
+    Rules are in the order of their codes: the last one checks which suppressions were used.
+    """
+    columns, rows = context.level.size
+    is_small = max_cells is None or columns * rows <= max_cells
+    has_tables = is_small and not context.level.has_random_maze
     found = []
     for rule in rules:
         if rule.check is None or (rule.needs is Needs.TABLES and not has_tables):
             continue
         diagnostics = [_diagnostic(rule, finding, context) for finding in rule.check(context)]
         found += [each for each in diagnostics if not _is_suppressed(rule, each, context)]
-    found.sort(key=lambda each: (each.line, each.column, each.code))
-    return Report(source, found, level, document)
+    return sorted(found, key=lambda each: (each.line, each.column, each.code))
 
 
 def equivalent_levels(

@@ -8,8 +8,11 @@ import pytest
 
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown.findings import findings_of
+from babyrobot_levels.editor.shown.linting import Linting
 from babyrobot_levels.editor.state import state_of
+from babyrobot_levels.lint.runner import Report
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
+from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import Position, SourceFile
 
 GRID = "version: 1\nsize: [4, 3]\nstart: [0, 0]\nexit: [3, 2]\n"
@@ -120,5 +123,6 @@ def test_each_character_of_a_drawing_has_its_place(
     line, column = 3 + mark[0], 3 + mark[1]
     at = Position(line, column + 1)
     given = Diagnostic("BR000", Severity.ERROR, "wrong", "x", line, column, at)
-    (found,) = findings_of([given], SourceFile("x", DRAWN), (3, 2))
+    source = SourceFile("x", DRAWN)
+    (found,) = findings_of(Linting(Report(source, [given], document=read(source))), (3, 2))
     assert (found["cells"], found["sides"]) == (cells, sides)

@@ -28,7 +28,8 @@ from babyrobot_levels.render.page_data import (
 )
 
 if TYPE_CHECKING:
-    from babyrobot_levels.analysis.solver.results import Evaluation
+    from babyrobot_levels.analysis.solver.results import Evaluation, Solution
+    from babyrobot_levels.mdp.reachability import Reach
 
 Cell = tuple[int, int]
 
@@ -56,11 +57,13 @@ class Optimum:
         level: the level.
         guide: its solution; None if it has none.
         reason: why it has none, or why its return is infinite; empty for neither.
+        solution: the solution of which `guide` is a part; None if it has none.
     """
 
     level: Level
     guide: Guide | None
     reason: str
+    solution: Solution | None = None
 
     @cached_property
     def page(self) -> dict[str, Any]:
@@ -94,13 +97,15 @@ class Answers:
         level: the level at hand; None before the first one. Its maze has a seed.
         optimum: its solution; None while it is not known.
         before: the solution that was known last of the levels before; None for none.
-        unreachable: the cells `[x, y]` of the level at hand in which no episode can ever be.
+        reach: which of its states an episode can be in; None where that is not computed.
+        unreachable: its cells `[x, y]` in which no episode can ever be.
     """
 
     def __init__(self) -> None:
         self.level: Level | None = None
         self.optimum: Optimum | None = None
         self.before: Optimum | None = None
+        self.reach: Reach | None = None
         self.unreachable: list[list[int]] = []
         self._page: dict[str, Any] | None = None
         self._time_of_state = _USUAL_TIME
@@ -112,7 +117,7 @@ class Answers:
         self.before = self.optimum or self.before
         self.optimum = self._page = None
         self.level = level.with_maze_seed(0) if level.has_random_maze else level
-        self.unreachable = []
+        self.reach, self.unreachable = None, []
         if level.has_random_maze:
             reason = "each episode has another maze, so there is no single optimal policy"
             self.optimum = Optimum(self.level, None, reason)
@@ -122,7 +127,8 @@ class Answers:
         except TooLargeError as error:
             self.optimum = Optimum(level, None, str(error))
             return
-        self.unreachable = unreachable(level)
+        self.reach = reach_of(level, level.compile())
+        self.unreachable = unreachable(level, self.reach)
         if level.compile().num_states * self._time_of_state <= BUDGET:
             self.optimum = self._solved(level)
 
@@ -215,13 +221,13 @@ def solved(level: Level) -> Optimum:
         solution = solve(level)
     except ArithmeticError as error:
         return Optimum(level, None, str(error))
-    return Optimum(level, solution_guide(level, solution), endless(solution))
+    return Optimum(level, solution_guide(level, solution), endless(solution), solution)
 
 
-def unreachable(level: Level) -> list[list[int]]:
+def unreachable(level: Level, reach: Reach) -> list[list[int]]:
     """Return the cells `[x, y]` in which no episode can ever be, but for blocked ones."""
-    mdp = level.compile()
-    steps = np.array(reach_of(level, mdp).steps).reshape(-1, mdp.height, mdp.width)
+    width, height = level.size
+    steps = np.array(reach.steps).reshape(-1, height, width)
     missed = (steps < 0).all(axis=0) & ~level.grid().blocked
     cells: list[list[int]] = np.argwhere(missed)[:, ::-1].tolist()
     return cells

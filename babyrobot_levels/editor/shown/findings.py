@@ -7,13 +7,11 @@ from collections.abc import Iterator
 from itertools import islice
 from typing import Any, TypeGuard
 
+from babyrobot_levels.editor.shown.linting import Linting
 from babyrobot_levels.lint.finding import marked_at
 from babyrobot_levels.lint.registry import find
-from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.document import Document, Node
-from babyrobot_levels.text.errors import LevelError
-from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile, Span
+from babyrobot_levels.text.source import Span
 
 PLACED = {
     *("start", "exit", "exit_one_of", "puddles", "blocked", "areas"),
@@ -30,26 +28,23 @@ Place = tuple[int, int, str]
 """A cell `(x, y)` and a side of it, which is empty for the cell itself."""
 
 
-def findings_of(
-    found: list[Diagnostic], source: SourceFile, size: tuple[int, int]
-) -> list[dict[str, Any]]:
+def findings_of(linting: Linting, size: tuple[int, int]) -> list[dict[str, Any]]:
     """Return findings as plain data, each with where it is shown.
 
-    To `Diagnostic.to_dict` it adds `title`, what its rule is about; `cells`, `[x, y]` each; and
-    `sides`, `[x, y, side]` each. The places are those of the entry, or of the part of the drawing,
-    at which a finding points; or else those that its message names.
+    To `Diagnostic.to_dict` it adds `title`, what its rule is about; `is_outdated`, whether it was
+    found in the text before, and not looked for again yet; `cells`, `[x, y]` each; and `sides`,
+    `[x, y, side]` each. The places are those of the entry, or of the part of the drawing, at which
+    a finding points; or else those that its message names.
 
     Args:
-        found: the findings.
-        source: the text.
+        linting: the findings.
         size: the size of the picture; what is off it is left out.
     """
-    try:
-        document = read(source) if found else None
-    except LevelError:
-        document = None
+    document = linting.report.document
+    found = [(each, False) for each in linting.report.diagnostics]
+    found += [(each, True) for each in linting.outdated]
     shown = []
-    for each in found:
+    for each, is_outdated in sorted(found, key=lambda pair: (pair[0].line, pair[0].column)):
         places = [*_places(document, each.span)] if document is not None else []
         named = ((int(x), int(y), "") for x, y in _CELL.findall(each.message))
         inside = [
@@ -57,11 +52,16 @@ def findings_of(
             for x, y, side in dict.fromkeys(places or named)
             if x < size[0] and y < size[1]
         ]
-        cells = [[x, y] for x, y, side in inside if not side]
-        sides = [[x, y, side] for x, y, side in inside if side]
         rule = find(each.code)
-        title = "" if rule is None else rule.summary
-        shown.append({**each.to_dict(), "title": title, "cells": cells, "sides": sides})
+        shown.append(
+            {
+                **each.to_dict(),
+                "title": "" if rule is None else rule.summary,
+                "is_outdated": is_outdated,
+                "cells": [[x, y] for x, y, side in inside if not side],
+                "sides": [[x, y, side] for x, y, side in inside if side],
+            }
+        )
     return shown
 
 

@@ -1,6 +1,6 @@
 // The optimum of the level: its return, what the last change did to it, and what the picture shows.
 
-const IDLE = 400; // Milliseconds without a change before a level that takes longer is solved.
+const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
 const SHOWN = [
   ["values", "Values", "V"],
   ["policy", "Optimal actions", "B"],
@@ -39,7 +39,7 @@ class Answers {
   }
 
   show() {
-    const { level, answers, revision } = this.editor.state;
+    const { level, answers, revision, findings_pending: hasMoreFindings } = this.editor.state;
     if (level !== null) level.shown = [...this.shown];
     const isPending = answers.status === "pending";
     this.best.textContent = isPending ? "…" : answers.best_text || "none";
@@ -53,20 +53,15 @@ class Answers {
       each.disabled = answers.status === "none";
     }
     clearTimeout(this.timer);
-    if (isPending && this.asked !== revision) this.timer = setTimeout(() => this.ask(revision), IDLE);
+    if ((isPending || hasMoreFindings) && this.asked !== revision) this.timer = setTimeout(() => this.ask(revision), IDLE);
   }
 
-  /** Ask for the optimum of a level that takes longer, beside all other messages. */
+  /** Ask for the optimum and the findings that take longer, beside all other messages. */
   async ask(revision) {
     this.asked = revision;
-    const { editor } = this;
-    editor.count += 1;
-    try {
-      const reply = await editor.connection.send({ id: editor.count, revision, do: "answers" });
-      if (reply.state?.revision === editor.state.revision) editor.show(reply.state);
-    } catch {
-      this.asked = null; // The next change asks again, or tells that nobody answers.
-    }
+    const { state } = await this.editor.ask({ do: "answers" });
+    if (state === undefined) this.asked = null; // The next change asks again, or tells that nobody answers.
+    else if (state.revision === this.editor.state.revision) this.editor.show(state);
   }
 }
 

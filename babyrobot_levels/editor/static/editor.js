@@ -98,6 +98,13 @@ class Editor {
     return sent;
   }
 
+  /** Ask what changes nothing, beside all other messages. Returns the reply, empty if none comes. */
+  async ask(question) {
+    this.count += 1;
+    const message = { id: this.count, revision: this.state.revision, ...question };
+    return this.connection.send(message).catch(() => ({}));
+  }
+
   /** Show another state; what was selected stays so if it is still there. */
   show(state) {
     const { selection } = this;

@@ -11,11 +11,13 @@ class Findings {
   }
 
   show() {
-    const { findings } = this.editor.state;
-    const key = JSON.stringify(findings);
+    const { findings, findings_pending: hasMore } = this.editor.state;
+    const key = JSON.stringify([findings, hasMore]);
     if (key === this.key) return; // The focus stays where it is.
     this.key = key;
-    this.heading.textContent = findings.length === 0 ? "No findings" : `Findings (${findings.length})`;
+    const told = findings.length === 0 ? "No findings" : `Findings (${findings.length})`;
+    this.heading.textContent = hasMore ? `${told} …` : told;
+    this.heading.title = hasMore ? "The rules that take longer are checked when you pause." : "";
     this.list.replaceChildren(...findings.map((finding) => this.item(finding)));
   }
 
@@ -27,7 +29,8 @@ class Findings {
       html("span", { class: "finding-code" }, `${code} · line ${line}`));
     const sign = html("span", { class: "sign", role: "img", "aria-label": severity }, SIGNS[severity]);
     const place = html("button", { type: "button", class: "finding", title, onclick: () => this.goTo(finding) }, sign, said);
-    return html("li", { class: severity }, place, finding.fix === null ? null : this.fixButton(finding));
+    const state = finding.is_outdated ? `${severity} outdated` : severity;
+    return html("li", { class: state }, place, finding.fix === null ? null : this.fixButton(finding));
   }
 
   fixButton({ code, line, column, fix: { message, safe } }) {

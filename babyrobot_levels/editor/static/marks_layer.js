@@ -50,14 +50,14 @@ class MarksOverlay {
   }
 
   /** Return the outline of where a finding is, and its sign. */
-  sign({ severity, cells, sides }) {
+  sign({ severity, cells, sides, is_outdated: isOutdated }) {
     const { game } = this.editor;
     const side = COMMON.cell;
     const lines = sides.map((each) => sideLine(game, each)).join("");
     const [x, y] = sides.length > 0 ? middleOfSide(game, sides[0]) :
       game.corner(cells[0][0] + 1 - SIGN / 1.6, cells[0][1] + SIGN / 1.6);
     const size = (SIGN * side) / 2;
-    return element("g", { class: `finding-mark ${severity}` },
+    return element("g", { class: `finding-mark ${severity}${isOutdated ? " outdated" : ""}` },
       element("path", { d: (cells.length > 1 ? boxes(game, cells, 2) : "") + lines, class: "where" }),
       element("g", { transform: `translate(${x} ${y}) scale(${size / 10})`, class: "sign" },
         element("circle", { r: 10 }),

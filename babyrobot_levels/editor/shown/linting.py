@@ -1,0 +1,157 @@
+"""The findings in the text that is edited; those of rules that take long follow when it is idle."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from threading import Lock
+from time import thread_time
+
+from babyrobot_levels.editor.shown.answers import Answers
+from babyrobot_levels.lint.context import LintContext
+from babyrobot_levels.lint.finding import Finding
+from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
+from babyrobot_levels.lint.registry import select
+from babyrobot_levels.lint.rule import Rule
+from babyrobot_levels.lint.runner import Report, findings_in, names_of
+from babyrobot_levels.render.page_data import MAX_CELLS
+from babyrobot_levels.text.diagnostics import Diagnostic
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.source import Position
+
+LONG = 0.02
+"""How long a rule may take if its findings are to be shown at once, in seconds."""
+
+
+@dataclass(eq=False)
+class Linting:
+    """What is found in one text.
+
+    Attributes:
+        report: what is found so far.
+        waiting: the rules that were not applied yet.
+        outdated: what these found in the text before, at the places where that is now.
+        context: the level, for the rules; None if the text is no level.
+    """
+
+    report: Report
+    waiting: Sequence[Rule] = ()
+    outdated: Sequence[Diagnostic] = ()
+    context: LintContext | None = None
+
+
+class Linter:
+    """Applies the linter's rules to one text after the other, as they are edited."""
+
+    def __init__(self) -> None:
+        self._rules = [*map(self._timed, select(None))]
+        self._times: dict[str, float] = {}
+        self._late: set[str] = set()
+        self._is_first = True
+        self._last: Linting | None = None
+        self._catching_up = Lock()
+
+    def follow(self, report: Report, path: Path | None, answers: Answers) -> Linting:
+        """Apply the rules to a text, but for those that took long in the texts before.
+
+        Args:
+            report: its errors; if it has none, its level.
+            path: its file.
+            answers: what is known about its level.
+        """
+        before, self._last = self._last, self._linted(report, path, answers)
+        linting = self._last
+        if before is not None and linting.waiting and linting.report.document is not None:
+            codes = {rule.code for rule in linting.waiting}
+            old = [*before.report.diagnostics, *before.outdated]
+            outdated = [each for each in old if each.code in codes]
+            linting.outdated = _moved(outdated, before.report, linting.report.document)
+        return linting
+
+    def _linted(self, report: Report, path: Path | None, answers: Answers) -> Linting:
+        if report.level is None or report.document is None:
+            return Linting(report)
+        context = LintContext(report.level, report.document, path, names_of(self._rules))
+        _share(answers, context)
+        # The last rule checks which suppressions the others used.
+        last = self._rules[-1].code
+        late = self._late | {last} if self._late else self._late
+        waiting = [rule for rule in self._rules if rule.code in late]
+        ready = [rule for rule in self._rules if rule.code not in late]
+        found = findings_in(context, ready, max_cells=MAX_CELLS)
+        # What the first run takes is also what it loads.
+        if not self._is_first:
+            self._late |= {rule.code for rule in ready if self._times.get(rule.code, 0.0) > LONG}
+        self._is_first = False
+        return Linting(replace(report, diagnostics=found), waiting, context=context)
+
+    def catch_up(self, answers: Answers) -> None:
+        """Apply the rules that wait to the last text, however long that takes."""
+        with self._catching_up:
+            linting = self._last
+            if linting is None or linting.context is None or not linting.waiting:
+                return
+            context = linting.context
+            _share(answers, context)
+            began = thread_time()
+            late = findings_in(context, linting.waiting, max_cells=MAX_CELLS)
+            # Together, since one rule computes what others then have.
+            if thread_time() - began <= LONG:
+                self._late.clear()
+            found = sorted([*linting.report.diagnostics, *late], key=_place)
+            linting.report = replace(linting.report, diagnostics=found)
+            linting.waiting = linting.outdated = ()
+
+    def _timed(self, rule: Rule) -> Rule:
+        """Return a rule that notes how long it takes."""
+        check = rule.check
+        if check is None:
+            return rule
+
+        def timed(context: LintContext) -> list[Finding]:
+            began = thread_time()
+            found = [*check(context)]
+            self._times[rule.code] = thread_time() - began
+            return found
+
+        return replace(rule, check=timed)
+
+
+def _share(answers: Answers, context: LintContext) -> None:
+    """Give rules what was computed for the answers to the same level."""
+    if answers.level is not context.level:
+        return
+    if answers.reach is not None:
+        context.reach = answers.reach
+    solution = None if answers.optimum is None else answers.optimum.solution
+    if solution is not None and context.mdp.num_states <= MAX_SOLVED:
+        context.solution = solution
+
+
+def _place(found: Diagnostic) -> tuple[int, int, str]:
+    return found.line, found.column, found.code
+
+
+def _moved(found: list[Diagnostic], before: Report, document: Document) -> list[Diagnostic]:
+    """Return findings of a text at their places in another one, without those in what differs.
+
+    They have no fixes, which would be edits of the other text.
+    """
+    if not found or before.source is None:
+        return []
+    old, new = before.source.lines, document.source.lines
+    most = min(len(old), len(new))
+    first = next((number for number in range(most) if old[number] != new[number]), most)
+    most -= first
+    same = next((n for n in range(most) if old[-1 - n] != new[-1 - n]), most)
+    shift = len(new) - len(old)
+    moved = []
+    for each in found:
+        if each.end.line <= first:
+            moved.append(replace(each, fix=None, source=document.source))
+        elif each.line > len(old) - same:
+            end = Position(each.end.line + shift, each.end.column)
+            place = {"line": each.line + shift, "end": end}
+            moved.append(replace(each, fix=None, source=document.source, **place))
+    return moved
