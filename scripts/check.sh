@@ -18,7 +18,7 @@ libraries)
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
     .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
-    exec .venv-libraries/bin/python -m pytest -m libraries -n 2 tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py
+    exec .venv-libraries/bin/python -m pytest -m libraries -n 2 tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
     ;;
 lowest)
     make_venv .venv-lowest

@@ -85,20 +85,18 @@ def test_a_module_of_rllib() -> None:
 
 def test_a_function_of_jax() -> None:
     jax = pytest.importorskip("jax")
-    width = brl.load(LEVEL).make(observation="vector").observation_space.shape[0]
-    weights = np.random.default_rng(3).normal(size=(width, 5))
+    space: Any = brl.load(LEVEL).make(observation="vector").observation_space
+    weights = np.random.default_rng(3).normal(size=(*space.shape, 5))
 
-    @jax.jit
-    def policy(observations: Any) -> Any:
+    def chances(observations: Any) -> Any:
         return jax.nn.softmax(observations @ weights.astype("f4"), axis=-1)
 
-    @jax.jit
-    def greedy(observations: Any) -> Any:
-        return policy(observations).argmax(axis=-1)
+    policy = jax.jit(chances)
+    greedy = jax.jit(lambda observations: chances(observations).argmax(axis=-1))
 
     def expected(observations: Any) -> Any:
-        chances = np.exp(observations @ weights)
-        return chances / chances.sum(axis=-1, keepdims=True)
+        powers = np.exp(observations @ weights)
+        return powers / powers.sum(axis=-1, keepdims=True)
 
     score, other = (
         brl.score(agent, LEVEL, observation="vector", batched=True)[0]
