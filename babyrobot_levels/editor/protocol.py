@@ -5,6 +5,8 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
 - `undo`, `redo`: the reply has `step`, what was asked for in that step, None if there is none;
+- `keep_maze`: the last gesture again, with the maze written out as walls before; only if that
+  gesture made the maze grow anew, as `maze_regrown` of the state says;
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
@@ -141,6 +143,8 @@ def _changed(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
             return {"step": session.undo()}
         case {"do": "redo"}:
             return {"step": session.redo()}
+        case {"do": "keep_maze"}:
+            session.keep_maze()
         case {"do": "open", "source": str(source)}:
             session.open(*opened(source, fields.get("format")))
         case {"do": "save"}:

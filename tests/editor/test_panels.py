@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 from playwright.sync_api import Locator, Page, expect
 from support.editors import EditorPage, OpenEditor
+from support.hands import Mouse
 from support.jupyter import until
 
 pytestmark = pytest.mark.slow
@@ -230,6 +231,22 @@ def test_a_maze_whose_walls_are_opened_says_so_and_can_be_written_out(
     offer.click()
     until(lambda: "maze" not in editor.session.text, "the maze is written out")
     expect(offer).to_be_hidden()
+
+
+def test_a_maze_that_has_grown_anew_says_so_and_its_walls_can_be_kept(
+    editor_page: OpenEditor,
+) -> None:
+    editor = editor_page("version: 1\nsize: [5, 4]\nmaze: {seed: 1}\n")
+    page = editor.page
+    kept = page.get_by_role("button", name="Keep the walls of the maze")
+    expect(kept).to_be_hidden()
+    mouse = Mouse(editor)
+    mouse.drag(mouse.at(0.5, 0.5), mouse.at(2.5, 2.5))
+    expect(page.locator(".said")).to_contain_text("The maze has grown anew.")
+    kept.click()
+    expect(kept).to_be_hidden()
+    assert "maze" not in editor.session.text
+    assert "start: [2, 2]" in editor.session.text
 
 
 def test_wind_is_added_changed_and_removed(editor_page: OpenEditor) -> None:
