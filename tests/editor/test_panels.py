@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from playwright.sync_api import Locator, Page, expect
 from support.editors import EditorPage, OpenEditor
 from support.hands import Mouse
 from support.jupyter import until
+
+from babyrobot_levels.editor.sources import session_of
 
 pytestmark = pytest.mark.slow
 
@@ -280,6 +284,21 @@ def test_a_theme_is_chosen_and_its_contrasts_are_told(editor_page: OpenEditor) -
     assert level.resolved_theme.colors.exit == "#1e3234"
     section.get_by_role("button", name="default").click()
     until(lambda: "theme" not in editor.session.text, "the theme is the default one")
+
+
+def test_a_theme_in_a_file_beside_the_level_is_chosen(
+    editor_page: OpenEditor, tmp_path: Path
+) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "ours.yaml").write_text("colors: {base: '#123456'}\n", "utf-8")
+    (tmp_path / "level.yaml").write_text(LEVEL, "utf-8")
+    editor = editor_page(session_of(tmp_path / "level.yaml"))
+    section = level_section(editor.page, "Theme")
+    section.get_by_role("button", name="ours", exact=True).click()
+    becomes(editor, "theme: ours")
+    level = editor.session.level
+    assert level is not None
+    assert level.resolved_theme.colors.base == "#123456"
 
 
 # -- findings ------------------------------------------------------------------------------------
