@@ -25,6 +25,7 @@ change nothing:
   takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
   `policy.worth_of`. The reply has `policy`;
+- `filled`, with `revision` and the fields of the gesture `fill`: the `cells` that it paints;
 - `levels`: what can be opened by name, and from texts, see `sources.known`;
 - `copy`: the level in a `form` (`editor/copies.py`). The reply has `copy`;
 - `quit`: end the server. The reply has `ended`; with unsaved changes, and without `force`, it is
@@ -40,11 +41,12 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from babyrobot_levels.editor.changes.cells import filled
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.copies import FORMS, copied
 from babyrobot_levels.editor.edited_file import ConflictError
 from babyrobot_levels.editor.entries.forms import forms
-from babyrobot_levels.editor.gestures import gesture_of
+from babyrobot_levels.editor.gestures import Cell, Fill, Gesture, gesture_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown.contrast import themes_beside
 from babyrobot_levels.editor.shown.policy import worth_of
@@ -54,7 +56,7 @@ from babyrobot_levels.text.source import MAX_BYTES
 
 STALE = "the level was changed elsewhere meanwhile; this is how it is now"
 
-QUESTIONS = ("state", "levels", "answers", "policy", "copy", "quit")
+QUESTIONS = ("state", "levels", "answers", "policy", "filled", "copy", "quit")
 """What changes nothing."""
 
 
@@ -126,6 +128,8 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
             if not is_current:
                 raise RefusedError(STALE)
             return {"policy": _policy(session, fields.get("actions"))}
+        case {"do": "filled"}:
+            return {"cells": _filled(session, fields)} if is_current else {}
         case {"do": "copy", "form": str(form)} if form in FORMS:
             return {"copy": copied(session, form)}
         case {"do": "levels"}:
@@ -157,12 +161,22 @@ def _changed(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
         case {"do": "downloaded"}:
             session.note_download()
         case _:
-            try:
-                gesture = gesture_of.validate_python(fields)
-            except ValidationError:
-                raise RefusedError("this gesture is not known") from None
-            session.apply(gesture)
+            session.apply(_gesture(fields))
     return {}
+
+
+def _gesture(fields: dict[str, Any]) -> Gesture:
+    try:
+        return gesture_of.validate_python(fields)
+    except ValidationError:
+        raise RefusedError("this gesture is not known") from None
+
+
+def _filled(session: Session, fields: dict[str, Any]) -> list[Cell]:
+    gesture = _gesture({**fields, "do": "fill"})
+    if session.level is None or not isinstance(gesture, Fill):
+        raise RefusedError("there is no valid level yet")
+    return filled(session.level, gesture)
 
 
 def _policy(session: Session, actions: Any) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from support.gestures import done, refused
+from support.gestures import done, refused, send
 
 from babyrobot_levels.editor.session import Session
 
@@ -305,6 +305,15 @@ def test_fill_leaves_starts_and_exits(brush: str) -> None:
     done(session, "fill", brush=brush, at=[0, 0])
     assert session.level is not None
     assert (session.level.starts, session.level.exits) == (((0, 0),), ((3, 2),))
+
+
+def test_what_a_fill_paints_is_told_before() -> None:
+    session = Session(ROOM)
+    told = send(session, "filled", brush="large", at=[3, 0])["cells"]
+    done(session, "fill", brush="large", at=[3, 0])
+    assert session.level is not None
+    assert {*told} == {puddle.at for puddle in session.level.puddles}
+    assert "off the grid" in refused(session, "filled", brush="large", at=[9, 9])
 
 
 # -- drawings ------------------------------------------------------------------------------

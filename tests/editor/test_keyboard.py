@@ -151,10 +151,15 @@ def test_the_cursor_is_seen_in_a_part_of_the_picture(keys: Typing) -> None:
             "path: [[0, 0], [1, 0], [1, 1]]",
             "Mover through 3 cells from [0, 0] to [1, 1]",
         ),
+        (
+            ["g", "m", "ArrowRight", "ArrowDown", "Shift+Space"],
+            "within: {at: [0, 0], size: [2, 2]}",
+            "Mover in all cells from [0, 0] to [1, 1]",
+        ),
         (["w", "Shift+ArrowUp"], "north: [1, 0, 0, 0, 0, 0]", "Wind of 1 to the north in column 0"),
-        (["Alt+ArrowRight"], "size: [7, 4]", "The level has 7 columns and 4 rows"),
-        (["Alt+ArrowLeft"], "start: [1, 3]", "The level has 7 columns and 4 rows"),
-        (["Alt+Shift+ArrowUp"], "start: [0, 2]", "The level has 6 columns and 3 rows"),
+        (["Alt+ArrowRight"], "size: [7, 4]", "The level is 7 by 4 cells"),
+        (["Alt+ArrowLeft"], "start: [1, 3]", "The level is 7 by 4 cells"),
+        (["Alt+Shift+ArrowUp"], "start: [0, 2]", "The level is 6 by 3 cells"),
     ],
 )
 def test_keys_draw_as_the_mouse_does(

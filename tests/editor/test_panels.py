@@ -95,6 +95,7 @@ def test_a_wrong_value_is_told_at_its_field_and_can_be_corrected(editor_page: Op
         width.get_by_role("textbox").fill(wrong)
         width.get_by_role("textbox").press("Enter")
         expect(width.get_by_role("alert")).to_contain_text("width")
+        expect(editor.page.locator(".said")).not_to_contain_text("`")
         expect(width.get_by_role("textbox")).to_have_value(wrong)
         assert editor.session.text == LEVEL
     width.get_by_role("textbox").fill("9")

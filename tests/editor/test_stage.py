@@ -151,6 +151,18 @@ def test_fill_paints_what_walls_enclose(hand: Hand) -> None:
     assert all(x == 5 for x, _ in (puddle.at for puddle in level.puddles))
 
 
+def test_all_that_a_fill_paints_is_shown_before(hand: Hand) -> None:
+    hand.draw((5, 0.5), (5, 3.5))
+    hand.choose("large")
+    hand.page.locator("[data-modifier=fill]").click()
+    hand.page.mouse.move(*hand.at(5.5, 1.5))
+    # The wall is between five columns and the last one.
+    ghost = hand.page.locator(".preview path.ghost")
+    expect(ghost).to_have_attribute("d", re.compile("^(M[^M]*){4}$"))
+    hand.page.mouse.move(*hand.at(2.5, 1.5))
+    expect(ghost).to_have_attribute("d", re.compile("^(M[^M]*){20}$"))
+
+
 def test_shift_adds_another_start(hand: Hand) -> None:
     hand.choose("start")
     hand.draw((0.5, 2.5), held="Shift")

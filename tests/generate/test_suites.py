@@ -14,7 +14,8 @@ from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.catalogue import catalogue, suite_files
 from babyrobot_levels.text.emitter import emit
 
-SHIPPED = ("classics", "locked-mazes", "long-ways", "small-mazes", "wet-mazes")
+WITH_DOORS = ("bench-hard", "locked-mazes")
+SHIPPED = ("bench-easy", "classics", "long-ways", "small-mazes", "wet-mazes", *WITH_DOORS)
 
 FIELDS: dict[str, Any] = {
     "version": 1,
@@ -199,16 +200,13 @@ def test_no_shortest_walk_is_cut_off() -> None:
 
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=pytest.mark.slow if name == "locked-mazes" else ())
-        for name in SHIPPED
-    ],
+    [pytest.param(name, marks=pytest.mark.slow if name in WITH_DOORS else ()) for name in SHIPPED],
 )
 def test_the_shipped_suites(name: str) -> None:
     suite = load_suite(name)
     assert suite.name == name
     # Each candidate with doors is solved several times.
-    count = 15 if name == "locked-mazes" else 300
+    count = 15 if name in WITH_DOORS else 300
     for part in [suite.split(split) for split in suite.splits] or [suite]:
         assert len({level.digest for level in part[:count]}) == min(count, len(part))
 

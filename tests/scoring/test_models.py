@@ -81,3 +81,35 @@ def test_a_module_of_rllib() -> None:
     score = brl.score(module, LEVEL, observation="vector")[0]
     assert score.episodes == 0
     assert 0.0 <= score.expected_return < score.optimum
+
+
+def test_a_function_of_jax() -> None:
+    jax = pytest.importorskip("jax")
+    width = brl.load(LEVEL).make(observation="vector").observation_space.shape[0]
+    weights = np.random.default_rng(3).normal(size=(width, 5))
+
+    @jax.jit
+    def policy(observations: Any) -> Any:
+        return jax.nn.softmax(observations @ weights.astype("f4"), axis=-1)
+
+    @jax.jit
+    def greedy(observations: Any) -> Any:
+        return policy(observations).argmax(axis=-1)
+
+    def expected(observations: Any) -> Any:
+        chances = np.exp(observations @ weights)
+        return chances / chances.sum(axis=-1, keepdims=True)
+
+    score, other = (
+        brl.score(agent, LEVEL, observation="vector", batched=True)[0]
+        for agent in (policy, expected)
+    )
+    assert score.episodes == 0
+    assert score.expected_return == pytest.approx(other.expected_return, abs=1e-6)
+    # The most likely actions, one observation at a time and many at once.
+    one, many = (
+        brl.score(greedy, LEVEL, observation="vector", batched=batched)[0]
+        for batched in (False, True)
+    )
+    assert one == many
+    assert one.expected_return != pytest.approx(score.expected_return)

@@ -43,19 +43,25 @@ def paint(draft: Draft, gesture: Paint) -> None:
 
 
 def fill(draft: Draft, gesture: Fill) -> None:
-    """Paint a cell and all cells like it that are reached without passing walls.
-
-    Starts and exits stay.
-    """
-    _check_inside(draft.level, gesture.at)
-    cells = _alike(draft.level, gesture.at)
-    ends = {*draft.level.starts, *draft.level.exits}
+    """Paint the cells that a fill paints, see `filled`."""
+    cells = filled(draft.level, gesture)
     if gesture.brush == "erase":
-        erase(draft, [cell for cell in cells if cell not in ends], STANDING | GROUND)
+        erase(draft, cells, STANDING | GROUND)
     else:
-        stay = ends if gesture.brush == "blocked" else ()
-        cells = [cell for cell in cells if cell not in stay]
         _paint_ground(draft, gesture.brush, cells, gesture.fields)
+
+
+def filled(level: Level, gesture: Fill) -> list[Cell]:
+    """Return a cell and all cells like it that are reached without passing walls.
+
+    Starts and exits are not erased or blocked, and then are none of them.
+
+    Raises:
+        RefusedError: the cell is off the grid, or these are too many cells.
+    """
+    _check_inside(level, gesture.at)
+    stay = {*level.starts, *level.exits} if gesture.brush in ("blocked", "erase") else ()
+    return [cell for cell in _alike(level, gesture.at) if cell not in stay]
 
 
 def _paint_ground(draft: Draft, brush: str, cells: list[Cell], fields: Entry) -> None:

@@ -62,11 +62,11 @@ const DONE = {
     `Erased ${cellName(at)} and all cells like it around it` :
     `${toolNamed(brush).title} in ${cellName(at)} and all cells like it around it`,
   warp: (editor, { at, to }) => `Warp from ${cellName(at)} to ${cellName(to)}`,
-  path: (editor, { cells }) => `Mover through ${cellsInWords(cells)}`,
+  path: (editor, { cells, rectangle }) => `Mover ${rectangle ? "in" : "through"} ${cellsInWords(cells, rectangle)}`,
   move: (editor, { from, to }) => `Moved from ${cellName(from)} to ${cellName(to)}`,
   remove: () => "Removed",
   set: (editor, { route, value }) => value === null ? `${fieldInWords(route)} removed` : `${fieldInWords(route)} set${written(value)}`,
-  resize: (editor, { size: [columns, rows] }) => `The level has ${columns} columns and ${rows} rows`,
+  resize: (editor, { size: [columns, rows] }) => `The level is ${columns} by ${rows} cells`,
   wind: (editor, gesture) => windInWords(gesture),
   resolve: () => "The maze is written out as walls",
   keep_maze: () => "The maze is written out as walls, as it was before the last gesture",

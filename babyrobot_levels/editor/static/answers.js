@@ -59,14 +59,9 @@ class Answers {
   /** Ask for the optimum and the findings that take longer, beside all other messages. */
   async ask(revision) {
     this.asked = revision;
-    const { editor } = this;
-    editor.count += 1;
-    try {
-      const reply = await editor.connection.send({ id: editor.count, revision, do: "answers" });
-      if (reply.state?.revision === editor.state.revision) editor.show(reply.state);
-    } catch {
-      this.asked = null; // The next change asks again, or tells that nobody answers.
-    }
+    const { state } = await this.editor.ask({ do: "answers" });
+    if (state === undefined) this.asked = null; // The next change asks again, or tells that nobody answers.
+    else if (state.revision === this.editor.state.revision) this.editor.show(state);
   }
 }
 

@@ -98,6 +98,13 @@ class Editor {
     return sent;
   }
 
+  /** Ask what changes nothing, beside all other messages. Returns the reply, empty if none comes. */
+  async ask(question) {
+    this.count += 1;
+    const message = { id: this.count, revision: this.state.revision, ...question };
+    return this.connection.send(message).catch(() => ({}));
+  }
+
   /**
    * Show another state, which a message led to if one is given. What was selected stays so if it is
    * still there: in a drawing, what is moved is then at another route.

@@ -78,7 +78,7 @@ export function mount(place, connection, style = "") {
   new FileButtons(editor, find("files"), find("editor"));
   new Help(editor, find("files"), find("editor"), new Keyboard(editor, root, overlay));
   editor.on("said", () => {
-    find("said").textContent = editor.said;
+    find("said").replaceChildren(...prose(editor.said));
     find("said").dataset.kind = editor.saidKind;
   });
   editor.on("pointed", () => (find("pointed").textContent = editor.pointed === null ? "" : `[${editor.pointed.join(", ")}]`));

@@ -9,6 +9,7 @@ class Overlay {
   constructor(editor, stage) {
     this.editor = editor;
     this.stage = stage;
+    this.filled = null; // What a fill would paint, as Python told last.
     for (const event of ["state", "selection", "cursor", "tool", "mode", "zoom"]) editor.on(event, () => this.show());
   }
 
@@ -18,7 +19,7 @@ class Overlay {
     this.draw("selected", isEditing ? this.selected() : []);
     this.draw("cursor", isEditing ? this.cursor() : []);
     this.draw("handles", isEditing && this.editor.state.is_valid ? this.handles() : []);
-    this.draw("preview", []);
+    this.preview(null);
   }
 
   draw(name, shapes) {
@@ -27,11 +28,12 @@ class Overlay {
 
   /** Show what a message would do, and where the pointer is; null shows nothing. */
   preview(message, spot = null) {
+    this.previewed = message;
     this.editor.stage.place.dataset.preview = message?.do ?? "";
     const shapes = {
       walls: (each) => this.previewOfWalls(each),
       paint: (each) => this.previewOfPaint(each),
-      fill: ({ brush, at }) => this.brushed(brush, [at]),
+      fill: (each) => this.previewOfFill(each),
       move: ({ from, to }) => [...this.arrow([from, to]), ...this.boxes([to], "build")],
       warp: ({ at, to }) => [...this.arrow([at, to]), ...this.boxes([to], "build")],
       path: ({ cells, rectangle }) => (rectangle ? this.rectangle(cells, "build") : this.arrow(cells)),
@@ -52,6 +54,25 @@ class Overlay {
 
   previewOfPaint({ brush, cells, rectangle }) {
     return rectangle ? this.rectangle(cells, kindOf(brush)) : this.brushed(brush, cells);
+  }
+
+  /** Return the cells that are filled, which Python is asked for: at first the one at hand. */
+  previewOfFill({ brush, at }) {
+    const { revision } = this.editor.state;
+    const known = this.filled;
+    const isSame = known?.revision === revision && known.brush === brush;
+    if (!isSame || ![known.at, ...known.cells].some((cell) => isSameCell(cell, at))) {
+      this.filled = { revision, brush, at, cells: [] };
+      this.askForFill(this.filled);
+    }
+    const cells = this.filled.cells.map((cell) => boxPath(this.box(cell))).join("");
+    return [element("path", { d: cells, class: `ghost ${kindOf(brush)}` }), ...this.brushed(brush, [at])];
+  }
+
+  async askForFill(asked) {
+    const { cells = [] } = await this.editor.ask({ do: "filled", brush: asked.brush, at: asked.at });
+    asked.cells = cells;
+    if (this.filled === asked && this.previewed?.do === "fill") this.preview(this.previewed);
   }
 
   /** Return the rectangle between two corners. */
