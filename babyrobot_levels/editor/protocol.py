@@ -5,6 +5,8 @@ A message is a mapping with `id`, which the reply repeats, and `do`, what is ask
 
 - `text`: another `text`, typed; `joined` if it belongs to the same step as the text before;
 - `undo`, `redo`: the reply has `step`, what was asked for in that step, None if there is none;
+- `keep_maze`: the last gesture again, with the maze written out as walls before; only if that
+  gesture made the maze grow anew, as `maze_regrown` of the state says;
 - `open`: another level: `source`, a name, a share code, the text of a level or a map of another
   program; `format` if the map may be in several (`convert/formats.py`);
 - `save`: write the text to its file. If another program has changed the file, the reply has
@@ -17,7 +19,8 @@ These have `revision`, that of the state that they were made from. If the text h
 by another page, they are refused. Their replies have `state`, see `editor/state.py`. Questions
 change nothing:
 
-- `state`: the state, for one who begins; it also has `forms`, see `editor/entries/forms.py`;
+- `state`: the state, for one who begins; it also has `forms`, see `editor/entries/forms.py`, and
+  `themes`, those in files beside the level's, by their names;
 - `answers`, with `revision`: the state again, with the optimum and all findings, however long that
   takes; if the text has changed meanwhile, the reply has no state. See `prepare`;
 - `policy`, with `revision`: what a policy drawn by hand is worth: `actions`, see
@@ -45,6 +48,7 @@ from babyrobot_levels.editor.edited_file import ConflictError
 from babyrobot_levels.editor.entries.forms import forms
 from babyrobot_levels.editor.gestures import Cell, Fill, Gesture, gesture_of
 from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.shown.contrast import themes_beside
 from babyrobot_levels.editor.shown.policy import worth_of
 from babyrobot_levels.editor.sources import known, opened
 from babyrobot_levels.editor.state import state_of
@@ -113,7 +117,8 @@ def _asked(session: Session, fields: dict[str, Any], *, is_current: bool) -> dic
     """Answer a question."""
     match fields:
         case {"do": "state"}:
-            return {"state": {**state_of(session), "forms": forms()}}
+            themes = themes_beside(session.path)
+            return {"state": {**state_of(session), "forms": forms(), "themes": themes}}
         case {"do": "answers"}:
             if not is_current:
                 return {}
@@ -145,6 +150,8 @@ def _changed(session: Session, fields: dict[str, Any]) -> dict[str, Any]:
             return {"step": session.undo()}
         case {"do": "redo"}:
             return {"step": session.redo()}
+        case {"do": "keep_maze"}:
+            session.keep_maze()
         case {"do": "open", "source": str(source)}:
             session.open(*opened(source, fields.get("format")))
         case {"do": "save"}:

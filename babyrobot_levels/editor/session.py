@@ -8,8 +8,9 @@ from typing import Any
 from babyrobot_levels.editor.changes.dispatch import change
 from babyrobot_levels.editor.changes.draft import Draft, RefusedError
 from babyrobot_levels.editor.changes.fields import fixed
+from babyrobot_levels.editor.changes.regrown import is_regrown
 from babyrobot_levels.editor.edited_file import EditedFile
-from babyrobot_levels.editor.gestures import Fix, Gesture
+from babyrobot_levels.editor.gestures import Fix, Gesture, Resolve
 from babyrobot_levels.editor.history import History
 from babyrobot_levels.editor.shown.answers import Answers
 from babyrobot_levels.editor.shown.linting import Linter, Linting
@@ -52,6 +53,7 @@ class Session:
         self.answers = Answers()
         self.linting: Linting
         self._linter = Linter()
+        self._regrown_by: Gesture | None = None
         self._history = History(text)
         self._saved = text
         self._read()
@@ -96,8 +98,26 @@ class Session:
         """Whether there is a change to do again."""
         return self._history.can_redo
 
-    def apply(self, gesture: Gesture) -> None:
-        """Carry out a gesture, as one step.
+    @property
+    def is_maze_regrown(self) -> bool:
+        """Whether the last change was a gesture that made the maze grow anew."""
+        return self._regrown_by is not None
+
+    def keep_maze(self) -> None:
+        """Carry the last gesture out again with the maze written out as walls, as one step.
+
+        Raises:
+            RefusedError: the maze did not grow anew by that, or it cannot be carried out.
+        """
+        gesture = self._regrown_by
+        if gesture is None:
+            raise RefusedError("the last change did not make the maze grow anew")
+        self.undo()
+        self.apply(Resolve(do="resolve"))
+        self.apply(gesture, joined=True)
+
+    def apply(self, gesture: Gesture, *, joined: bool = False) -> None:
+        """Carry out a gesture, as one step; `joined` makes it one with the change before.
 
         Raises:
             RefusedError: it cannot be carried out, or the level would not be valid; nothing has
@@ -109,7 +129,8 @@ class Session:
         document = self.report.document
         if self.report.level is None or document is None:
             raise RefusedError("the text has errors; correct them before you go on drawing")
-        draft = Draft(document, self.report.level)
+        before = self.report.level
+        draft = Draft(document, before)
         change(draft, gesture)
         data = draft.result()
         after = spliced(document, data, [*Level.model_fields])
@@ -122,8 +143,10 @@ class Session:
         report = lint_document(after, (), self.path)
         if report.level is None:
             raise RefusedError(report.diagnostics[0].message)
-        self._history.change(after.source.text, gesture.do)
+        self._history.change(after.source.text, gesture.do, joined=joined)
         self._take(report)
+        if is_regrown(before, report.level, gesture):
+            self._regrown_by = gesture
 
     def _fix(self, fix: Fix) -> None:
         text = fixed(self.report, fix)
@@ -196,6 +219,7 @@ class Session:
     def _take(self, report: Report) -> None:
         """Take the text at hand, of which a report has the errors."""
         self.revision += 1
+        self._regrown_by = None
         if report.level is not None:
             self.level, self.document = report.level, report.document
             self.answers.follow(report.level)

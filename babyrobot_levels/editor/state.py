@@ -16,6 +16,7 @@ def state_of(session: Session) -> dict[str, Any]:
     """Return everything that the editor shows.
 
     The keys: `revision`, `text`, `name`, `path`, `is_valid`, `is_saved`, `can_undo`, `can_redo`;
+    `maze_regrown`, whether the last gesture made the maze grow anew, which `keep_maze` undoes;
     `findings`, see `findings_of`; `findings_pending`, whether some are still to be looked for,
     which the question `answers` does; and of the level of the text or, if the text is invalid, of
     the last valid one:
@@ -49,6 +50,7 @@ def state_of(session: Session) -> dict[str, Any]:
         "is_saved": session.is_saved,
         "can_undo": session.can_undo,
         "can_redo": session.can_redo,
+        "maze_regrown": session.is_maze_regrown,
         "findings": findings_of(session.linting, size),
         "findings_pending": bool(session.linting.waiting),
         "unreachable": answers.unreachable,

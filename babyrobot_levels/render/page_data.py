@@ -30,7 +30,7 @@ from babyrobot_levels.render.page_tables import (
     rows_of,
 )
 from babyrobot_levels.render.page_things import things_data
-from babyrobot_levels.render.scene.build import build_layers, floor_shapes, sign_shapes
+from babyrobot_levels.render.scene.build import floor_shapes, ground_layer, sign_shapes
 from babyrobot_levels.render.scene.heat import BAR_STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
@@ -252,9 +252,8 @@ def _picture(level: GridWorld, guide: Guide | None, *, turns: bool) -> dict[str,
     own = level.display.coordinates
     # Without the strip for what is held, which the page has outside of the picture.
     seen = replace(layout, strip=0.0)
-    bare = build_layers(level, robot=False, layout=seen)
     shapes: dict[str, Iterable[Shape]] = {
-        "base": bare["base"].shapes,
+        "base": ground_layer(level, seen),
         "grid": floor_shapes(level, layout, beside),
         "signs": sign_shapes(level, layout, alone, own),
     }

@@ -205,12 +205,12 @@ class _Splicer:
             return None
         starts = list(node.keys.values()) if isinstance(node.data, dict) else []
         starts = starts or _entries(node)
-        rows = [start.span.start.line for start in starts]
+        begins = [source.position(start.first) for start in starts]
+        rows = [begin.line for begin in begins]
         if len(set(rows)) < len(rows) or rows[0] - 1 < place[0] or rows[-1] > place[1]:
             return None
         if isinstance(node.data, dict):
-            return starts[0].span.start.column - 1 if hangs or rows[0] - 1 > place[0] else None
-        begins = [start.span.start for start in starts]
+            return begins[0].column - 1 if hangs or rows[0] - 1 > place[0] else None
         leads = [source.line(begin.line)[: begin.column - 1] for begin in begins]
         # A dash on another line than its entry, or a dash behind another one.
         if any(lead.strip() != "-" for lead in leads) or rows[0] - 1 == place[0]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown.contrast import contrasts
+from babyrobot_levels.editor.sources import session_of
 from babyrobot_levels.editor.state import state_of
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 
@@ -39,3 +43,17 @@ def test_the_state_has_the_colours_of_a_theme_that_is_named() -> None:
     state = state_of(Session("version: 1\ntheme: green\n"))
     assert state["theme"]["colors"]["base"] == BUILTIN_THEMES["green"].colors.base
     assert {each["color"] for each in state["contrast"]} >= {"walls", "start_text"}
+
+
+def test_themes_in_files_beside_the_level_can_be_chosen(tmp_path: Path) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "ours.yaml").write_text("colors: {base: '#123456'}\n", "utf-8")
+    (tmp_path / "themes" / "bad.yaml").write_text("colors: 7\n", "utf-8")
+    path = tmp_path / "level.yaml"
+    path.write_text("version: 1\n", "utf-8")
+    session = session_of(path)
+    themes = answer(session, {"do": "state"})["state"]["themes"]
+    assert {name: theme["colors"]["base"] for name, theme in themes.items()} == {"ours": "#123456"}
+    message = {"do": "set", "route": ["theme"], "value": "ours", "revision": session.revision}
+    assert answer(session, message)["state"]["theme"]["colors"]["base"] == "#123456"
+    assert answer(Session("version: 1\n"), {"do": "state"})["state"]["themes"] == {}

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from support.gestures import done, refused
 
+from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
+from babyrobot_levels.mdp.grid import BIT
 
 THINGS = """\
 version: 1
@@ -222,3 +226,67 @@ def test_maze_becomes_walls_with_the_same_digest() -> None:
 )
 def test_without_one_maze_there_is_nothing_to_write_out(maze: str, message: str) -> None:
     assert refused(Session("version: 1\n" + maze), "resolve") == message
+
+
+GROWN = "version: 1\nsize: [6, 5]\nstart: [0, 0]\nmaze: {seed: 7}\n"
+
+REGROWING = {
+    "another start": {"do": "move", "route": ["start"], "from": [0, 0], "to": [3, 2]},
+    "another size": {"do": "resize", "size": [7, 5], "shift": [1, 0]},
+    "a blocked cell": {"do": "paint", "brush": "blocked", "cells": [[2, 2]]},
+}
+
+
+def asked(session: Session, **message: Any) -> dict[str, Any]:
+    """Send a message, and return the state that comes back."""
+    reply = answer(session, {"id": 1, "revision": session.revision, **message})
+    assert "error" not in reply
+    state = reply["state"]
+    assert isinstance(state, dict)
+    return state
+
+
+def sides(session: Session) -> dict[tuple[int, int, str], bool]:
+    """Return which inner sides have walls."""
+    assert session.level is not None
+    grid, (width, height) = session.level.grid(), session.level.size
+    return {
+        (x, y, side): bool(grid.wall_bits[y * width + x] & BIT[side])
+        for y in range(height)
+        for x in range(width)
+        for side in "ES"
+        if (x < width - 1 if side == "E" else y < height - 1)
+    }
+
+
+@pytest.mark.parametrize("gesture", REGROWING.values(), ids=REGROWING)
+def test_the_walls_of_a_maze_that_has_grown_anew_can_be_kept(gesture: dict[str, Any]) -> None:
+    session = Session(GROWN)
+    before = sides(session)
+    assert asked(session, **gesture)["maze_regrown"]
+    assert not asked(session, do="keep_maze")["maze_regrown"]
+    assert "maze" not in session.text
+    across = gesture.get("shift", (0, 0))[0]
+    kept = {(x + across, y, side): wall for (x, y, side), wall in before.items()}
+    near = {(2, 2, "E"), (2, 2, "S"), (1, 2, "E"), (2, 1, "S")} if "brush" in gesture else set()
+    now = sides(session)
+    assert all(now[place] == wall for place, wall in kept.items() if place not in near)
+    # Both are one step.
+    asked(session, do="undo")
+    assert session.text == GROWN
+
+
+@pytest.mark.parametrize(
+    "gesture",
+    [
+        {"do": "set", "route": ["maze", "seed"], "value": 8},
+        {"do": "paint", "brush": "small", "cells": [[2, 2]]},
+        {"do": "walls", "at": [0, 0], "side": "E", "to": "none"},
+        {"do": "remove", "route": ["maze"]},
+    ],
+)
+def test_other_gestures_do_not_tell_that_the_maze_has_grown(gesture: dict[str, Any]) -> None:
+    session = Session(GROWN)
+    assert not asked(session, **gesture)["maze_regrown"]
+    reply = answer(session, {"do": "keep_maze", "revision": session.revision})
+    assert "did not make the maze grow" in reply["error"]

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from playwright.sync_api import Locator, Page, expect
 from support.editors import EditorPage, OpenEditor
+from support.hands import Mouse
 from support.jupyter import until
+
+from babyrobot_levels.editor.sources import session_of
 
 pytestmark = pytest.mark.slow
 
@@ -233,6 +238,22 @@ def test_a_maze_whose_walls_are_opened_says_so_and_can_be_written_out(
     expect(offer).to_be_hidden()
 
 
+def test_a_maze_that_has_grown_anew_says_so_and_its_walls_can_be_kept(
+    editor_page: OpenEditor,
+) -> None:
+    editor = editor_page("version: 1\nsize: [5, 4]\nmaze: {seed: 1}\n")
+    page = editor.page
+    kept = page.get_by_role("button", name="Keep the walls of the maze")
+    expect(kept).to_be_hidden()
+    mouse = Mouse(editor)
+    mouse.drag(mouse.at(0.5, 0.5), mouse.at(2.5, 2.5))
+    expect(page.locator(".said")).to_contain_text("The maze has grown anew.")
+    kept.click()
+    expect(kept).to_be_hidden()
+    assert "maze" not in editor.session.text
+    assert "start: [2, 2]" in editor.session.text
+
+
 def test_wind_is_added_changed_and_removed(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
     section = level_section(editor.page, "Wind")
@@ -264,6 +285,21 @@ def test_a_theme_is_chosen_and_its_contrasts_are_told(editor_page: OpenEditor) -
     assert level.resolved_theme.colors.exit == "#1e3234"
     section.get_by_role("button", name="default").click()
     until(lambda: "theme" not in editor.session.text, "the theme is the default one")
+
+
+def test_a_theme_in_a_file_beside_the_level_is_chosen(
+    editor_page: OpenEditor, tmp_path: Path
+) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "ours.yaml").write_text("colors: {base: '#123456'}\n", "utf-8")
+    (tmp_path / "level.yaml").write_text(LEVEL, "utf-8")
+    editor = editor_page(session_of(tmp_path / "level.yaml"))
+    section = level_section(editor.page, "Theme")
+    section.get_by_role("button", name="ours", exact=True).click()
+    becomes(editor, "theme: ours")
+    level = editor.session.level
+    assert level is not None
+    assert level.resolved_theme.colors.base == "#123456"
 
 
 # -- findings ------------------------------------------------------------------------------------

@@ -1,10 +1,12 @@
-"""Which colours of a theme stand out from which, and the built-in themes to choose from."""
+"""Which colours of a theme stand out from which, and the themes to choose from."""
 
 from __future__ import annotations
 
 from math import floor
+from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.language.documents import read_theme, theme_folders, theme_names
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.render.colors import GRAPHICS, TEXT, contrast
 
@@ -23,6 +25,10 @@ PAIRS = (
     ("text_fg", "text_bg", TEXT, "pictures choose another ground"),
 )
 """What lies on what, the least contrast that it needs, and what pictures do if it has less."""
+
+
+MOST_THEMES = 50
+"""The most themes of files that are offered."""
 
 
 def contrasts(theme: Theme) -> list[dict[str, Any]]:
@@ -50,6 +56,16 @@ def contrasts(theme: Theme) -> list[dict[str, Any]]:
 def themes() -> dict[str, Any]:
     """Return the built-in themes as plain data, by their names."""
     return {name: theme.model_dump() for name, theme in BUILTIN_THEMES.items()}
+
+
+def themes_beside(path: Path | None) -> dict[str, Any]:
+    """Return the valid themes that stand beside a level's file as plain data, by their names."""
+    if path is None:
+        return {}
+    folders = theme_folders(path.parent)
+    names = [name for name in theme_names(folders) if name not in BUILTIN_THEMES]
+    found = {name: read_theme(name, folders).value for name in names[:MOST_THEMES]}
+    return {name: theme.model_dump() for name, theme in found.items() if theme is not None}
 
 
 def look_of(theme: Theme) -> dict[str, Any]:

@@ -148,10 +148,9 @@ def _moved(found: list[Diagnostic], before: Report, document: Document) -> list[
     shift = len(new) - len(old)
     moved = []
     for each in found:
-        if each.end.line <= first:
-            moved.append(replace(each, fix=None, source=document.source))
-        elif each.line > len(old) - same:
-            end = Position(each.end.line + shift, each.end.column)
-            line, source = each.line + shift, document.source
-            moved.append(replace(each, fix=None, source=source, line=line, end=end))
+        if each.end.line > first and each.line <= len(old) - same:
+            continue
+        by = 0 if each.end.line <= first else shift
+        line, end = each.line + by, Position(each.end.line + by, each.end.column)
+        moved.append(replace(each, line=line, end=end, fix=None, source=document.source))
     return moved

@@ -69,6 +69,7 @@ const DONE = {
   resize: (editor, { size: [columns, rows] }) => `The level is ${columns} by ${rows} cells`,
   wind: (editor, gesture) => windInWords(gesture),
   resolve: () => "The maze is written out as walls",
+  keep_maze: () => "The maze is written out as walls, as it was before the last gesture",
   fix: () => "The finding is fixed",
   open: () => "Opened",
   undo: (editor, { step }) => `Undone${step ? `: ${STEPS[step]}` : ""}`,
@@ -126,7 +127,8 @@ class Announcer {
     const { editor } = this;
     const { length: count } = editor.state.findings;
     const done = DONE[editor.done.do]?.(editor, editor.done);
-    const words = [done, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
+    const grown = editor.state.maze_regrown ? "The maze has grown anew" : undefined;
+    const words = [done, grown, count === this.count ? undefined : count === 0 ? "No findings" : `Findings: ${count}`];
     if (done !== undefined) editor.say(words.filter((each) => each !== undefined).map((each) => `${each}.`).join(" "));
     else if (editor.saidKind === "refused") editor.say(""); // It was about what was before.
     this.count = count;

@@ -6,22 +6,29 @@ function openingsOf({ fields = {}, places = [] }) {
   return fields.maze === undefined ? null : places.filter(({ kind }) => kind === "opening").length;
 }
 
-/** Offers to write the maze out as soon as one of its walls is opened. */
+/** Offers to write the maze out as soon as one of its walls is opened, or as it has grown anew. */
 class MazeOffer {
   constructor(editor, place) {
-    const offer = button("Write the maze out", {
-      class: "hidden",
+    const opening = button("Write the maze out", {
       title: "A wall of the maze was opened, by an entry of openings. Written out, each wall is an entry of its own.",
       onclick: () => editor.send({ do: "resolve" }),
     });
-    place.prepend(offer);
+    const growing = button("Keep the walls of the maze", {
+      title: "The maze has grown anew, since it begins at the first start and leaves out blocked cells. Written out as walls, it stays as it was.",
+      onclick: () => editor.send({ do: "keep_maze" }),
+    });
+    place.prepend(opening, growing);
     let before = null;
+    const show = (offer, isShown) => offer.classList.toggle("hidden", !isShown);
+    show(opening, false);
     editor.on("state", () => {
       const opened = openingsOf(editor.state);
       const isNew = before !== null && opened > before;
-      if (isNew || !opened) offer.classList.toggle("hidden", !isNew);
+      if (isNew || !opened) show(opening, isNew);
+      show(growing, editor.state.maze_regrown);
       before = opened;
     });
+    show(growing, false);
   }
 }
 

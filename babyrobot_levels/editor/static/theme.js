@@ -3,7 +3,7 @@
 class ThemePanel {
   constructor(editor, form) {
     this.editor = editor;
-    this.cards = Object.entries(COMMON.themes).map(([name, theme]) => this.card(name, theme));
+    this.cards = Object.entries({ ...COMMON.themes, ...editor.state.themes }).map(([name, theme]) => this.card(name, theme));
     const colors = form.filter(({ route }) => route.length === 3);
     this.rows = colors.map((field) => new ThemeRow(editor, { ...field, label: field.route.at(-1).replaceAll("_", " ") }, []));
     this.summary = html("summary", {});

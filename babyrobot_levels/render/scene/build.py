@@ -149,6 +149,12 @@ def build_layers(
     }
 
 
+def ground_layer(level: GridWorld, layout: Layout) -> tuple[Shape, ...]:
+    """Return the shapes of the layer `base` alone, without an overlay; see `build_layers`."""
+    shapes = tuple(_base_shapes(level, Overlay(), layout, cells_only=False))
+    return toned(shapes, level.resolved_theme.colors)
+
+
 def build_base(
     level: GridWorld, *, cells_only: bool = False, overlay: Overlay | None = None
 ) -> Scene:
