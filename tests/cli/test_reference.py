@@ -146,7 +146,7 @@ def test_every_example_runs(line: str, tmp_path: Path, monkeypatch: pytest.Monke
         monkeypatch.setattr("babyrobot_levels.cli.watching.each_change", lambda files: [files()])
     if arguments[0] == "edit":
         # As if the page was closed at once.
-        monkeypatch.setattr("babyrobot_levels.editor.hosts.server.EditorServer.run", EditorServer.close)
+        monkeypatch.setattr(EditorServer, "run", EditorServer.close)
         monkeypatch.setattr("webbrowser.open", lambda address: True)
     result = run_here(arguments, variables, given)
     if arguments[0] == "play":
