@@ -15,6 +15,7 @@ from importlib.metadata import packages_distributions
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
 from support.places import ROOT
 
 from babyrobot_levels import __version__
@@ -139,8 +140,12 @@ def imported_packages() -> set[str]:
 
 def test_the_dependencies_are_what_the_code_imports(wheel: Path) -> None:
     lines = email.message_from_string(info(wheel, "METADATA")).get_all("Requires-Dist") or []
-    declared = {line.split(";")[0].split(">")[0].strip().lower() for line in lines
-                if "extra ==" not in line or "fast" in line or "sb3" in line}  # fmt: skip
+    extras = ("editor", "fast", "minari", "sb3")
+    declared = {
+        each.name.lower()
+        for each in map(Requirement, lines)
+        if each.marker is None or any(each.marker.evaluate({"extra": name}) for name in extras)
+    }
     owners = packages_distributions()
     # What is not installed is called as the package is.
     used = {

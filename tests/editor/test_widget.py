@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import re
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from threading import Event
 from typing import Any
@@ -122,7 +123,9 @@ def test_the_kernel_goes_on_while_a_question_takes_long(
             while len(sent) < count:
                 await asyncio.sleep(0.01)
 
-    asyncio.run(kernel())
+    # In a thread of its own: the driver of the browser has a loop in this one.
+    with ThreadPoolExecutor(1) as threads:
+        threads.submit(asyncio.run, kernel()).result()
 
 
 def test_a_level_is_saved_to_its_file_or_to_another_one(

@@ -79,7 +79,7 @@ def test_a_person_sees_a_widget_and_the_notebook_keeps_a_picture_beside_it(tmp_p
     )
     style, picture, widget = shown(show)
     name = ET.fromstring(picture[SVG]).get("class") or ""
-    assert f"canvas.{name}" in style["text/html"]
+    assert f":is(canvas, div).{name}" in style["text/html"]
     assert is_picture(picture, 0)
     assert set(widget) == {WIDGET, "text/plain"}
     # Where it is not shown, nothing stands for it below the picture.
