@@ -37,6 +37,9 @@ drawn_worlds = drawings(5).map(
 )
 
 
+fewer = settings(max_examples=settings().max_examples // 3)
+"""For the law whose oracle takes long."""
+
 few = settings(max_examples=10)
 """For laws of many gestures in a row."""
 
@@ -78,6 +81,7 @@ def digest(level: Level) -> str:
     return (level.with_maze_seed(7) if level.has_random_maze else level).digest
 
 
+@fewer
 @given(st.data())
 def test_gesture_comes_to_the_same_as_the_change_in_sets_of_cells(data: st.DataObject) -> None:
     session, rng = Session(data.draw(texts())), Random(data.draw(st.integers(0, 10**6)))

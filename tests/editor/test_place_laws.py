@@ -56,7 +56,7 @@ def is_done(session: Session, message: dict[str, Any]) -> bool:
 
 
 @given(texts, st.integers(0, 10**6))
-@settings(max_examples=60)
+@settings(max_examples=settings().max_examples // 5)
 def test_only_what_is_moved_moves(text: str, seed: int) -> None:
     session, rng = Session(text), Random(seed)
     assume(session.is_valid)
@@ -94,7 +94,7 @@ def inner(places: Counter[tuple[Any, ...]]) -> Counter[tuple[Any, ...]]:
 
 
 @given(texts, st.integers(0, 10**6))
-@settings(max_examples=60)
+@settings(max_examples=settings().max_examples // 5)
 def test_only_what_is_removed_goes(text: str, seed: int) -> None:
     session, rng = Session(text), Random(seed)
     assume(session.is_valid)
