@@ -111,6 +111,7 @@ def characters(session: Session, place: dict[str, Any]) -> set[str]:
     return {" ", *session.level.legend}
 
 
+@pytest.mark.slow
 @levels
 def test_moving_there_and_back_changes_nothing(path: Path) -> None:
     session = session_of(path)
