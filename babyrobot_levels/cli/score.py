@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -248,16 +249,8 @@ def _best_policies(levels: Any, options: dict[str, Any]) -> dict[str, Any]:
 def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool) -> None:
     """Write the scores of an agent."""
     if output is not None:
-        suffix = output.suffix.lower()
-        makers: dict[str, Any] = {
-            ".csv": scores.to_csv,
-            ".json": scores.to_json,
-            ".svg": scores.to_svg,
-            ".png": scores.to_png,
-        }
-        if suffix not in makers:
-            fail(f"unknown suffix {suffix or '(none)'}", f"use one of {', '.join(makers)}")
-        save(output, makers[suffix](), force=force)
+        pictures = {".svg": scores.to_svg, ".png": scores.to_png}
+        _save({".csv": scores.to_csv, ".json": scores.to_json, **pictures}, output, force=force)
     elif kind is TableFormat.CSV:
         write(scores.to_csv())
     elif kind is TableFormat.JSON:
@@ -269,6 +262,14 @@ def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool)
 
 
 _HEADING = ("level", "return", "optimum", "random", "share", "success", "steps")
+
+
+def _save(makers: Mapping[str, Callable[[], Any]], output: Path, *, force: bool) -> None:
+    """Write a file in the format that its suffix names."""
+    suffix = output.suffix.lower()
+    if suffix not in makers:
+        fail(f"unknown suffix {suffix or '(none)'}", f"use one of {', '.join(makers)}")
+    save(output, makers[suffix](), force=force)
 
 
 def _score_cells(row: LevelScore) -> list[str]:
@@ -320,11 +321,7 @@ def _score_plays(
     with working("verifying"):
         grades = grade(files, wanted)
     if output is not None:
-        makers = {".csv": grades.to_csv, ".json": grades.to_json}
-        suffix = output.suffix.lower()
-        if suffix not in makers:
-            fail(f"unknown suffix {suffix or '(none)'}", f"use one of {', '.join(makers)}")
-        save(output, makers[suffix](), force=force)
+        _save({".csv": grades.to_csv, ".json": grades.to_json}, output, force=force)
     elif kind is TableFormat.CSV:
         write(grades.to_csv())
     elif kind is TableFormat.JSON:
