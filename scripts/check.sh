@@ -3,6 +3,7 @@
 # Usage: bash scripts/check.sh             with the fast tests: about four minutes on two cores
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
+#        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -20,6 +21,11 @@ libraries)
     .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
     exec .venv-libraries/bin/python -m pytest -m libraries -n 2 tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
     ;;
+jax)
+    make_venv .venv-jax
+    .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hypothesis jaxued==0.0.1 pytest pytest-xdist
+    exec .venv-jax/bin/python -m pytest -m libraries -n 2 tests/jax_levels
+    ;;
 lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
@@ -27,7 +33,7 @@ lowest)
     exec .venv-lowest/bin/python -m pytest -m "not libraries" -n 2 tests/envs
     ;;
 *)
-    sed -n '3,7s/^# //p' scripts/check.sh >&2
+    sed -n '3,8s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

@@ -31,6 +31,9 @@ SLOW = {
 }
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
 
+LIBRARIES = {"jax_levels"}
+"""Likewise, those in which every test needs libraries that learn."""
+
 NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
 """Whatever a page asks for, nothing but this machine answers; it has a second name."""
 
@@ -41,11 +44,14 @@ settings.load_profile("fast")
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is slow by its place."""
+    """Mark what is slow, and what needs libraries, by its place."""
     for item in items:
         place = item.path.relative_to(TESTS)
-        if SLOW & {each.as_posix() for each in (place, *place.parents)}:
+        places = {each.as_posix() for each in (place, *place.parents)}
+        if SLOW & places:
             item.add_marker(pytest.mark.slow)
+        if LIBRARIES & places:
+            item.add_marker(pytest.mark.libraries)
 
 
 @pytest.fixture

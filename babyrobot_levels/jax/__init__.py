@@ -1,0 +1,28 @@
+"""Levels as JAX environments: one compiled step plays any number of them. Needs the extra `jax`.
+
+```python
+import babyrobot_levels.jax as brl_jax
+
+env, params = brl_jax.make("final-maze")
+```
+"""
+
+from __future__ import annotations
+
+try:
+    import gymnax as _gymnax
+    import jax as _jax
+except ImportError as fault:
+    raise ImportError(
+        "babyrobot_levels.jax needs JAX and gymnax 1.0 or later: "
+        "install babyrobot-levels with the extra `jax`"
+    ) from fault
+
+from babyrobot_levels.jax.env import EnvState as EnvState
+from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
+from babyrobot_levels.jax.making import make as make
+from babyrobot_levels.jax.params import EnvParams as EnvParams
+
+__all__ = ["EnvParams", "EnvState", "LevelEnvironment", "make"]
+
+del _gymnax, _jax

@@ -1,0 +1,243 @@
+"""The environment: gymnax's interface to levels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from gymnax.environments import environment, spaces
+from jax import Array
+from jax.tree_util import register_dataclass
+
+from babyrobot_levels.jax.params import HIT, REACHED, SKIDDED, TERMINAL, EnvParams
+from babyrobot_levels.jax.words import below, chosen, draw_words
+
+Info = dict[str, Array]
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class EnvState:
+    """The state of an environment.
+
+    Attributes:
+        time: int32: how many steps the episode has taken.
+        state: int32: the state, in the numbering of `EnvParams`.
+        level: int32: the level, in that numbering.
+    """
+
+    time: Array
+    state: Array
+    level: Array
+
+
+class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
+    """Levels as an environment of gymnax 1.0; made by `babyrobot_levels.jax.make`.
+
+    Observations, actions, rewards and ends of episodes are those of `LevelEnv`. All that belongs to
+    the levels is in `EnvParams`, which every call takes. An action beyond the last one is taken as
+    the last one: compiled code cannot raise errors.
+    """
+
+    def __init__(self, params: EnvParams, observation_space: spaces.Space, name: str) -> None:
+        super().__init__()
+        self._params, self._observation_space, self._name = params, observation_space, name
+
+    # -- gymnax ------------------------------------------------------------------------------
+
+    @property
+    def default_params(self) -> EnvParams:
+        """The levels that the environment was made with."""
+        return self._params
+
+    @property
+    def name(self) -> str:
+        """The name of the level or suite, or how many levels there are."""
+        return self._name
+
+    @property
+    def num_actions(self) -> int:
+        """How many actions there are."""
+        return self._params.num_actions
+
+    @partial(jax.jit, static_argnames=("self",))
+    def reset(self, key: Array, params: EnvParams | None = None) -> tuple[Any, EnvState]:
+        """Start an episode.
+
+        Args:
+            key: the source of randomness.
+            params: the levels.
+
+        Returns:
+            The observation and the state.
+        """
+        return self.reset_env(key, self._params if params is None else params)
+
+    @partial(jax.jit, static_argnames=("self",))
+    def step(
+        self, key: Array, state: EnvState, action: Any, params: EnvParams | None = None
+    ) -> tuple[Any, EnvState, Array, Array, Array, Info]:
+        """Take an action; if the episode is over then, start the next one in the same step.
+
+        Args:
+            key: the source of randomness.
+            state: the state.
+            action: int32.
+            params: the levels.
+
+        Returns:
+            The observation and the state, those of the next episode's start where this one is
+            over; reward, terminated, truncated; and an info with `final_observation`, the
+            observation before a reset, `action_mask` (int8 `[actions]`, after it), `level_index`
+            (of the level in which the action was taken), `target_reached`, `skidded`, and, with
+            movers, `hit`, with items, `held` (before it).
+        """
+        if params is None:
+            params = self._params
+        words = draw_words(key, params.step_words + params.reset_words)
+        taken, reset = words[: params.step_words], words[params.step_words :]
+        after, reward, terminated, info = self.transition(taken, state, action, params)
+        truncated = self.is_truncated(after, params)
+        start = self.start(reset, params, None if params.draws_levels else state.level)
+        done = terminated | truncated
+        now = jax.tree.map(partial(jnp.where, done), start, after)
+        final = params.observations.at(after.state)
+        info |= {
+            "action_mask": self.action_mask(now, params),
+            "terminated": terminated,
+            "truncated": truncated,
+            "final_observation": final,
+        }
+        return params.observations.at(now.state), now, reward, terminated, truncated, info
+
+    def step_env(
+        self, key: Array, state: EnvState, action: Any, params: EnvParams
+    ) -> tuple[Any, EnvState, Array, Array, Info]:
+        """Take an action without a reset; `step` does the rest."""
+        words = draw_words(key, params.step_words)
+        after, reward, terminated, info = self.transition(words, state, action, params)
+        info["action_mask"] = self.action_mask(after, params)
+        return params.observations.at(after.state), after, reward, terminated, info
+
+    def reset_env(self, key: Array, params: EnvParams) -> tuple[Any, EnvState]:
+        """Start an episode in a level that is drawn."""
+        if params.num_levels > 1 and not params.draws_levels:
+            words = draw_words(key, 1 + params.reset_words)
+            state = self.start(words[1:], params, params.drawn_level(words[0]))
+        else:
+            state = self.start(draw_words(key, params.reset_words), params)
+        return params.observations.at(state.state), state
+
+    def reset_to_level(
+        self, key: Array, level: Any, params: EnvParams | None = None
+    ) -> tuple[Any, EnvState]:
+        """Start an episode in the level with a number.
+
+        Args:
+            key: the source of randomness.
+            level: int32.
+            params: the levels.
+        """
+        params = self._params if params is None else params
+        words = draw_words(key, params.reset_words)
+        state = self.start(words, params, jnp.asarray(level, jnp.int32))
+        return params.observations.at(state.state), state
+
+    def observe(self, key: Array | None, state: EnvState, action: Any, params: EnvParams) -> Any:
+        """Return the observation of a state."""
+        return params.observations.at(state.state)
+
+    def is_truncated(self, state: EnvState, params: EnvParams) -> Array:
+        """Return whether the level's time limit is reached."""
+        return state.time >= params.limit[_index(state.level, params)]
+
+    def action_space(self, params: EnvParams | None = None) -> spaces.Discrete:
+        """Return the space of actions."""
+        return spaces.Discrete(self.num_actions)
+
+    def observation_space(self, params: EnvParams | None = None) -> spaces.Space:
+        """Return the space of observations."""
+        return self._observation_space
+
+    def state_space(self, params: EnvParams | None = None) -> spaces.Dict:
+        """Return the space of states."""
+        params = self._params if params is None else params
+        return spaces.Dict(
+            {
+                "time": spaces.Discrete(int(params.max_steps_in_episode)),
+                "state": spaces.Discrete(params.num_states),
+                "level": spaces.Discrete(params.num_levels),
+            }
+        )
+
+    # -- levels ------------------------------------------------------------------------------
+
+    def action_mask(self, state: EnvState, params: EnvParams | None = None) -> Array:
+        """Return the action mask, int8 `[actions]`: 1 for the actions that nothing refuses."""
+        params = self._params if params is None else params
+        bits = params.mask[state.state][..., None] >> jnp.arange(
+            params.num_actions, dtype=jnp.uint8
+        )
+        return (bits & 1).astype(jnp.int8)
+
+    def transition(
+        self, words: Array, state: EnvState, action: Any, params: EnvParams
+    ) -> tuple[EnvState, Array, Array, Info]:
+        """Take an action with given randomness, and without a reset.
+
+        Args:
+            words: uint32 `[params.step_words]`; a word w stands for the draw `w / 2**32`, with
+                which the other engines draw the same outcome.
+            state: the state.
+            action: int32.
+            params: the levels.
+
+        Returns:
+            The state after the action, the reward, whether the episode has terminated, and an
+            info.
+        """
+        action = jnp.clip(jnp.asarray(action, jnp.int32), 0, params.num_actions - 1)
+        entry = state.state * params.num_actions + action
+        if params.draws_outcomes:
+            number = -1 - params.next_state[entry]
+            row = jnp.maximum(number, 0)
+            outcome = chosen(words[0], params.threshold[row])
+            drawn = params.num_rows + row * params.most_outcomes + outcome
+            entry = jnp.where(number >= 0, drawn, entry)
+        after = EnvState(time=state.time + 1, state=params.next_state[entry], level=state.level)
+        told = params.outcome[entry]
+        info = {
+            "level_index": params.number[_index(state.level, params)],
+            "target_reached": (told & REACHED) > 0,
+            "skidded": (told & SKIDDED) > 0,
+        }
+        if params.has_movers:
+            info["hit"] = (told & HIT) > 0
+        if params.held.shape[-1]:
+            info["held"] = params.held[after.state]
+        return after, params.reward[entry], (told & TERMINAL) > 0, info
+
+    def start(self, words: Array, params: EnvParams, level: Array | None = None) -> EnvState:
+        """Return the state in which an episode starts, with given randomness.
+
+        Args:
+            words: uint32 `[params.reset_words]`: for the level, if levels are drawn, and for the
+                start, if a level has several.
+            params: the levels.
+            level: the level, which is not drawn then.
+        """
+        if level is None:
+            level = params.drawn_level(words[0]) if params.draws_levels else jnp.int32(0)
+        index = _index(level, params)
+        number = params.first_start[index]
+        if params.draws_starts:
+            number += below(words[-1], params.first_start[index + 1] - number)
+        return EnvState(time=jnp.int32(0), state=params.starts[number], level=level)
+
+
+def _index(level: Array, params: EnvParams) -> Array | int:
+    """Return a level as an index: of a single level a constant, which needs no look-up."""
+    return level if params.num_levels > 1 else 0
