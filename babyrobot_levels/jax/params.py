@@ -50,6 +50,8 @@ class EnvParams:
         outcome: uint8, as `next_state`: the sum of `TERMINAL`, `HIT`, `REACHED` and `SKIDDED`.
         threshold: uint32 `[stochastic rows, most outcomes - 1]`: a word that is not below the
             first k of these thresholds, and below the next, draws outcome k.
+        probability: float, `[stochastic rows, most outcomes]`: the exact probabilities, of which
+            the thresholds are those that 32 bits can tell apart; 0 for outcomes that do not exist.
         mask: uint8 `[states]`: the action mask, bit i for action i.
         held: bool `[states, items]`: which items are held.
         offset: int32 `[levels + 1]`: where each level's states begin.
@@ -75,6 +77,7 @@ class EnvParams:
     reward: Array
     outcome: Array
     threshold: Array
+    probability: Array
     mask: Array
     held: Array
     offset: Array
@@ -185,6 +188,7 @@ class EnvParams:
             reward=of(self.reward, picked),
             outcome=of(self.outcome, picked),
             threshold=of(self.threshold, first_branch + jnp.arange(branches)),
+            probability=of(self.probability, first_branch + jnp.arange(branches)),
             mask=of(self.mask, here),
             held=of(self.held, here),
             offset=jnp.stack([jnp.zeros_like(base), self.offset[level + 1] - base]),
@@ -264,6 +268,9 @@ def params_of(
         reward=jnp.asarray(tables["reward"], jnp.result_type(float)),
         outcome=jnp.asarray(tables["outcome"]),
         threshold=jnp.asarray(thresholds(cumulated[:, :-1])),
+        probability=jnp.asarray(
+            np.diff(np.minimum(cumulated, 1.0), axis=1, prepend=0.0), jnp.result_type(float)
+        ),
         mask=jnp.asarray(np.concatenate([_mask_bits(part, num_actions) for part in parts])),
         held=jnp.asarray(held),
         offset=jnp.asarray(offset, jnp.int32),
