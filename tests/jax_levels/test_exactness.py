@@ -7,7 +7,7 @@ from typing import Any
 import jax
 import numpy as np
 import pytest
-from support.jax_walks import GALLERY, POOL, WordDraws
+from support.jax_walks import POOL, WordDraws
 
 import babyrobot_levels as brl
 import babyrobot_levels.jax as brl_jax
@@ -39,7 +39,7 @@ def walk(env: Any, params: Any, keys: Any, actions: Any, levels: Any) -> tuple[A
         (POOL, "moves", True),
         (POOL, "turns", True),
         (list(brl.load_suite("locked-mazes")[:3]), "valid", True),
-        (GALLERY[0], "turns", True),
+        (brl.load("bat-cave"), "valid_moves", True),
     ],
     ids=["all", "moves", "turns", "suite", "single"],
 )
