@@ -5,23 +5,19 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from itertools import chain
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from contextlib import closing, contextmanager
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel.executor import Executor, Item, Result, results
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-Item = TypeVar("Item")
-Result = TypeVar("Result")
-
 WORTH_IT = 200
 """With fewer items, starting processes takes longer than it saves."""
-
-MAX_JOBS = 61
-"""The largest number of processes that Windows can wait for."""
 
 JobsOption = Annotated[
     int | None,
@@ -36,6 +32,13 @@ JobsOption = Annotated[
 ]
 
 
+def executor_of(jobs: int | None, count: int) -> Executor:
+    """Return the executor for a number of items; None jobs: processes if there are many items."""
+    if jobs is None:
+        jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
+    return executor_for(jobs=max(1, min(jobs, count)))
+
+
 def map_all(
     function: Callable[[Item], Result], items: Sequence[Item], jobs: int | None, label: str
 ) -> list[Result]:
@@ -47,32 +50,8 @@ def map_all(
         jobs: the number of processes; None chooses one.
         label: the label of the progress bar.
     """
-    if jobs is None:
-        jobs = (os.cpu_count() or 1) if len(items) >= WORTH_IT else 1
-    jobs = min(jobs, len(items), MAX_JOBS)
-    if jobs <= 1:
-        return list(track(map(function, items), len(items), label))
-    return list(track(_spread(function, items, jobs), len(items), label))
-
-
-def _spread(
-    function: Callable[[Item], Result], items: Sequence[Item], jobs: int
-) -> Iterator[Result]:
-    from concurrent.futures import ProcessPoolExecutor
-    from functools import partial
-
-    size = max(1, min(50, len(items) // (4 * jobs)))
-    chunks = [items[first : first + size] for first in range(0, len(items), size)]
-    with ProcessPoolExecutor(jobs) as pool:
-        try:
-            yield from chain.from_iterable(pool.map(partial(_each, function), chunks))
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-def _each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    return [function(item) for item in items]
+    with closing(executor_of(jobs, len(items)).map(function, items)) as outcomes:
+        return list(track(results(outcomes), len(items), label))
 
 
 PATIENCE = 1.0
