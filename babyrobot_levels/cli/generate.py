@@ -15,7 +15,14 @@ import typer
 
 from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import FINDINGS, fail, note, write
-from babyrobot_levels.cli.parallel import JobsOption, executor_of, map_all, track
+from babyrobot_levels.cli.parallel import (
+    JobsOption,
+    RayAddressOption,
+    RayOption,
+    Workers,
+    map_all,
+    track,
+)
 from babyrobot_levels.language.suite import Place
 from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
@@ -224,6 +231,8 @@ def generate(
         bool, typer.Option("--keep-going", help="Leave out levels that cannot be made.")
     ] = False,
     jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Generate levels that meet conditions: solvable, all different, reproducible by a seed.
 
@@ -267,15 +276,16 @@ def generate(
         seed=seed,
         split=split,
     )
+    workers = Workers(jobs, ray, ray_address)
     if output.exists() and not output.is_dir():
         fail(f"{output} is not a folder")
     if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
         fail("--exclude contains the folder to write to", "write to another folder")
-    excluded = _digests_in(exclude or [], jobs)
+    excluded = _digests_in(exclude or [], workers)
     batch = _batch(suite, options, Naming(names, title, first), excluded)
     target = Target(batch, output, resume, force)
     try:
-        _write(target, jobs, keep_going=keep_going)
+        _write(target, workers, keep_going=keep_going)
     except FolderError as error:
         fail(str(error), error.help)
 
@@ -332,7 +342,7 @@ def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
     return fields, name_pattern(fields)
 
 
-def _digests_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
+def _digests_in(folders: list[Path], workers: Workers) -> frozenset[str]:
     """Return the digests of all levels in some folders."""
     from babyrobot_levels.library.search_path import yaml_files
 
@@ -340,7 +350,7 @@ def _digests_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
         if not folder.is_dir():
             fail(f"--exclude: {folder} is not a folder")
     files = [path for folder in folders for path in yaml_files(folder, all_of_them=True)]
-    found = map_all(digest_of, files, jobs, "reading")
+    found = map_all(digest_of, files, workers, "reading")
     return frozenset(digest for digest in found if digest is not None)
 
 
@@ -356,13 +366,13 @@ def digest_of(path: Path) -> str | None:
     return None if level.has_random_maze else level.digest
 
 
-def _write(target: Target, jobs: int | None, *, keep_going: bool) -> None:
+def _write(target: Target, workers: Workers, *, keep_going: bool) -> None:
     """Write the files, and report the number."""
     count = target.batch.suite.count
     kept = written = 0
     errors: list[Exception] = []
     try:
-        with closing(target.write(executor_of(jobs, count), keep_going=True)) as levels:
+        with closing(target.write(workers.executor(count), keep_going=True)) as levels:
             for level in track(levels, count, "generating"):
                 written += level.is_new
                 kept += not (level.is_new or level.error)

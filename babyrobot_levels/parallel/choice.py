@@ -25,7 +25,6 @@ def executor_for(
             each processor.
 
     Raises:
-        ExecutorError: Ray is not installed.
         ValueError: there is no executor of this name, or fewer than one job.
     """
     if jobs is not None and jobs < 1:
@@ -38,6 +37,10 @@ def executor_for(
         from babyrobot_levels.parallel.processes import Processes
 
         return Processes(jobs or os.cpu_count() or 1)
+    if executor == "ray":
+        from babyrobot_levels.parallel.on_ray import OnRay
+
+        return OnRay(cpus=jobs)
     if isinstance(executor, str):
         raise ValueError(f"there is no executor {executor!r}; use 'processes' or 'ray'")
     return executor

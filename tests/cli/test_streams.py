@@ -190,5 +190,7 @@ def test_no_more_processes_than_windows_can_wait_for(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(processes, "ProcessPoolExecutor", pool)
     monkeypatch.setattr(signal, "signal", lambda number, handler: None)
-    assert parallel.map_all(str, range(300), 128, "counting") == [*map(str, range(300))]
+    assert parallel.map_all(str, range(300), parallel.Workers(128), "counting") == [
+        *map(str, range(300))
+    ]
     assert asked == [61]

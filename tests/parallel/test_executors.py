@@ -52,7 +52,7 @@ def test_a_failure_is_told_with_its_index_and_the_others_go_on(executor: Executo
 @BOTH
 def test_results_raises_the_error_of_the_first_failure(executor: Executor) -> None:
     taken = []
-    with pytest.raises(ValueError, match="^7 is a multiple of 7$"):
+    with pytest.raises(ValueError, match=r"^7 is a multiple of 7$"):
         taken.extend(results(executor.map(tasks.no_sevens, range(1, 30))))
     # `extend` has taken what came before.
     assert taken == [1, 2, 3, 4, 5, 6]
