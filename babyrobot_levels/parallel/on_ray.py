@@ -174,9 +174,7 @@ def connect(address: str | None = None, cpus: int | None = None) -> None:
         )
     except Exception as error:
         if cpus is not None and "num_cpus" in str(error):
-            message = (
-                "the number of jobs is that of the CPUs of the Ray cluster, which runs already"
-            )
+            message = "the Ray cluster runs already, so its number of CPUs cannot be chosen"
             raise ExecutorError(message, "leave out the number of jobs") from None
         raise _unreachable(address, _beginning(error)) from None
 
