@@ -190,7 +190,7 @@ def test_what_starves_is_told(order: list[str], said: str, babyrobot: Babyrobot)
     done = babyrobot("generate", "--count", "3", *order, "-o", "out")
     assert done.status == 1
     first, second, *hint = done.err.splitlines()
-    assert re.match(said, first)
+    assert re.match("level 0: " + said, first)
     # A larger size helps where all values are too small, and only there.
     assert bool(hint) == ("largest" in first and "difficulty" not in first)
     assert second == "  0 of 3 levels are in out"
@@ -204,7 +204,7 @@ def test_what_was_made_before_is_there(jobs: str, babyrobot: Babyrobot) -> None:
     done = babyrobot("generate", "--count", "1000", *order, "-o", "out")
     assert done.status == 1
     first, second, hint = done.err.splitlines()
-    assert first.startswith("--count 1000: ")
+    assert re.match(r"level \d+: --count 1000: ", first)
     assert first.endswith("duplicates of earlier levels")
     assert hint == "  help: use a larger size, for example 5x5"
     found = levels_in(Path("out"))
