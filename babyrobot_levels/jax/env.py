@@ -12,7 +12,10 @@ from gymnax.environments import environment, spaces
 from jax import Array
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.jax.loading import Loader
+from babyrobot_levels.jax.observations import space_of
 from babyrobot_levels.jax.params import HIT, REACHED, SKIDDED, TERMINAL, EnvParams
+from babyrobot_levels.jax.room import Room
 from babyrobot_levels.jax.words import below, chosen, draw_words
 
 Info = dict[str, Array]
@@ -42,9 +45,10 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
     the last one: compiled code cannot raise errors.
     """
 
-    def __init__(self, params: EnvParams, observation_space: spaces.Space, name: str) -> None:
+    def __init__(self, params: EnvParams, loader: Loader, room: Room, name: str) -> None:
         super().__init__()
-        self._params, self._observation_space, self._name = params, observation_space, name
+        self._params, self._loader, self._room, self._name = params, loader, room, name
+        self._observation_space = space_of(loader.observation, loader.extent)
 
     # -- gymnax ------------------------------------------------------------------------------
 
@@ -131,6 +135,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
             state = self.start(draw_words(key, params.reset_words), params)
         return params.observations.at(state.state), state
 
+    @partial(jax.jit, static_argnames=("self",))
     def reset_to_level(
         self, key: Array, level: Any, params: EnvParams | None = None
     ) -> tuple[Any, EnvState]:
@@ -149,6 +154,12 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
     def observe(self, key: Array | None, state: EnvState, action: Any, params: EnvParams) -> Any:
         """Return the observation of a state."""
         return params.observations.at(state.state)
+
+    def is_terminated(self, state: EnvState, params: EnvParams) -> Array:
+        """Return whether a state is terminal: whatever is done in it, it leads back to itself."""
+        entry = state.state * params.num_actions
+        stays = params.next_state[entry] == state.state
+        return stays & ((params.outcome[entry] & TERMINAL) > 0)
 
     def is_truncated(self, state: EnvState, params: EnvParams) -> Array:
         """Return whether the level's time limit is reached."""
@@ -174,6 +185,42 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         )
 
     # -- levels ------------------------------------------------------------------------------
+
+    def load(self, levels: Any) -> EnvParams:
+        """Return other levels, in arrays of the same shapes: nothing is compiled anew for them.
+
+        Args:
+            levels: as many levels as the environment was made with, as `make` takes them.
+
+        Raises:
+            LevelNotFoundError: there is no such level.
+            LevelError: a level is not valid.
+            ValueError: the levels do not fit into the spaces or the arrays.
+        """
+        weighted = self._params.weights is not None
+        return self._loader.load(levels, self._room, weighted=weighted)
+
+    @partial(jax.jit, static_argnames=("self",))
+    def observations(self, params: EnvParams | None = None) -> Any:
+        """Return the observations of all states, `[states, …]`; a dict of such, if of several.
+
+        Args:
+            params: the levels; without a level axis.
+        """
+        params = self._params if params is None else params
+        return params.observations.at(jnp.arange(params.num_states))
+
+    def sample_action(self, key: Array, state: EnvState, params: EnvParams | None = None) -> Array:
+        """Return an action that the mask allows, int32, each as often; 0 if there is none.
+
+        Args:
+            key: the source of randomness.
+            state: the state.
+            params: the levels.
+        """
+        counted = jnp.cumsum(self.action_mask(state, params), axis=-1, dtype=jnp.int32)
+        place = below(draw_words(key, 1)[0], counted[..., -1])
+        return jnp.argmax(counted > place, axis=-1).astype(jnp.int32)
 
     def action_mask(self, state: EnvState, params: EnvParams | None = None) -> Array:
         """Return the action mask, int8 `[actions]`: 1 for the actions that nothing refuses."""
