@@ -19,6 +19,7 @@ from babyrobot_levels.envs.arguments import (
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.samplers import Sampler, checked_sampler, sampled
 from babyrobot_levels.envs.single import LevelEnv
+from babyrobot_levels.generate.suite_sources import Bounds
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.mdp.actions import HEADINGS
 
@@ -66,7 +67,7 @@ class SuiteEnv(LevelEnv):
         self._options = ("start", "index")
 
     def _extent(self) -> Extent:
-        return suite_extent(self.suite, turns=self._actions.turns)
+        return extent_of(self.suite.bounds, turns=self._actions.turns)
 
     def _things(self) -> tuple[int, bool]:
         return self.suite.most_items, self.suite.has_guards
@@ -148,14 +149,14 @@ def suite_and_split(suite: SuiteLike, split: str | None) -> tuple[Suite, Suite]:
     return loaded, played
 
 
-def suite_extent(suite: Suite, *, turns: bool) -> Extent:
-    """Return the extent of all levels that a suite can have, without making them.
+def extent_of(bounds: Bounds, *, turns: bool) -> Extent:
+    """Return the extent of levels that have no more than some bounds.
 
     Args:
-        suite: the suite.
+        bounds: those of a suite, whose levels need not be made for it.
         turns: whether the robot turns.
     """
-    bounds, headings = suite.bounds, HEADINGS if turns else 1
+    headings = HEADINGS if turns else 1
     return Extent(
         bounds.size,
         bounds.radices,

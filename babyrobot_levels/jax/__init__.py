@@ -18,11 +18,30 @@ except ImportError as fault:
         "install babyrobot-levels with the extra `jax`"
     ) from fault
 
+from babyrobot_levels.jax.adapters import UnderspecifiedEnv as UnderspecifiedEnv
 from babyrobot_levels.jax.env import EnvState as EnvState
 from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
 from babyrobot_levels.jax.making import make as make
 from babyrobot_levels.jax.params import EnvParams as EnvParams
+from babyrobot_levels.jax.solver import Optimum as Optimum
+from babyrobot_levels.jax.solver import Worth as Worth
+from babyrobot_levels.jax.solver import evaluate as evaluate
+from babyrobot_levels.jax.solver import optimum as optimum
+from babyrobot_levels.jax.solver import random_policy as random_policy
+from babyrobot_levels.jax.solver import regret as regret
 
-__all__ = ["EnvParams", "EnvState", "LevelEnvironment", "make"]
+__all__ = [
+    "EnvParams",
+    "EnvState",
+    "LevelEnvironment",
+    "Optimum",
+    "UnderspecifiedEnv",
+    "Worth",
+    "evaluate",
+    "make",
+    "optimum",
+    "random_policy",
+    "regret",
+]
 
 del _gymnax, _jax

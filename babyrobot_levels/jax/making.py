@@ -1,31 +1,33 @@
-"""Making environments from levels, and exchanging the levels of one."""
+"""Making environments from levels."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import os
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
-from babyrobot_levels.envs.engine.factory import limits_of
-from babyrobot_levels.envs.engine.tables import part_of
-from babyrobot_levels.envs.observations import make_observer
-from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.suite import suite_extent
+from babyrobot_levels.envs.engine.factory import checked_count, limits_of
+from babyrobot_levels.envs.suite import extent_of
+from babyrobot_levels.generate.suite_sources import Bounds
 from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.jax.env import LevelEnvironment
-from babyrobot_levels.jax.observations import gymnax_space, tables_of
-from babyrobot_levels.jax.params import MAX_BYTES, EnvParams, params_of
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.jax.loading import MAX_BYTES, Loader, bounds_of, levels_in
+from babyrobot_levels.jax.params import EnvParams
 from babyrobot_levels.library.level import Level
+
+LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
+Levels = LevelLike | Sequence[LevelLike] | Suite
 
 
 def make(
-    levels: Any,
+    levels: Levels,
     *,
     observation: str | Sequence[str] = "position",
     actions: str = "valid",
     draw_levels: bool = True,
+    room_for: Levels | None = None,
     max_episode_steps: int | None = None,
     image_size: tuple[int, int] | None = None,
     grayscale: bool = False,
@@ -35,30 +37,67 @@ def make(
     planes_dtype: str = "float32",
     max_bytes: int = MAX_BYTES,
 ) -> tuple[LevelEnvironment, EnvParams]:
-    """Return levels as an environment of gymnax, and as its parameters."""
+    """Return levels as an environment of gymnax, and as its parameters.
+
+    The tables of all levels are made at once. Observations, actions, rewards and ends of
+    episodes are those of `LevelVectorEnv` with the same arguments.
+
+    Args:
+        levels: a name, a path, a mapping or a `Level`; a list of these; or a `Suite`, a split or a
+            slice of one.
+        observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
+            `"view"`; or a tuple of several of them, for a dict of observations.
+        actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`. There is no difference
+            between `"valid"` and `"all"`, or `"valid_moves"` and `"moves"`: `sample_action` gives
+            valid actions, and the action space all.
+        draw_levels: whether each episode draws its level: all equally often, or by the weights of
+            the suite. If not, `reset` draws it, and later episodes stay in it.
+        room_for: further levels, as `levels`: `load` can then put any levels into the arrays that
+            are not larger than the largest of all these. By default, levels that are not larger
+            altogether.
+        max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
+            `max_steps`.
+        image_size: `(height, width)` in pixels of image observations.
+        grayscale: whether image observations are grey.
+        view_radius: how many cells views show in each direction, 1 to 15; by default 3.
+        see_through: whether views show what walls, doors and blocked cells hide.
+        channels_last: whether planes have the shape `[height, width, planes]` and not
+            `[planes, height, width]`.
+        planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
+        max_bytes: how much memory the arrays may take; while they are made, it is about three
+            times as much. Transitions take 9 bytes for each state and action, and 17 for each
+            outcome where there are several. Observations take 4 bytes for each number of each
+            state, views an eighth of a byte, images one; planes are kept once for each
+            configuration.
+
+    Returns:
+        The environment, and the parameters that its methods take.
+
+    Raises:
+        LevelNotFoundError: there is no such level.
+        LevelError: a level is not valid.
+        UnsatisfiableError: no level meets the conditions of a suite.
+        ValueError: the arrays would take too much memory, there are no levels, one has
+            `maze: {seed: random}`, or another argument is invalid.
+    """
     chosen = checked_observation(
         observation, image_size, grayscale, view_radius, see_through, channels_last, planes_dtype
     )
     check_choice("actions", actions, ACTION_SETS)
+    limits_of((), max_episode_steps)
+    given = levels_in(levels)
+    others = () if room_for is None else levels_in(room_for)
+    bounds = Bounds.joined([bounds_of(given), bounds_of(others)])
     action_set = ACTION_SETS[actions]
-    if isinstance(levels, Suite):
-        extent = suite_extent(levels, turns=action_set.turns)
-        loaded: tuple[Level, ...] = tuple(levels)
-        name = levels.name
-    else:
-        several = isinstance(levels, Sequence) and not isinstance(levels, str)
-        loaded = tuple(load(each) for each in (levels if several else [levels]))
-        extent = Extent.of(loaded, turns=action_set.turns)
-        name = loaded[0].name if len(loaded) == 1 else None
-    parts = [part_of(level, action_set.tables(level), action_set.first) for level in loaded]
-    counts = [part.state_info.size for part in parts]
-    tables = tables_of(loaded, counts, chosen, extent)
-    params = params_of(
-        parts,
-        limits_of(loaded, max_episode_steps),
-        [level.discount for level in loaded],
-        tables,
-        draw_levels and len(loaded) > 1,
+    loader = Loader(
+        chosen,
+        bounds,
+        extent_of(bounds, turns=action_set.turns),
+        action_set,
+        bool(draw_levels),
+        max_episode_steps,
+        checked_count("max_bytes", max_bytes),
     )
-    space = gymnax_space(make_observer(loaded[0], chosen, extent).space)
-    return LevelEnvironment(params, space, name or f"{len(loaded)} levels"), params
+    params, room = loader.make(given, others)
+    name = given.name if isinstance(given, Suite) else given[0].name if len(given) == 1 else None
+    return LevelEnvironment(params, loader, room, name or f"{len(given):,} levels"), params

@@ -1,15 +1,18 @@
 """The observations of all states as arrays, from which a compiled step reads them.
 
-They are those of the other environments, made by the same observers.
+They are those of the other environments, made by the same observers. The tables of one level have
+NumPy arrays; `joined` puts those of many together.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from math import prod
-from typing import Any
+from typing import Any, Self
 
+import jax
 import jax.numpy as jnp
 import numpy as np
 from gymnasium import spaces as gymnasium_spaces
@@ -18,13 +21,26 @@ from jax import Array
 from jax.tree_util import register_dataclass
 from numpy.typing import NDArray
 
-from babyrobot_levels.envs.observations import Observation, make_observer
+from babyrobot_levels.envs.observations import Observation
 from babyrobot_levels.envs.observations.extent import Extent
-from babyrobot_levels.envs.observations.numbers import NUMERIC, NumericObserver
+from babyrobot_levels.envs.observations.images import ImageObserver
+from babyrobot_levels.envs.observations.numbers import NumericObserver
 from babyrobot_levels.envs.observations.planes import PlanePainter
 from babyrobot_levels.envs.observations.vectors import VectorObserver
 from babyrobot_levels.envs.observations.views import ViewPainter
+from babyrobot_levels.envs.vector.observations import make_batch_observer
+from babyrobot_levels.jax.room import Room
 from babyrobot_levels.library.level import Level
+
+
+def look_up(table: Array, index: Any) -> Array:
+    """Return a row of a table, or rows; without the checks of `table[index]`, which take time.
+
+    Args:
+        table: `[rows, …]`.
+        index: int32, from 0 on and below the number of rows.
+    """
+    return table.at[index].get(mode="promise_in_bounds")
 
 
 @register_dataclass
@@ -33,24 +49,32 @@ class RowTable:
     """An observation that has a row of an array for each state.
 
     Attributes:
-        rows: `[states, …]`; of views, the bits, uint8 `[states, bytes]`.
+        rows: `[states, …]`; of views uint8 `[states, bytes]`, the first of their numbers in the
+            lowest bits, the next ones in the bits above: so whole vectors are unpacked at once.
         shape: the shape of a view; None if rows are observations.
     """
 
     rows: Array
     shape: tuple[int, ...] | None = field(default=None, metadata={"static": True})
 
-    def at(self, state: Array) -> Array:
-        """Return the observation of a state."""
-        row = self.rows[state]
+    def at(self, states: Any) -> Array:
+        """Return the observation of a state, or of each of an array of states."""
+        rows = look_up(self.rows, states)
         if self.shape is None:
-            return row
-        return jnp.unpackbits(row, count=prod(self.shape)).reshape(self.shape)
+            return rows
+        bits = jnp.concatenate([rows >> place & 1 for place in range(8)], axis=-1)
+        return bits[..., : prod(self.shape)].reshape(rows.shape[:-1] + self.shape)
 
     def take(self, level: Array, base: Array, states: int) -> RowTable:
         """Return the rows of a level, which begin at `base`."""
         rows = self.rows.at[base + jnp.arange(states)].get(mode="clip")
         return replace(self, rows=rows)
+
+    @classmethod
+    def join(cls, parts: Sequence[Self], room: Room) -> RowTable:
+        """Return the tables of several levels as one, with this room."""
+        rows = _filled([part.rows for part in parts], room.total.states)
+        return replace(parts[0], rows=jnp.asarray(rows))
 
 
 @register_dataclass
@@ -74,20 +98,43 @@ class PlaneTables:
     one: int = field(metadata={"static": True})
     most: int = field(metadata={"static": True})
 
-    def at(self, state: Array) -> Array:
-        """Return the planes of a state."""
-        planes = self.grounds[self.ground[state]]
-        return planes.reshape(-1).at[self.robot[state]].set(self.one).reshape(planes.shape)
+    def at(self, states: Any) -> Array:
+        """Return the planes of a state, or of each of an array of states."""
+        if jnp.ndim(states):
+            return jax.vmap(self.at)(states)
+        planes = look_up(self.grounds, look_up(self.ground, states))
+        robot = look_up(self.robot, states)
+        return planes.reshape(-1).at[robot].set(self.one).reshape(planes.shape)
 
     def take(self, level: Array, base: Array, states: int) -> PlaneTables:
         """Return the planes of a level, whose states begin at `base`."""
         here, first = base + jnp.arange(states), self.first_ground[level]
+        ground = self.ground.at[here].get(mode="clip") - first
         return replace(
             self,
-            ground=self.ground.at[here].get(mode="clip") - first,
+            # What is beyond the end is of other levels, and never looked up.
+            ground=jnp.clip(ground, 0, self.most - 1),
             robot=self.robot.at[here].get(mode="clip"),
             grounds=self.grounds.at[first + jnp.arange(self.most)].get(mode="clip"),
             first_ground=jnp.stack([jnp.zeros_like(first), self.first_ground[level + 1] - first]),
+        )
+
+    @classmethod
+    def join(cls, parts: Sequence[Self], room: Room) -> PlaneTables:
+        """Return the tables of several levels as one, with this room."""
+        first = np.cumsum([0, *(len(part.grounds) for part in parts)])
+        ground = [part.ground + base for part, base in zip(parts, first, strict=False)]
+        return PlaneTables(
+            ground=jnp.asarray(_filled(ground, room.total.states), jnp.int32),
+            robot=jnp.asarray(
+                _filled([part.robot for part in parts], room.total.states), jnp.int32
+            ),
+            grounds=jnp.asarray(
+                _filled([part.grounds for part in parts], room.total.configurations)
+            ),
+            first_ground=jnp.asarray(first, jnp.int32),
+            one=parts[0].one,
+            most=room.most.configurations,
         )
 
 
@@ -102,9 +149,9 @@ class DictTables:
 
     parts: dict[str, ObservationTables]
 
-    def at(self, state: Array) -> dict[str, Array]:
-        """Return the observations of a state."""
-        return {name: part.at(state) for name, part in self.parts.items()}
+    def at(self, states: Any) -> dict[str, Array]:
+        """Return the observations of a state, or of each of an array of states."""
+        return {name: part.at(states) for name, part in self.parts.items()}
 
     def take(self, level: Array, base: Array, states: int) -> DictTables:
         """Return the observations of a level, whose states begin at `base`."""
@@ -112,110 +159,123 @@ class DictTables:
             {name: part.take(level, base, states) for name, part in self.parts.items()}
         )
 
+    @classmethod
+    def join(cls, parts: Sequence[Self], room: Room) -> DictTables:
+        """Return the tables of several levels as one, with this room."""
+        return DictTables(
+            {name: joined([part.parts[name] for part in parts], room) for name in parts[0].parts}
+        )
+
 
 ObservationTables = RowTable | PlaneTables | DictTables
 
 
+def joined(parts: Sequence[Any], room: Room) -> ObservationTables:
+    """Return tables of the same kind, of one level each, as one with this room."""
+    tables: ObservationTables = type(parts[0]).join(parts, room)
+    return tables
+
+
 def tables_of(
-    levels: Sequence[Level], counts: Sequence[int], observation: Observation, extent: Extent
+    level: Level, count: int, observation: Observation, extent: Extent
 ) -> ObservationTables:
-    """Return the observations of all states of some levels.
+    """Return the observations of all states of one level, as NumPy arrays.
 
     Args:
-        levels: the levels.
-        counts: how many states each of them has.
+        level: the level.
+        count: how many states it has.
         observation: which observation.
         extent: the extent of all levels.
     """
     match observation.name:
         case tuple():
             parts = observation.parts().items()
-            made = {name: tables_of(levels, counts, part, extent) for name, part in parts}
+            made = {name: tables_of(level, count, part, extent) for name, part in parts}
             return DictTables(made)
         case "planes":
-            return _planes(levels, counts, observation, extent)
+            return _planes(level, count, observation, extent)
         case "view":
-            return _views(levels, counts, observation, extent)
+            radius = observation.view_radius
+            painter = ViewPainter(level, extent.headings, radius, observation.see_through)
+            shape = painter.view(0).shape
+            return RowTable(np.stack([_packed(painter.view(s)) for s in range(count)]), shape)
         case "vector":
-            rows = [VectorObserver(level, extent).table() for level in levels]
-            return RowTable(jnp.asarray(np.concatenate(rows)))
+            return RowTable(VectorObserver(level, extent).table())
         case "image":
-            return _images(levels, counts, observation, extent)
+            image = observation.image_size, observation.grayscale
+            images = ImageObserver(level, extent, *image)
+            return RowTable(np.stack([images.at(state)() for state in range(count)]))
         case name:
-            assert name in NUMERIC
-            numbers = np.concatenate(
-                [NumericObserver(each, name, extent).table() for each in levels]
-            )
-            column = numbers[:, 0] if name == "index" else numbers
-            return RowTable(jnp.asarray(column, jnp.int32))
+            numbers = NumericObserver(level, name, extent).table().astype(np.int32)
+            return RowTable(numbers[:, 0] if name == "index" else numbers)
 
 
-def _planes(
-    levels: Sequence[Level], counts: Sequence[int], observation: Observation, extent: Extent
-) -> PlaneTables:
-    painters = [PlanePainter(level, extent, observation.plane_form) for level in levels]
-    configurations = [
-        count // painter.states for count, painter in zip(counts, painters, strict=True)
-    ]
-    first = np.cumsum([0, *configurations])
-    grounds, rows, robots = [], [], []
-    for painter, count, base in zip(painters, counts, first.tolist(), strict=False):
-        grounds += [painter.ground(number) for number in range(count // painter.states)]
-        states = np.arange(count)
-        rows.append(base + states // painter.states)
-        robots.append(painter.robot(states))
+def _packed(view: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a view in an eighth of its bytes; see `RowTable`."""
+    bits = np.zeros((8, -(-view.size // 8)), np.uint8)
+    bits.reshape(-1)[: view.size] = view.reshape(-1)
+    packed: NDArray[np.uint8] = np.packbits(bits, axis=0, bitorder="little")[0]
+    return packed
+
+
+def _planes(level: Level, count: int, observation: Observation, extent: Extent) -> PlaneTables:
+    painter = PlanePainter(level, extent, observation.plane_form)
+    states, configurations = np.arange(count), count // painter.states
     return PlaneTables(
-        ground=jnp.asarray(np.concatenate(rows), jnp.int32),
-        robot=jnp.asarray(np.concatenate(robots), jnp.int32),
-        grounds=jnp.asarray(np.stack(grounds)),
-        first_ground=jnp.asarray(first, jnp.int32),
+        ground=states // painter.states,
+        robot=painter.robot(states),
+        grounds=np.stack([painter.ground(number) for number in range(configurations)]),
+        first_ground=np.array([0, configurations]),
         one=observation.plane_form.one,
-        most=max(configurations),
+        most=configurations,
     )
 
 
-def _views(
-    levels: Sequence[Level], counts: Sequence[int], observation: Observation, extent: Extent
-) -> RowTable:
-    bits: list[NDArray[np.uint8]] = []
-    shape: tuple[int, ...] = ()
-    for level, count in zip(levels, counts, strict=True):
-        painter = ViewPainter(
-            level, extent.headings, observation.view_radius, observation.see_through
-        )
-        for state in range(count):
-            view = painter.view(state)
-            shape = view.shape
-            bits.append(np.packbits(view))
-    return RowTable(jnp.asarray(np.stack(bits)), shape)
+@lru_cache
+def bytes_of(observation: Observation, extent: Extent) -> tuple[int, int]:
+    """Return how much memory observations take for each state, and for each configuration.
+
+    Args:
+        observation: which observation.
+        extent: the extent of all levels.
+    """
+    if isinstance(observation.name, tuple):
+        each = [bytes_of(part, extent) for part in observation.parts().values()]
+        return sum(state for state, _ in each), sum(configuration for _, configuration in each)
+    space = make_batch_observer(observation, extent, 1).space
+    size, itemsize = prod(space.shape or ()), np.dtype(space.dtype).itemsize
+    match observation.name:
+        case "planes":
+            places = 1 + (extent.headings > 1)
+            return 4 * (1 + places), size * itemsize
+        case "view":
+            return -(-size // 8), 0
+        case "vector" | "image":
+            return size * itemsize, 0
+    return size * 4, 0
 
 
-def _images(
-    levels: Sequence[Level], counts: Sequence[int], observation: Observation, extent: Extent
-) -> RowTable:
-    observers = [make_observer(level, observation, extent) for level in levels]
-    return RowTable(
-        jnp.asarray(
-            np.stack(
-                [
-                    observer.at(state)()
-                    for observer, count in zip(observers, counts, strict=True)
-                    for state in range(count)
-                ]
-            )
-        )
-    )
+def space_of(observation: Observation, extent: Extent) -> spaces.Space:
+    """Return the space of gymnax of an observation."""
+    return _gymnax_space(make_batch_observer(observation, extent, 1).space)
 
 
-def gymnax_space(space: gymnasium_spaces.Space[Any]) -> spaces.Space:
-    """Return a space of Gymnasium as one of gymnax."""
+def _gymnax_space(space: gymnasium_spaces.Space[Any]) -> spaces.Space:
     match space:
         case gymnasium_spaces.Discrete():
             return spaces.Discrete(int(space.n))
         case gymnasium_spaces.MultiDiscrete():
-            return spaces.Box(0, np.asarray(space.nvec) - 1, space.shape, jnp.int32)
+            highest = jnp.asarray(space.nvec - 1, jnp.int32)
+            return spaces.Box(jnp.zeros_like(highest), highest, space.shape, jnp.int32)
         case gymnasium_spaces.Box():
             return spaces.Box(space.low.flat[0], space.high.flat[0], space.shape, space.dtype)
         case gymnasium_spaces.Dict():
-            return spaces.Dict({name: gymnax_space(each) for name, each in space.items()})
+            return spaces.Dict({name: _gymnax_space(each) for name, each in space.items()})
     raise NotImplementedError(f"gymnax has no space like {space}")
+
+
+def _filled(arrays: Sequence[NDArray[Any]], count: int) -> NDArray[Any]:
+    """Return arrays one after the other, and zeros after them up to a count."""
+    made = np.zeros((count, *arrays[0].shape[1:]), arrays[0].dtype)
+    np.concatenate(arrays, out=made[: sum(map(len, arrays))])
+    return made

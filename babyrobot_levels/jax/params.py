@@ -6,8 +6,7 @@ room as it has states, however large the others are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import jax
@@ -15,15 +14,9 @@ import jax.numpy as jnp
 import numpy as np
 from jax import Array
 from jax.tree_util import register_dataclass
-from numpy.typing import NDArray
 
-from babyrobot_levels.envs.engine.tables import (
-    NO_LIMIT,
-    Part,
-    info_dtype,
-)
 from babyrobot_levels.jax.observations import ObservationTables
-from babyrobot_levels.jax.words import NEVER, below, thresholds
+from babyrobot_levels.jax.words import below
 
 TERMINAL, HIT, REACHED, SKIDDED = 1, 2, 4, 8
 """The bits of what is told of an outcome."""
@@ -31,8 +24,8 @@ TERMINAL, HIT, REACHED, SKIDDED = 1, 2, 4, 8
 UNLIMITED = np.iinfo(np.int32).max
 """The time limit of levels without one."""
 
-MAX_BYTES = 4 * 2**30
-"""How much memory tables may take, by default."""
+_WEIGHTS = 2**30
+"""What cumulated weights come to, about: products with words have 62 bits."""
 
 
 @register_dataclass
@@ -48,8 +41,10 @@ class EnvParams:
         next_state: int32 `[rows + stochastic rows * most outcomes]`.
         reward: float32 (float64 with JAX's x64 mode), as `next_state`.
         outcome: uint8, as `next_state`: the sum of `TERMINAL`, `HIT`, `REACHED` and `SKIDDED`.
-        threshold: uint32 `[stochastic rows, most outcomes - 1]`: a word that is not below the
-            first k of these thresholds, and below the next, draws outcome k.
+        threshold: uint32 `[stochastic rows, most outcomes - 1]`: a word that is above k of these
+            thresholds draws outcome k.
+        probability: float, `[stochastic rows, most outcomes]`: the exact probabilities, of which
+            the thresholds are those that 32 bits can tell apart; 0 for outcomes that do not exist.
         mask: uint8 `[states]`: the action mask, bit i for action i.
         held: bool `[states, items]`: which items are held.
         offset: int32 `[levels + 1]`: where each level's states begin.
@@ -59,8 +54,8 @@ class EnvParams:
         limit: int32 `[levels]`: the time limit in steps, `UNLIMITED` for none.
         discount: float `[levels]`: the level's discount.
         number: int32 `[levels]`: the number that infos have as `level_index`.
-        weights: uint32 `[levels - 1]`: cumulated chances of levels at resets, None if all are
-            drawn equally often.
+        weights: int32 `[levels]`: cumulated weights, in proportion to which levels are drawn at
+            resets; None if all are drawn equally often.
         observations: the observation of each state.
         num_actions: how many actions there are.
         most_outcomes: the most outcomes of an action.
@@ -75,6 +70,7 @@ class EnvParams:
     reward: Array
     outcome: Array
     threshold: Array
+    probability: Array
     mask: Array
     held: Array
     offset: Array
@@ -133,21 +129,22 @@ class EnvParams:
         """Return these levels, each drawn at resets with a probability proportional to its weight.
 
         Args:
-            weights: `[levels]`, none below 0 and one at least above it.
+            weights: `[levels]`, none below 0 and one at least above it. A share of less than
+                one in 2**30 counts as 0.
         """
-        cumulated = jnp.cumsum(jnp.asarray(weights, self.reward.dtype), axis=-1)
-        share = cumulated[..., :-1] / cumulated[..., -1:]
-        # The largest float32 below 1: 2**32 itself is no word.
-        scaled = jnp.minimum(share, 1 - 2.0**-24) * 2.0**32
-        words = jnp.where(share >= 1.0, NEVER, scaled.astype(jnp.uint32))
-        return replace(self, weights=words)
+        given = jnp.asarray(weights, self.reward.dtype)
+        shares = given / jnp.sum(given, axis=-1, keepdims=True)
+        whole = (shares * _WEIGHTS).astype(jnp.int32)
+        return replace(self, weights=jnp.cumsum(whole, axis=-1, dtype=jnp.int32))
 
     def drawn_level(self, word: Array) -> Array:
         """Return the level that a word draws, int32."""
         if self.weights is None:
             return below(word, jnp.int32(self.num_levels))
-        return jnp.searchsorted(self.weights, word, side="right").astype(jnp.int32)
+        place = below(word, self.weights[-1])
+        return jnp.searchsorted(self.weights, place, side="right").astype(jnp.int32)
 
+    @jax.jit
     def take(self, indices: Any) -> EnvParams:
         """Return single levels, along a first axis of all arrays, for `jax.vmap` over levels.
 
@@ -166,153 +163,43 @@ class EnvParams:
     def _single(self, level: Array) -> EnvParams:
         states, branches, starts = self.sizes
         actions, width = self.num_actions, self.most_outcomes
-        base, first_branch = self.offset[level], self.first_branch[level]
-        here = base + jnp.arange(states)
-        rows = base * actions + jnp.arange(states * actions)
-        entries = first_branch * width + jnp.arange(branches * width) + self.num_rows
-        # Beyond its end, there is something of other levels, to which no state leads.
-        picked = jnp.concatenate([rows, entries])
-        next_state = self.next_state.at[picked].get(mode="clip")
-        moved = jnp.where(next_state < 0, next_state + first_branch, next_state - base)
+        base, num_states = self.offset[level], self.offset[level + 1] - self.offset[level]
+        first_branch = self.first_branch[level]
+        num_branches = self.first_branch[level + 1] - first_branch
         first_start = self.first_start[level]
-        count = self.first_start[level + 1] - first_start
+        num_starts = self.first_start[level + 1] - first_start
 
         def of(array: Array, where: Array) -> Array:
             return array.at[where].get(mode="clip")
 
-        return EnvParams(
-            next_state=moved,
-            reward=of(self.reward, picked),
-            outcome=of(self.outcome, picked),
-            threshold=of(self.threshold, first_branch + jnp.arange(branches)),
-            mask=of(self.mask, here),
-            held=of(self.held, here),
-            offset=jnp.stack([jnp.zeros_like(base), self.offset[level + 1] - base]),
-            first_branch=jnp.stack(
-                [jnp.zeros_like(base), self.first_branch[level + 1] - first_branch]
-            ),
+        row, drawn = jnp.arange(states * actions), jnp.arange(branches * width)
+        entries = jnp.concatenate(
+            [base * actions + row, self.num_rows + first_branch * width + drawn]
+        )
+        # What follows in the arrays is of other levels: it becomes terminal states.
+        is_own = jnp.concatenate([row < num_states * actions, drawn < num_branches * width])
+        itself = jnp.concatenate([row // actions, jnp.zeros_like(drawn)])
+        next_state = of(self.next_state, entries)
+        moved = jnp.where(next_state < 0, next_state + first_branch, next_state - base)
+        here, branch = jnp.arange(states), first_branch + jnp.arange(branches)
+        zero = jnp.zeros_like(base)
+        return replace(
+            self,
+            next_state=jnp.where(is_own, moved, itself).astype(jnp.int32),
+            reward=jnp.where(is_own, of(self.reward, entries), 0.0),
+            outcome=jnp.where(is_own, of(self.outcome, entries), np.uint8(TERMINAL)),
+            threshold=of(self.threshold, branch),
+            probability=of(self.probability, branch),
+            mask=jnp.where(here < num_states, of(self.mask, base + here), np.uint8(0)),
+            held=of(self.held, base + here),
+            offset=jnp.stack([zero, num_states]),
+            first_branch=jnp.stack([zero, num_branches]),
             starts=of(self.starts, first_start + jnp.arange(starts)) - base,
-            first_start=jnp.stack([jnp.zeros_like(count), count]),
+            first_start=jnp.stack([zero, num_starts]),
             limit=self.limit[level][None],
             discount=self.discount[level][None],
             number=self.number[level][None],
             weights=None,
             observations=self.observations.take(level, base, states),
-            num_actions=actions,
-            most_outcomes=width,
-            sizes=self.sizes,
             draws_levels=False,
-            draws_outcomes=self.draws_outcomes,
-            draws_starts=self.draws_starts,
-            has_movers=self.has_movers,
         )
-
-
-def params_of(
-    parts: Sequence[Part],
-    limits: Sequence[int],
-    discounts: Sequence[float],
-    observations: ObservationTables,
-    draws_levels: bool,
-) -> EnvParams:
-    """Return the tables of levels.
-
-    Args:
-        parts: the levels.
-        limits: the time limit of each level.
-        discounts: the discount of each level.
-        observations: the observations of all states.
-        draws_levels: whether each episode draws its level.
-    """
-    offset = np.cumsum([0, *(part.state_info.size for part in parts)])
-    branches = [int(np.count_nonzero(part.count > 1)) for part in parts]
-    first_branch = np.cumsum([0, *branches])
-    width = max(int(part.count.max(initial=1)) for part in parts)
-    rows: dict[str, list[NDArray[Any]]] = {"next_state": [], "reward": [], "outcome": []}
-    further: dict[str, list[NDArray[Any]]] = {name: [] for name in rows}
-    cumulated = np.full((int(first_branch[-1]), width), 2.0)
-    num_actions = parts[0].count.size // parts[0].state_info.size
-    for part, base, branch in zip(parts, offset.tolist(), first_branch.tolist(), strict=False):
-        is_stochastic = part.count > 1
-        columns = {
-            "next_state": part.columns["next_state"] + base,
-            "reward": part.columns["reward"],
-            "outcome": _outcomes(part.columns["outcome_info"], num_actions),
-        }
-        count, own = int(np.count_nonzero(is_stochastic)), part.threshold.shape[1]
-        for name, column in columns.items():
-            first = column[:, 0].copy()
-            if name == "next_state":
-                first[is_stochastic] = -1 - branch - np.arange(count)
-            rows[name].append(first)
-            padded = np.zeros((count, width), column.dtype)
-            # Longer rows are padding.
-            used = min(own, width)
-            padded[:, :used] = column[is_stochastic][:, :used]
-            further[name].append(padded.reshape(-1))
-        cumulated[branch : branch + count, : min(own, width)] = part.threshold[
-            is_stochastic, : min(own, width)
-        ]
-    tables = {name: np.concatenate([*rows[name], *further[name]]) for name in rows}
-    starts = [part.starts + base for part, base in zip(parts, offset.tolist(), strict=False)]
-    num_items = max(part.held.shape[1] for part in parts)
-    held = np.zeros((offset[-1], num_items), np.bool_)
-    for part, base in zip(parts, offset.tolist(), strict=False):
-        held[base : base + len(part.held), : part.held.shape[1]] = part.held
-    return EnvParams(
-        next_state=jnp.asarray(tables["next_state"], jnp.int32),
-        reward=jnp.asarray(tables["reward"], jnp.result_type(float)),
-        outcome=jnp.asarray(tables["outcome"]),
-        threshold=jnp.asarray(thresholds(cumulated[:, :-1])),
-        mask=jnp.asarray(np.concatenate([_mask_bits(part, num_actions) for part in parts])),
-        held=jnp.asarray(held),
-        offset=jnp.asarray(offset, jnp.int32),
-        first_branch=jnp.asarray(first_branch, jnp.int32),
-        starts=jnp.asarray(np.concatenate(starts), jnp.int32),
-        first_start=jnp.asarray(np.cumsum([0, *map(len, starts)]), jnp.int32),
-        limit=jnp.asarray(
-            [UNLIMITED if limit == NO_LIMIT else min(limit, UNLIMITED) for limit in limits],
-            jnp.int32,
-        ),
-        discount=jnp.asarray(discounts, jnp.result_type(float)),
-        number=jnp.arange(len(parts), dtype=jnp.int32),
-        weights=None,
-        observations=observations,
-        num_actions=num_actions,
-        most_outcomes=width,
-        sizes=(
-            max(part.state_info.size for part in parts),
-            max(branches),
-            max(map(len, starts)),
-        ),
-        draws_levels=draws_levels,
-        draws_outcomes=width > 1,
-        draws_starts=any(len(each) > 1 for each in starts),
-        has_movers=any(part.has_movers for part in parts),
-    )
-
-
-def _outcomes(words: NDArray[np.uint64], num_actions: int) -> NDArray[np.uint8]:
-    """Return info words as sums of `TERMINAL`, `HIT`, `REACHED` and `SKIDDED`."""
-    infos = words.view(info_dtype(num_actions))
-    told: NDArray[np.uint8] = infos["end"] + REACHED * infos["reached"].view(np.uint8)
-    return told + SKIDDED * infos["skidded"].view(np.uint8)
-
-
-def _mask_bits(part: Part, num_actions: int) -> NDArray[np.uint8]:
-    """Return action masks as bits, uint8 `[states]`."""
-    masks = part.state_info.view(info_dtype(num_actions))["mask"]
-    bits: NDArray[np.uint8] = (masks.astype(np.uint8) << np.arange(num_actions)).sum(axis=1)
-    return bits.astype(np.uint8)
-
-
-def shapes_of(params: EnvParams) -> dict[str, Any]:
-    """Return what must be equal so that nothing is compiled anew: shapes and static values."""
-    found: dict[str, Any] = {
-        jax.tree_util.keystr(path): leaf.shape
-        for path, leaf in jax.tree_util.tree_leaves_with_path(params)
-    }
-    for each in fields(params):
-        if each.metadata.get("static"):
-            found[each.name] = getattr(params, each.name)
-    return found

@@ -5,8 +5,6 @@ A word w stands for the draw `w / 2**32`, from 0 up to but not including 1.
 
 from __future__ import annotations
 
-from typing import Any
-
 import jax
 import jax.numpy as jnp
 import numpy as np
@@ -14,7 +12,7 @@ from jax import Array
 from numpy.typing import NDArray
 
 NEVER = np.uint32(2**32 - 1)
-"""The threshold of outcomes that do not exist; a word is below it but for one in 2**32."""
+"""The largest word: no word is above this threshold."""
 
 _HALF = 16
 _LOW = 2**_HALF - 1
@@ -44,15 +42,15 @@ def below(word: Array, count: Array) -> Array:
 
 
 def thresholds(cumulated: NDArray[np.float64]) -> NDArray[np.uint32]:
-    """Return the least word whose draw is not below each of some cumulated probabilities.
+    """Return the largest word whose draw is below each of some cumulated probabilities.
 
     Args:
-        cumulated: float64, from 0 on; what is 1 or more is `NEVER`.
+        cumulated: float64, above 0.
     """
-    scaled = np.ceil(np.minimum(cumulated, 1.0) * 2.0**32)
-    return np.minimum(scaled, NEVER).astype(np.uint32)
+    least_not_below = np.ceil(np.minimum(cumulated, 1.0) * 2.0**32)
+    return (least_not_below - 1).astype(np.uint32)
 
 
-def chosen(word: Array, limits: Any) -> Array:
-    """Return how many of some rising thresholds a word is not below, int32."""
-    return jnp.sum(word >= limits, axis=-1, dtype=jnp.int32)
+def chosen(word: Array, limits: Array) -> Array:
+    """Return how many of some rising thresholds a word is above, int32."""
+    return jnp.sum(word > limits, axis=-1, dtype=jnp.int32)

@@ -20,7 +20,7 @@ from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import Observation, make_observer
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import LevelEnv
-from babyrobot_levels.envs.suite import suite_extent
+from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.catalogue import load, suite_path
 from babyrobot_levels.library.level import Level
@@ -124,7 +124,7 @@ def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level]
         levels = load_suite(levels)
     if isinstance(levels, Suite):
         part = levels if split is None else levels.split(split)
-        return list(part), suite_extent(levels, turns=turns)
+        return list(part), extent_of(levels.bounds, turns=turns)
     if split is not None:
         raise ValueError("split is a part of a suite; these are levels")
     if not isinstance(levels, list | tuple):

@@ -1,1 +1,1 @@
-"""Stepping many environments at once: flat tables, and two engines with the same results."""
+"""Stepping many environments at once: flat tables, and engines with the same results."""

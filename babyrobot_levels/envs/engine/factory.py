@@ -15,7 +15,7 @@ from babyrobot_levels.envs.engine.tables import NO_LIMIT, Tables
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.words import did_you_mean
 
-ENGINES = ("numpy", "compiled")
+ENGINES = ("numpy", "compiled", "jax")
 
 
 def make_engine(
@@ -24,19 +24,27 @@ def make_engine(
     """Return an engine.
 
     Args:
-        name: one of `ENGINES`, or None for the fastest that is installed.
+        name: one of `ENGINES`, or None for `"compiled"` where Numba can be used, else `"numpy"`.
         tables: the tables of the levels.
         observations: the observation of each state, int64 `[states, numbers]`.
         num_envs: how many environments there are.
 
     Raises:
         ValueError: there is no such engine.
-        ImportError: the compiled engine is required, and Numba cannot be used.
+        ImportError: an engine is required whose library is missing or cannot be used.
     """
     if name not in (None, *ENGINES):
         known = ", ".join(map(repr, ENGINES))
         guess = did_you_mean(name, ENGINES) if isinstance(name, str) else ""
         raise ValueError(f"engine must be {known} or None, not {name!r}{guess}")
+    if name == "jax":
+        try:
+            from babyrobot_levels.envs.engine.jitted import JittedEngine
+        except ImportError as reason:
+            raise ImportError(
+                "engine='jax' needs JAX: install babyrobot-levels with the extra `jax`"
+            ) from reason
+        return JittedEngine(tables, observations, num_envs)
     if name != "numpy":
         try:
             from babyrobot_levels.envs.engine.compiled import CompiledEngine

@@ -22,6 +22,7 @@ from babyrobot_levels.envs.engine.tables import (
 )
 
 _UNSIGNED = np.dtype(np.uintp)
+_NOBODY = np.empty(0, np.intp)
 
 FEW = 256
 """Up to this many environments, few calls are faster than those that do less for each of them."""
@@ -58,7 +59,7 @@ class PlainEngine:
 
     def __reduce__(self) -> Any:
         # Copies of the intermediate arrays would not be views of one another.
-        return PlainEngine, (self._tables, self._observations, self._rows.size)
+        return type(self), (self._tables, self._observations, self._rows.size)
 
     def update(self, span: Span) -> None:
         """Read a slot of the tables and observations again, after it was written."""
@@ -88,15 +89,7 @@ class PlainEngine:
         resetting = envs.done.nonzero()[0]
         if resetting.size:
             rows[resetting] = tables.idle_row
-        if tables.first.size:
-            self._draw_outcomes(rows, draws)
-        # With `mode="raise"`, NumPy would not write into `out` directly. All rows are in bounds.
-        tables.next_state.take(rows, out=state, mode="clip")
-        tables.reward.take(rows, out=results.rewards, mode="clip")
-        tables.outcome_info.take(rows, out=words, mode="clip")
-        if resetting.size:
-            reset(tables, envs, resetting, draws)
-            words[resetting] = tables.state_info.take(state.take(resetting))
+        self._act(envs, rows, resetting, draws, results)
         record = results.record
         if rows.size <= FEW:
             record["mask_bytes"] = self._masks
@@ -117,9 +110,6 @@ class PlainEngine:
         else:
             truncated.fill(False)
             envs.done[:] = terminated
-        self._observations.take(state, axis=0, out=results.observations, mode="clip")
-        if self._tells_held:
-            tables.held.take(state, axis=0, out=results.held, mode="clip")
         return True
 
     def run(
@@ -148,16 +138,42 @@ class PlainEngine:
             if done.size:
                 reset(tables, envs, done, draws)
 
-    def _draw_outcomes(self, rows: Ints, draws: Draws) -> None:
-        """Replace stochastic rows by the outcomes that are drawn."""
-        tables = self._tables
-        drawing = self._is_stochastic.take(rows, out=self._which, mode="clip").nonzero()[0]
+    def _act(
+        self, envs: EnvStates, rows: Ints, resetting: Ints, draws: Draws, results: Results
+    ) -> None:
+        """Change the states, and write rewards, info words, observations and items.
+
+        Args:
+            envs: the environments.
+            rows: the row of each environment's state and action; changed in place.
+            resetting: those that start a new episode; their rows are the idle one.
+            draws: the source of randomness.
+            results: where to write.
+        """
+        tables, words, state = self._tables, self._words, envs.state
+        drawing = self._drawing(rows)
         if drawing.size:
             number = tables.next_state.take(rows.take(drawing))
             threshold = tables.threshold.take(number, axis=0)
             # Repeating is cheaper than comparing arrays of different shapes.
             drawn = draws.uniform(drawing).repeat(threshold.shape[1]).reshape(threshold.shape)
             rows[drawing] = tables.first.take(number) + (drawn >= threshold).argmin(axis=1)
+        # With `mode="raise"`, NumPy would not write into `out` directly. All rows are in bounds.
+        tables.next_state.take(rows, out=state, mode="clip")
+        tables.reward.take(rows, out=results.rewards, mode="clip")
+        tables.outcome_info.take(rows, out=words, mode="clip")
+        if resetting.size:
+            reset(tables, envs, resetting, draws)
+            words[resetting] = tables.state_info.take(state.take(resetting))
+        self._observations.take(state, axis=0, out=results.observations, mode="clip")
+        if self._tells_held:
+            tables.held.take(state, axis=0, out=results.held, mode="clip")
+
+    def _drawing(self, rows: Ints) -> Ints:
+        """Return the environments whose action has several outcomes."""
+        if not self._tables.first.size:
+            return _NOBODY
+        return self._is_stochastic.take(rows, out=self._which, mode="clip").nonzero()[0]
 
 
 def reset(tables: Tables, envs: EnvStates, which: Ints, draws: Draws) -> None:

@@ -86,13 +86,13 @@ def rollout(
         actions: `"all"`, `"moves"` without stay, or `"turns"`.
         max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
             `max_steps`.
-        engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed. Both give the
-            same results.
+        engine: `"numpy"`, `"compiled"`, `"jax"`, or None for `"compiled"` where Numba is installed,
+            else `"numpy"`. All give the same results.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid, or its maze has no seed yet.
-        ImportError: the compiled engine is required and not installed.
+        ImportError: an engine is required whose library is not installed.
         ValueError: another argument is invalid.
     """
     several = isinstance(level, Sequence) and not isinstance(level, str)

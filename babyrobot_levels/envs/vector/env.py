@@ -122,7 +122,8 @@ class LevelVectorEnv(ChangingVectorEnv):
                 by the weights of the suite.
             copy: whether each step returns new arrays, which are parts of one piece of memory. If
                 not, it always returns the same arrays, and the next step overwrites them.
-            engine: `"numpy"`, `"compiled"`, or None for the fastest that is installed.
+            engine: `"numpy"`, `"compiled"`, `"jax"`, or None for `"compiled"` where Numba is
+                installed, else `"numpy"`. All give the same results.
             legacy_infos: whether the infos of `reset` have `level_digest`, as in former versions;
                 deprecated.
 
@@ -130,7 +131,7 @@ class LevelVectorEnv(ChangingVectorEnv):
             LevelNotFoundError: there is no such level.
             LevelError: a level is not valid.
             UnsatisfiableError: no level meets the conditions of a suite.
-            ImportError: the compiled engine is required and not installed.
+            ImportError: an engine is required whose library is not installed.
             ValueError: another argument is invalid.
         """
         chosen = checked_observation(

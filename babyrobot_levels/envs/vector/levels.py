@@ -28,7 +28,7 @@ from babyrobot_levels.envs.engine.tables import (
 )
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.samplers import checked_sampler
-from babyrobot_levels.envs.suite import suite_extent
+from babyrobot_levels.envs.suite import extent_of
 from babyrobot_levels.envs.vector.next_levels import (
     DrawnLevels,
     ExchangedLevels,
@@ -102,7 +102,7 @@ def checked_levels(
     if sampler is not None and (levels is None or not draw_levels):
         raise ValueError("a sampler needs several `levels` or a suite, and draw_levels=True")
     if isinstance(levels, Suite):
-        extent = suite_extent(levels, turns=turns)
+        extent = extent_of(levels.bounds, turns=turns)
         if draw_levels:
             drawn = DrawnLevels(levels, checked_sampler(sampler, levels), levels.bounds.num_starts)
             return Played(levels, extent, levels.most_items, levels.has_guards, drawn)
@@ -169,35 +169,40 @@ def checked_environments(which: Any, num_envs: int) -> Ints:
     return np.unique(indices).astype(np.intp)
 
 
-def check_fits(level: Level, extent: Extent, num_items: int, *, has_movers: bool) -> None:
-    """Raise a ValueError if a level does not fit into the spaces of an environment.
+def misfit(level: Level, extent: Extent, num_items: int, *, has_movers: bool) -> str | None:
+    """Return why a level does not fit into the spaces of an environment, None if it does.
 
     Args:
-        level: the level.
+        level: the level, whose maze has a seed.
         extent: the extent of the levels that the environment was made with.
         num_items: the most items of these.
         has_movers: whether one of them has movers.
     """
-    if level.has_random_maze:
-        raise ValueError("set_levels: a level with `maze: {seed: random}` has no maze of its own")
     own = Extent.of([level], turns=extent.headings > 1)
-    problem = None
     if own.size[0] > extent.size[0] or own.size[1] > extent.size[1]:
         sizes = ["x".join(map(str, size)) for size in (own.size, extent.size)]
-        problem = f"it has {sizes[0]} cells, and the spaces {sizes[1]}"
-    elif len(level.items) > num_items:
-        problem = f"it has {len(level.items)} items, and the spaces have {num_items}"
-    elif own.has_wind and not extent.has_wind:
-        problem = "it has wind, and the spaces have none"
-    elif level.movers and not has_movers:
-        problem = "it has movers, and the spaces have none"
-    elif largest_radices(own.radices, extent.radices) != extent.radices:
-        problem = "its things have more values than those of the spaces"
-    elif own.configurations > extent.configurations:
-        problem = (
+        return f"it has {sizes[0]} cells, and the spaces {sizes[1]}"
+    if len(level.items) > num_items:
+        return f"it has {len(level.items)} items, and the spaces have {num_items}"
+    if own.has_wind and not extent.has_wind:
+        return "it has wind, and the spaces have none"
+    if level.movers and not has_movers:
+        return "it has movers, and the spaces have none"
+    if largest_radices(own.radices, extent.radices) != extent.radices:
+        return "its things have more values than those of the spaces"
+    if own.configurations > extent.configurations:
+        return (
             f"it has {own.configurations:,} configurations, and the spaces have "
             f"{extent.configurations:,}"
         )
+    return None
+
+
+def check_fits(level: Level, extent: Extent, num_items: int, *, has_movers: bool) -> None:
+    """Raise a ValueError if a level does not fit into the spaces; see `misfit`."""
+    if level.has_random_maze:
+        raise ValueError("set_levels: a level with `maze: {seed: random}` has no maze of its own")
+    problem = misfit(level, extent, num_items, has_movers=has_movers)
     if problem is not None:
         raise ValueError(
             f"{level!r} does not fit: {problem}; make the environment with such a level among "

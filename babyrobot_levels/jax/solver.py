@@ -1,0 +1,427 @@
+"""Solving levels in JAX: the optimum and the worth of policies, for all levels in one call.
+
+The states of all levels are swept together: the values with k + 1 steps left follow from those with
+k. So a time limit is exact; without one, sweeps go on until no value changes any more.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial, reduce
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+from jax import Array, lax
+from jax.tree_util import register_dataclass
+
+from babyrobot_levels.jax import linear
+from babyrobot_levels.jax.params import TERMINAL, UNLIMITED, EnvParams
+
+MAX_SWEEPS = 10_000
+"""Without a time limit, what has not converged after so many sweeps is nan."""
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Optimum:
+    """The optimum of levels.
+
+    Attributes:
+        values: `[states]`: the optimal expected return from each state; 0 where the episode is
+            over.
+        returns: `[levels]`: the optimal expected return of an episode, over the level's starts.
+        actions: int32 `[states]`: an optimal action, within a limit with all steps left.
+    """
+
+    values: Array
+    returns: Array
+    actions: Array
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class Worth:
+    """What a policy is worth in levels.
+
+    Attributes:
+        values: `[states]`: the expected return from each state; 0 where the episode is over.
+        returns: `[levels]`: the expected return of an episode, over the level's starts.
+    """
+
+    values: Array
+    returns: Array
+
+
+def optimum(
+    params: EnvParams, *, discount: float | None = None, within: int | str | None = None
+) -> Optimum:
+    """Return the optimum of all levels.
+
+    It is that of `babyrobot_levels.solve`, to rounding. Actions that the mask refuses can be taken,
+    too; mostly, they leave the robot where it is. Without a limit, values that are infinite, or
+    that have not converged after 10,000 sweeps, are nan.
+
+    Args:
+        params: the levels.
+        discount: above 0 and at most 1; by default, that of each level.
+        within: the number of steps after which episodes are truncated, or `"max_steps"` for each
+            level's own limit; None for no limit.
+
+    Raises:
+        ValueError: an argument has another value.
+    """
+    return _optimum(params, _factors(params, discount), _limits(params, within))
+
+
+def evaluate(
+    params: EnvParams,
+    policy: Any,
+    *,
+    discount: float | None = None,
+    within: int | str | None = None,
+) -> Worth:
+    """Return what a policy is worth in all levels.
+
+    It is what `babyrobot_levels.evaluate` returns, to rounding, and nan as `optimum` tells.
+
+    Args:
+        params: the levels.
+        policy: the action of each state, int `[states]`, or the probabilities of all actions,
+            float `[states, actions]`, which are scaled to add up to 1; if all are 0, all actions
+            are equally likely. Where the episode is over, it does not matter.
+        discount: above 0 and at most 1; by default, that of each level.
+        within: as in `optimum`.
+
+    Raises:
+        ValueError: an argument has another shape or value.
+    """
+    policy = _checked(params, policy)
+    return _evaluate(params, policy, _factors(params, discount), _limits(params, within))
+
+
+def regret(
+    params: EnvParams,
+    policy: Any,
+    *,
+    best: Array | None = None,
+    discount: float | None = None,
+    within: int | str | None = None,
+) -> Array:
+    """Return by how much a policy falls short of the optimal expected return, float `[levels]`.
+
+    Args:
+        params: the levels.
+        policy: as in `evaluate`.
+        best: `returns` of the optimum, where it is known already: that saves half the time.
+        discount: above 0 and at most 1; by default, that of each level.
+        within: as in `optimum`.
+
+    Raises:
+        ValueError: an argument has another shape or value.
+    """
+    worth = evaluate(params, policy, discount=discount, within=within)
+    if best is None:
+        best = optimum(params, discount=discount, within=within).returns
+    return best - worth.returns
+
+
+def random_policy(params: EnvParams) -> Array:
+    """Return the policy that takes all actions equally often that the mask allows.
+
+    Where it allows none, these are all actions. It is the policy `"random"` of
+    `babyrobot_levels.evaluate`.
+
+    Args:
+        params: the levels.
+
+    Returns:
+        The probabilities, float `[states, actions]`.
+    """
+    bits = params.mask[:, None] >> jnp.arange(params.num_actions, dtype=params.mask.dtype)
+    allowed = (bits & 1).astype(params.reward.dtype)
+    allowed = jnp.where(allowed.any(axis=1, keepdims=True), allowed, 1)
+    return allowed / allowed.sum(axis=1, keepdims=True)
+
+
+# -- the model -------------------------------------------------------------------------------
+
+
+@register_dataclass
+@dataclass(frozen=True)
+class _Model:
+    """Levels as expectations: what a choice gives at once, and what it has ahead.
+
+    There are as many choices as actions; under a policy of one action for each state, one.
+
+    Attributes:
+        reward: `[choices, states]`: the expected reward.
+        target: int32 `[choices, states]`: the state that a choice leads to; `states` for the end,
+            and from `states + 1` on for stochastic rows.
+        weight: `[outcomes, stochastic rows]`: the probabilities of a row.
+        outcome: int32 `[outcomes, stochastic rows]`: the state that an outcome leads to, or
+            `states`.
+        level: int32 `[states]`: the level of each state.
+    """
+
+    reward: Array
+    target: Array
+    weight: Array
+    outcome: Array
+    level: Array
+
+    def ahead(self, values: Array, end: float = 0.0) -> list[Array]:
+        """Return the expected value after each choice, `[states]`, from values of states.
+
+        Args:
+            values: `[states]`.
+            end: the value of the end.
+        """
+        known = jnp.append(values, end)
+        if self.weight.size:
+            chances = zip(self.weight, self.outcome, strict=True)
+            drawn = sum(weight * _at(known, to) for weight, to in chances)
+            known = jnp.concatenate([known, drawn])
+        return [_at(known, self.target[choice]) for choice in range(self.target.shape[0])]
+
+    def under(self, actions: Array) -> _Model:
+        """Return the model in which these actions, `[states]`, are the only choice."""
+        chosen = jnp.clip(actions, 0, self.target.shape[0] - 1)[None]
+        return replace(
+            self,
+            reward=jnp.take_along_axis(self.reward, chosen, axis=0),
+            target=jnp.take_along_axis(self.target, chosen, axis=0),
+        )
+
+
+def _mean(weights: Array, values: Sequence[Array]) -> Array:
+    """Return the mean of some arrays, whose weights add up to 1: the first has what others leave.
+
+    So rounded weights do not make values grow from step to step. Compilers make far faster code of
+    a few such operations than of one along a short axis.
+    """
+    first = values[0]
+    return sum(
+        (weights[number] * (values[number] - first) for number in range(1, len(values))), first
+    )
+
+
+def _at(array: Array, index: Array) -> Array:
+    return array.at[index].get(mode="promise_in_bounds")
+
+
+def _model_of(params: EnvParams) -> _Model:
+    states, actions, rows = params.num_states, params.num_actions, params.num_rows
+    here = jnp.arange(states)
+    following = jnp.where((params.outcome & TERMINAL) > 0, states, params.next_state)
+    row_next = params.next_state[:rows]
+    is_drawn = row_next < 0
+    target = jnp.where(is_drawn, states - row_next, following[:rows])
+    reward = params.reward[:rows]
+    shape = (params.probability.shape[0], params.most_outcomes)
+    if params.draws_outcomes:
+        drawn = (params.probability * params.reward[rows:].reshape(shape)).sum(axis=1)
+        reward = jnp.where(is_drawn, drawn[jnp.maximum(-1 - row_next, 0)], reward)
+    # A single level has the room of the largest one: beyond its own states, nothing happens.
+    exists = here < params.offset[-1]
+    return _Model(
+        reward=jnp.where(exists, reward.reshape(states, actions).T, 0),
+        target=jnp.where(exists, target.reshape(states, actions).T, states),
+        weight=params.probability.T,
+        outcome=jnp.clip(following[rows:].reshape(shape).T, 0, states),
+        level=jnp.searchsorted(params.offset[1:-1], here, side="right").astype(jnp.int32),
+    )
+
+
+def _at_starts(params: EnvParams, values: Array) -> Array:
+    """Return the expectation of values over each level's starts, `[levels]`."""
+    first = params.first_start
+    number = jnp.arange(params.starts.shape[0])
+    level = jnp.searchsorted(first[1:-1], number, side="right")
+    of_starts = jnp.where(number < first[-1], values[params.starts], 0)
+    return jax.ops.segment_sum(of_starts, level, params.num_levels) / jnp.diff(first)
+
+
+# -- sweeps ----------------------------------------------------------------------------------
+
+
+@jax.jit
+def _optimum(params: EnvParams, discount: Array, limit: Array | None) -> Optimum:
+    model = _model_of(params)
+    factor = discount[model.level]
+    # Among actions whose values differ by rounding, the one stays that led to the value first: in
+    # a loop without rewards, another one may go round for ever.
+    tie = 8 * jnp.finfo(factor.dtype).eps
+
+    def sweep(values: Array, actions: Array) -> tuple[Array, Array]:
+        found = [
+            reward + factor * ahead
+            for reward, ahead in zip(model.reward, model.ahead(values), strict=True)
+        ]
+        kept = sum(jnp.where(actions == number, each, 0) for number, each in enumerate(found))
+        kept += tie * jnp.abs(kept)
+        for number, each in enumerate(found):
+            actions = jnp.where(each > kept, number, actions)
+            kept = jnp.maximum(each, kept)
+        return reduce(jnp.maximum, found), actions
+
+    nothing = jnp.zeros(params.num_states, factor.dtype)
+    if limit is None:
+        limit = jnp.full_like(params.limit, UNLIMITED)
+    start = nothing, nothing.astype(jnp.int32)
+    values, actions = _swept(sweep, start, limit[model.level])
+    return Optimum(values, _at_starts(params, values), actions)
+
+
+@jax.jit
+def _evaluate(params: EnvParams, policy: Array, discount: Array, limit: Array | None) -> Worth:
+    model = _model_of(params)
+    factor = discount[model.level]
+    if policy.ndim == 1:
+        model = model.under(policy)
+        weights = jnp.ones_like(model.reward)
+    else:
+        weights = policy.astype(factor.dtype).T
+        total = weights.sum(axis=0)
+        weights = jnp.where(total > 0, weights / total, 1 / params.num_actions)
+    reward = (weights * model.reward).sum(axis=0)
+    if limit is None:
+        values = _in_the_long_run(model, weights, reward, factor, params.num_levels)
+    else:
+
+        def sweep(values: Array, _: None) -> tuple[Array, None]:
+            return reward + factor * _mean(weights, model.ahead(values)), None
+
+        values, _ = _swept(sweep, (jnp.zeros_like(reward), None), limit[model.level])
+    return Worth(values, _at_starts(params, values))
+
+
+def _swept(sweep: Any, start: tuple[Array, Any], limit: Array) -> tuple[Array, Any]:
+    """Sweep until each state's limit, or until nothing changes; return values and more.
+
+    Args:
+        sweep: from values, `[states]`, and more of each state to the next ones.
+        start: what they are with no steps left.
+        limit: int32 `[states]`: the number of sweeps.
+    """
+    is_limited = limit < UNLIMITED
+    last = jnp.where(is_limited, limit, MAX_SWEEPS)
+
+    def going(carry: Any) -> Any:
+        count, _, _, changed = carry
+        return (changed & (count < last)).any()
+
+    def step(carry: Any) -> Any:
+        count, before, past, _ = carry
+        found = jax.tree.map(partial(jnp.where, count < last), sweep(*past), past)
+        # Without a limit, rounding may change a last digit back and forth for ever.
+        changed = (found[0] != past[0]) & (is_limited | (found[0] != before))
+        return count + 1, past[0], found, changed
+
+    begin = jnp.int32(0), start[0], start, jnp.ones(limit.shape, bool)
+    _, before, (values, more), _ = lax.while_loop(going, step, begin)
+    rounding = 64 * jnp.finfo(values.dtype).eps * jnp.abs(values)
+    unsettled = ~is_limited & (jnp.abs(values - before) > rounding)
+    return jnp.where(unsettled, jnp.nan, values), more
+
+
+# -- without a limit -------------------------------------------------------------------------
+
+
+def _in_the_long_run(
+    model: _Model, weights: Array, reward: Array, factor: Array, num_levels: int
+) -> Array:
+    """Return the values of a policy, `[states]`, in episodes without a limit.
+
+    Args:
+        model: the levels.
+        weights: `[choices, states]`: the probability of each choice.
+        reward: `[states]`: the expected reward of a step.
+        factor: `[states]`: the discount.
+        num_levels: how many levels there are.
+    """
+
+    def may_reach(goals: Array, end: float) -> Array:
+        def step(carry: Any) -> Any:
+            reached, _ = carry
+            ahead = model.ahead(reached.astype(factor.dtype), end)
+            more = reached | (sum(map(jnp.multiply, weights, ahead)) > 0)
+            return more, (more & ~reached).any()
+
+        reached: Array = lax.while_loop(lambda carry: carry[1], step, (goals, True))[0]
+        return reached
+
+    # Episodes that go on for ever add up to nothing or to infinity, unless there is a discount.
+    for_ever = ~may_reach(factor < 1, 1.0)
+    gains = may_reach(for_ever & (reward > 0), 0.0)
+    loses = may_reach(for_ever & (reward < 0), 0.0)
+    is_finite = ~(for_ever | gains | loses)
+
+    def apply(values: Array) -> Array:
+        # Differences first: what is almost equal cancels out without rounding.
+        ahead = model.ahead(values)
+        falls = sum(w * (values - factor * each) for w, each in zip(weights, ahead, strict=True))
+        return jnp.where(is_finite, falls, values)
+
+    values, converged = linear.solve(
+        apply, jnp.where(is_finite, reward, 0), model.level, num_levels
+    )
+    values = jnp.where(converged[model.level], values, jnp.nan)
+    values = jnp.where(for_ever, 0, values)
+    values = jnp.where(gains, jnp.inf, jnp.where(loses, -jnp.inf, values))
+    return jnp.where(gains & loses, jnp.nan, values)
+
+
+# -- arguments -------------------------------------------------------------------------------
+
+
+def _factors(params: EnvParams, discount: float | None) -> Array:
+    """Return the discount of each level, `[levels]`.
+
+    Raises:
+        ValueError: it is not above 0 and at most 1.
+    """
+    if discount is None:
+        return params.discount
+    with suppress(TypeError):
+        if 0 < discount <= 1:
+            return jnp.full(params.num_levels, discount, params.reward.dtype)
+    raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
+
+
+def _limits(params: EnvParams, within: int | str | None) -> Array | None:
+    """Return after how many steps episodes of each level are truncated, int32 `[levels]`.
+
+    Raises:
+        ValueError: it is no such number.
+    """
+    if within is None:
+        return None
+    if within == "max_steps":
+        return params.limit
+    with suppress(TypeError):
+        if not isinstance(within, bool | str) and operator.index(within) >= 1:
+            return jnp.full(params.num_levels, min(operator.index(within), UNLIMITED), jnp.int32)
+    raise ValueError(f"within must be a number of steps from 1 on, or 'max_steps', not {within!r}")
+
+
+def _checked(params: EnvParams, policy: Any) -> Array:
+    """Return a policy as an array.
+
+    Raises:
+        ValueError: it does not fit the levels.
+    """
+    policy = jnp.asarray(policy)
+    states, actions = params.num_states, params.num_actions
+    if policy.shape == (states,) and jnp.issubdtype(policy.dtype, jnp.integer):
+        return policy
+    if policy.shape == (states, actions) and jnp.issubdtype(policy.dtype, jnp.floating):
+        return policy
+    raise ValueError(
+        f"a policy for these levels is an array of integers [{states}], the actions, or an array "
+        f"of floats [{states}, {actions}], their probabilities, not one of {policy.dtype} and "
+        f"shape {list(policy.shape)}"
+    )
