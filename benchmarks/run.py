@@ -35,6 +35,7 @@ BENCHMARKS = (
     "lint",
     "mazes",
     "generate",
+    "parallel",
     "editor",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
