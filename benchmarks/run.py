@@ -35,6 +35,8 @@ BENCHMARKS = (
     "mazes",
     "generate",
     "editor",
+    "jax_envs",
+    "jax_solve",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
 
