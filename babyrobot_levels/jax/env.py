@@ -200,6 +200,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         weighted = self._params.weights is not None
         return self._loader.load(levels, self._room, weighted=weighted)
 
+    @partial(jax.jit, static_argnames=("self",))
     def observations(self, params: EnvParams | None = None) -> Any:
         """Return the observations of all states, `[states, …]`; a dict of such, if of several.
 

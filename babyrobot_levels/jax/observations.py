@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from math import prod
 from typing import Any, Self
 
@@ -28,7 +29,7 @@ from babyrobot_levels.envs.observations.planes import PlanePainter
 from babyrobot_levels.envs.observations.vectors import VectorObserver
 from babyrobot_levels.envs.observations.views import ViewPainter
 from babyrobot_levels.envs.vector.observations import make_batch_observer
-from babyrobot_levels.jax.room import Counts, Room
+from babyrobot_levels.jax.room import Room
 from babyrobot_levels.library.level import Level
 
 
@@ -227,27 +228,28 @@ def _planes(level: Level, count: int, observation: Observation, extent: Extent) 
     )
 
 
-def bytes_of(observation: Observation, extent: Extent, counts: Counts) -> int:
-    """Return how much memory observations take.
+@lru_cache
+def bytes_of(observation: Observation, extent: Extent) -> tuple[int, int]:
+    """Return how much memory observations take for each state, and for each configuration.
 
     Args:
         observation: which observation.
         extent: the extent of all levels.
-        counts: how much there is of all levels together.
     """
     if isinstance(observation.name, tuple):
-        return sum(bytes_of(part, extent, counts) for part in observation.parts().values())
+        each = [bytes_of(part, extent) for part in observation.parts().values()]
+        return sum(state for state, _ in each), sum(configuration for _, configuration in each)
     space = make_batch_observer(observation, extent, 1).space
     size, itemsize = prod(space.shape or ()), np.dtype(space.dtype).itemsize
     match observation.name:
         case "planes":
             places = 1 + (extent.headings > 1)
-            return counts.configurations * size * itemsize + counts.states * 4 * (1 + places)
+            return 4 * (1 + places), size * itemsize
         case "view":
-            return counts.states * -(-size // 8)
+            return -(-size // 8), 0
         case "vector" | "image":
-            return counts.states * size * itemsize
-    return counts.states * size * 4
+            return size * itemsize, 0
+    return size * 4, 0
 
 
 def space_of(observation: Observation, extent: Extent) -> spaces.Space:
