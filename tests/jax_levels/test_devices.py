@@ -87,7 +87,7 @@ def test_tables_are_exact_with_64_bits() -> None:
 
 def test_rewards_are_exact_with_64_bits() -> None:
     walks = Path(__file__).with_name("test_exactness.py")
-    told = _printed("-m", "pytest", "-q", "-k", "single", str(walks), JAX_ENABLE_X64="1")
+    told = _printed("-m", "pytest", "-k", "single", str(walks), JAX_ENABLE_X64="1")
     assert "1 passed" in told
 
 
