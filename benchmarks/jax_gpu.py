@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import jax
 import jax_envs
@@ -68,8 +69,13 @@ def solving(count: int, rounds: int) -> str:
 def memory(pool: Sequence[brl.Level]) -> str:
     """Return a table of the memory that the arrays of levels take."""
 
+    pools: dict[str, Any] = {
+        "frozen-lake": "frozen-lake",
+        "door-key": "door-key",
+        f"{len(pool)} mazes": pool,
+    }
+
     def rows() -> Iterator[tuple[str, ...]]:
-        pools = {"frozen-lake": "frozen-lake", "door-key": "door-key", f"{len(pool)} mazes": pool}
         for name, levels in pools.items():
             for observation in OBSERVATIONS:
                 _, params = brl_jax.make(levels, observation=observation, actions="moves")
@@ -89,12 +95,9 @@ def main() -> None:
     rounds = FEW if asked.quick else ROUNDS
     pool = jax_envs.mazes()
     print(device())
-    for show in (
-        lambda: f"Steps per second:\n{stepping(pool, asked.sizes, rounds)}",
-        lambda: solving(asked.levels, rounds),
-        lambda: memory(pool),
-    ):
-        print(f"\n{show()}", flush=True)
+    print(f"\nSteps per second:\n{stepping(pool, asked.sizes, rounds)}", flush=True)
+    print(f"\n{solving(asked.levels, rounds)}", flush=True)
+    print(f"\n{memory(pool)}")
 
 
 if __name__ == "__main__":

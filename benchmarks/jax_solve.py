@@ -73,6 +73,11 @@ def rate_of(call: Callable[[], Any], count: int) -> Measure:
     return measure
 
 
+def measured(compiled: Callable[[Any], Callable[[], Any]], levels: Sequence[brl.Level]) -> Measure:
+    """Return a measure of the levels per second of a call that has to be compiled."""
+    return rate_of(compiled(levels), len(levels))
+
+
 def solved(levels: Sequence[brl.Level]) -> list[float]:
     """Return the optimal return of each level."""
     return [brl.solve(level, DISCOUNT).expected_return for level in levels]
@@ -93,7 +98,7 @@ def compare(count: int, levels: int = LEVELS) -> Iterator[Comparison]:
     ):
         found = compare_in_turns(
             f"levels per second, {levels:,} mazes of 8x8",
-            {name: needing("jax gymnax", lambda ours=ours: rate_of(ours(made), levels))},
+            {name: needing("jax gymnax", partial(measured, ours, made))},
             {peer: rate_of(partial(theirs, made), levels)},
             count,
             aims={(name, peer): AIM},

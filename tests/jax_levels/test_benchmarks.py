@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+import time
 
 import pytest
 from support.places import ROOT
@@ -27,9 +28,8 @@ def test_levels_are_measured_beside_others_and_missing_peers_are_named(
 
     beside = {"frozen-lake": (jax_envs.LAKE, jax_envs.NAVIX), "400 mazes": (jax_envs.ENGINE_POOL,)}
     monkeypatch.setattr(jax_envs, "BESIDE", beside)
-    found = timing.find_spec
     absent = ("navix", "numba")
-    monkeypatch.setattr(timing, "find_spec", lambda name: None if name in absent else found(name))
+    monkeypatch.setattr(timing, "find_spec", lambda name: None if name in absent else name)
     lake, pool = jax_envs.compare(1, [4])
     assert len(lake.ours["frozen-lake"]) == 1
     assert len(lake.peers[jax_envs.LAKE]) == 1
@@ -51,7 +51,7 @@ def test_a_walk_takes_all_actions_and_counts_the_steps_of_all_environments(
 
     taken: set[int] = set()
     ticks = iter(range(100))
-    monkeypatch.setattr(jax_walks.time, "perf_counter", lambda: next(ticks))
+    monkeypatch.setattr(time, "perf_counter", lambda: next(ticks))
 
     def reset(key: jax.Array) -> tuple[jax.Array, jax.Array]:
         return jnp.zeros(64), jnp.zeros(64)
