@@ -62,8 +62,8 @@ def mazes() -> list[brl.Level]:
 def ours(pool: Sequence[brl.Level]) -> dict[str, jax_walks.Walk]:
     """Return the walks in levels."""
     return {
-        "frozen-lake": jax_walks.level_walk("frozen-lake"),
-        "frozen-lake-8x8-dry": jax_walks.level_walk("frozen-lake-8x8-dry"),
+        "frozen-lake": jax_walks.level_walk("frozen-lake", observation="index"),
+        "frozen-lake-8x8-dry": jax_walks.level_walk("frozen-lake-8x8-dry", observation="index"),
         "final-maze": jax_walks.level_walk("final-maze"),
         "final-maze, view": jax_walks.level_walk("final-maze", observation="view"),
         "door-key": jax_walks.level_walk("door-key"),
