@@ -32,7 +32,11 @@ RULES = [rule for rule in all_rules() if rule.code < "BR6"]
 SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much]
 pytestmark = pytest.mark.slow
 
-untimed = settings(deadline=None, suppress_health_check=SLOW)
+untimed = settings(
+    max_examples=settings().max_examples // 3, deadline=None, suppress_health_check=SLOW
+)
+"""The reference takes long."""
+
 worlds = st.integers(0, 10**9).map(lambda seed: random_level(Random(seed)))
 
 
