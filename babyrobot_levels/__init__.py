@@ -30,6 +30,12 @@ if TYPE_CHECKING:
     from babyrobot_levels.analysis.learning.sweeps import value_iteration as value_iteration
     from babyrobot_levels.analysis.metrics import Metrics as Metrics
     from babyrobot_levels.analysis.metrics import metrics as metrics
+    from babyrobot_levels.analysis.solver.distribution import (
+        ReturnDistribution as ReturnDistribution,
+    )
+    from babyrobot_levels.analysis.solver.distribution import (
+        return_distribution as return_distribution,
+    )
     from babyrobot_levels.analysis.solver.evaluation import evaluate as evaluate
     from babyrobot_levels.analysis.solver.evaluation import simulate as simulate
     from babyrobot_levels.analysis.solver.evaluation import success_within as success_within
@@ -119,6 +125,7 @@ _HOMES = {
     "PlayError": "language.play",
     "PrioritizedSampler": "envs.samplers",
     "RecordPlay": "scoring.plays.record",
+    "ReturnDistribution": "analysis.solver.distribution",
     "Rollout": "envs.engine.rollout",
     "Sampler": "envs.samplers",
     "Scores": "scoring.results",
@@ -155,6 +162,7 @@ _HOMES = {
     "q_learning": "analysis.learning.episodes",
     "read_plays": "scoring.plays.files",
     "register_babyrobot": "convert.registration",
+    "return_distribution": "analysis.solver.distribution",
     "rollout": "envs.engine.rollout",
     "sarsa": "analysis.learning.episodes",
     "score": "scoring.score",

@@ -30,6 +30,7 @@ BENCHMARKS = (
     "things",
     "frames",
     "solve",
+    "score",
     "validate",
     "lint",
     "mazes",

@@ -56,8 +56,9 @@ class Comparison:
     note: str = ""
 
 
-Compare = Callable[[int], Iterator[Comparison]]
-"""What each script has under the name `compare`. It takes the number of rounds that count."""
+Compare = Callable[..., Iterator[Comparison]]
+"""What each script has under the name `compare`. It takes the number of rounds that count, and, if
+the script has an option for them, numbers of environments."""
 
 
 def in_turns(measures: Mapping[str, Measure], count: int) -> tuple[Rates, dict[str, str]]:

@@ -18,6 +18,7 @@ except ImportError as fault:
         "install babyrobot-levels with the extra `jax`"
     ) from fault
 
+from babyrobot_levels.jax.adapters import UnderspecifiedEnv as UnderspecifiedEnv
 from babyrobot_levels.jax.env import EnvState as EnvState
 from babyrobot_levels.jax.env import LevelEnvironment as LevelEnvironment
 from babyrobot_levels.jax.making import make as make
@@ -34,6 +35,7 @@ __all__ = [
     "EnvState",
     "LevelEnvironment",
     "Optimum",
+    "UnderspecifiedEnv",
     "Worth",
     "evaluate",
     "make",

@@ -28,7 +28,7 @@ from babyrobot_levels.library.level import Level
 MAX_BYTES = 4 * 2**30
 """How much memory tables may take, by default."""
 
-_MOST_ENTRIES = 2**31
+MOST_ENTRIES = 2**31
 """Outcomes are numbered by int32."""
 
 
@@ -118,29 +118,26 @@ class Loader:
             arrays.append(arrays_of(part, limit, level.discount, observations))
         return arrays, room
 
-    @property
-    def _has_planes(self) -> bool:
-        return "planes" in (self.observation.name, *self.observation.name)
-
     def _part(self, level: Level) -> Part:
         return part_of(level, self.actions.tables(level), self.actions.first)
 
     def _size(self, part: Part, level: Level) -> tuple[Counts, int]:
         """Return how much a level has, and the most outcomes of an action."""
+        _, per_configuration = bytes_of(self.observation, self.extent)
         counts = Counts(
             states=part.state_info.size,
             branches=int(np.count_nonzero(part.count > 1)),
             starts=part.starts.size,
-            configurations=level.compile().num_configurations if self._has_planes else 0,
+            configurations=level.compile().num_configurations if per_configuration else 0,
         )
         return counts, int(part.count.max())
 
     def _check(self, room: Room, what: str) -> None:
         """Raise a ValueError if tables would be too large."""
         entries = room.total.states * self.actions.num_actions + room.total.branches * room.outcomes
-        if entries > _MOST_ENTRIES:
+        if entries > MOST_ENTRIES:
             raise ValueError(
-                f"{what} have {entries:,} outcomes, more than the {_MOST_ENTRIES:,} that can be "
+                f"{what} have {entries:,} outcomes, more than the {MOST_ENTRIES:,} that can be "
                 "numbered; give fewer levels"
             )
         floats = jnp.result_type(float).itemsize
@@ -148,7 +145,8 @@ class Loader:
         dynamics += room.total.branches * (4 * (room.outcomes - 1) + floats * room.outcomes)
         dynamics += room.total.states * (1 + self.bounds.num_items)
         dynamics += room.levels * (20 + floats)
-        shown = bytes_of(self.observation, self.extent, room.total)
+        per_state, per_configuration = bytes_of(self.observation, self.extent)
+        shown = room.total.states * per_state + room.total.configurations * per_configuration
         if dynamics + shown > self.max_bytes:
             raise ValueError(
                 f"the tables of {what} take {_size_of(dynamics + shown)}, more than "

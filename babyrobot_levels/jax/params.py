@@ -144,6 +144,7 @@ class EnvParams:
         place = below(word, self.weights[-1])
         return jnp.searchsorted(self.weights, place, side="right").astype(jnp.int32)
 
+    @jax.jit
     def take(self, indices: Any) -> EnvParams:
         """Return single levels, along a first axis of all arrays, for `jax.vmap` over levels.
 

@@ -14,7 +14,7 @@ class Counts(NamedTuple):
         states: how many states.
         branches: how many stochastic rows: pairs of state and action with several outcomes.
         starts: how many states in which episodes start.
-        configurations: how many configurations.
+        configurations: how many configurations, if the observation has something for each.
     """
 
     states: int
