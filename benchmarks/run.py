@@ -37,6 +37,8 @@ BENCHMARKS = (
     "generate",
     "parallel",
     "editor",
+    "jax_envs",
+    "jax_solve",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
 

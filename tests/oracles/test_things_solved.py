@@ -70,7 +70,7 @@ def compare_with_reference(seed: int, actions: str) -> None:
 
 @pytest.mark.parametrize("actions", ACTIONS)
 def test_optimal_values_of_random_levels(actions: str) -> None:
-    for seed in range(40):
+    for seed in range(20):
         try:
             compare_with_reference(seed, actions)
         except Exception as error:
