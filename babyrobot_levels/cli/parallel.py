@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.parallel.choice import executor_for
 from babyrobot_levels.parallel.executor import Executor, ExecutorError, Item, Result, results
 
@@ -91,6 +92,9 @@ def map_all(
     """
     if not items:
         return []
+    if STANDARD_INPUT in items:
+        # Other processes have no standard input.
+        workers = Workers(1)
     if workers.are_elsewhere:
         function = partial(in_folder, str(Path.cwd()), function)
     with closing(workers.executor(len(items)).map(function, items)) as outcomes:

@@ -118,7 +118,7 @@ def test_a_poisoned_level_is_told_by_its_index() -> None:
     levels = brl.generate_levels(
         SUITE, "out", count=60, executor=Wrapped(OnRay(), partial(fail_at, 37))
     )
-    made = []
+    made: list[brl.Generated] = []
     with pytest.raises(MemoryError, match="too large"):
         made.extend(levels)
     assert [level.index for level in made] == [*range(37)]

@@ -16,7 +16,7 @@ from babyrobot_levels.parallel.executor import Executor, Failure, WorkerDiedErro
 from babyrobot_levels.parallel.in_process import InProcess
 from babyrobot_levels.parallel.processes import Processes
 
-EXECUTORS = [InProcess(), Processes(2)]
+EXECUTORS: list[Executor] = [InProcess(), Processes(2)]
 BOTH = pytest.mark.parametrize("executor", EXECUTORS, ids=["in process", "processes"])
 
 
@@ -51,7 +51,7 @@ def test_a_failure_is_told_with_its_index_and_the_others_go_on(executor: Executo
 
 @BOTH
 def test_results_raises_the_error_of_the_first_failure(executor: Executor) -> None:
-    taken = []
+    taken: list[int] = []
     with pytest.raises(ValueError, match=r"^7 is a multiple of 7$"):
         taken.extend(results(executor.map(tasks.no_sevens, range(1, 30))))
     # `extend` has taken what came before.
