@@ -9,6 +9,8 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
 options=(--quiet --disable-pip-version-check)
+# Each process has tests that stand together, and takes others' once it has none left.
+workers=(-n 2 --dist worksteal)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
 case "${1:-fast}" in
@@ -19,7 +21,7 @@ libraries)
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
     .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
-    exec .venv-libraries/bin/python -m pytest -m libraries -n 2 tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
+    exec .venv-libraries/bin/python -m pytest -m "libraries and not sweep" "${workers[@]}" tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
     ;;
 jax)
     make_venv .venv-jax
@@ -30,7 +32,7 @@ lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
         hypothesis ipykernel moviepy nbclient nbformat opencv-python-headless pygame-ce pytest pytest-xdist
-    exec .venv-lowest/bin/python -m pytest -m "not libraries" -n 2 tests/envs
+    exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
     sed -n '3,8s/^# //p' scripts/check.sh >&2
@@ -48,7 +50,7 @@ make_venv .venv
 said="$(mktemp)"
 .venv/bin/mypy >"$said" 2>&1 &
 types=$! status=0
-.venv/bin/python -m pytest "${tests[@]}" -n 2 || status=$?
+.venv/bin/python -m pytest "${tests[@]}" "${workers[@]}" || status=$?
 wait "$types" || status=$?
 cat "$said"
 rm "$said"

@@ -48,7 +48,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         place = item.path.relative_to(TESTS)
         places = {each.as_posix() for each in (place, *place.parents)}
-        if SLOW & places:
+        if SLOW & places or item.get_closest_marker("sweep"):
             item.add_marker(pytest.mark.slow)
         if LIBRARIES & places:
             item.add_marker(pytest.mark.libraries)
