@@ -1,0 +1,270 @@
+"""PPO in small mazes, all of it in one `jax.jit`: python examples/ppo_jax.py
+
+A network learns in the levels of a suite's split `train`. Every few updates, it is applied to all
+states of the split `test`, and its exact expected return there is compared with the optimum and
+with random moves. All of this is compiled together, for several seeds at once. It needs the extra
+`jax`: pip install ".[jax]"
+
+After Schulman and others, Proximal Policy Optimization Algorithms (2017), in the style of Lu and
+others, Discovered Policy Optimisation (2022). Results may differ between devices.
+"""
+
+from __future__ import annotations
+
+import time
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import optax
+from arguments import at_least, parser_of
+from jax import Array
+
+import babyrobot_levels as brl
+import babyrobot_levels.jax as brl_jax
+
+MAZES = {
+    "version": 1,
+    "kind": "suite",
+    "name": "tiny-mazes",
+    "seed": 7,
+    "count": 8000,
+    "splits": {"train": 0.9, "test": 0.1},
+    "size": {"min": [3, 3], "max": [4, 4]},
+    "maze": {"algorithm": ["wilson", "depth-first"], "loops": {"max": 0.5}},
+    "puddles": {"max": 2},
+    "rewards": {"step": -1, "exit": 100},
+    "max_steps": 50,
+}
+# What is within three cells of the robot, also behind walls: the whole of these mazes.
+VIEW: dict[str, Any] = {"observation": "view", "view_radius": 3, "see_through": True}
+
+NUM_ENVS, NUM_STEPS = 512, 16  # environments, and steps of each between two updates
+EPOCHS, BATCHES, LEARNING_RATE = 4, 8, 2e-3
+DISCOUNT, LAMBDA, REWARD_SCALE = 0.95, 0.9, 0.02
+CLIP, ENTROPY_WEIGHT, VALUE_WEIGHT, LARGEST_GRADIENT = 0.2, 0.01, 0.5, 0.5
+HIDDEN = (128, 128)
+
+
+Weights = list[tuple[Array, Array]]
+"""Of a network: a matrix and a bias for each layer."""
+
+
+class Steps(NamedTuple):
+    """What is learned from, `[steps, environments]`."""
+
+    observation: Array
+    action: Array
+    log_chance: Array
+    value: Array
+    value_ahead: Array
+    reward: Array
+    terminated: Array
+    done: Array
+
+
+def new_weights(key: Array, sizes: tuple[int, ...]) -> Weights:
+    scales = [2**0.5] * (len(sizes) - 2) + [0.01]
+    initial = [jax.nn.initializers.orthogonal(scale) for scale in scales]
+    keys = jax.random.split(key, len(scales))
+    return [
+        (make(k, shape), jnp.zeros(shape[1]))
+        for make, k, shape in zip(initial, keys, pairwise(sizes), strict=True)
+    ]
+
+
+def network(weights: Weights, inputs: Array) -> tuple[Array, Array]:
+    """Return the logarithms of the actions' probabilities, and the value."""
+    *hidden, (last, bias) = weights
+    for weight, each in hidden:
+        inputs = jax.nn.relu(inputs @ weight + each)
+    outputs = inputs @ last + bias
+    return jax.nn.log_softmax(outputs[..., :-1]), outputs[..., -1]
+
+
+def of_actions(log_chances: Array, actions: Array) -> Array:
+    return jnp.take_along_axis(log_chances, actions[:, None], axis=1)[:, 0]
+
+
+def advantages_of(steps: Steps) -> Array:
+    """Return advantages by generalised advantage estimation.
+
+    The value of the state after a step counts also where the time limit is reached, but not where
+    the episode is over.
+    """
+    errors = steps.reward + DISCOUNT * steps.value_ahead * ~steps.terminated - steps.value
+
+    def back(ahead: Array, step: tuple[Array, Array]) -> tuple[Array, Array]:
+        error, done = step
+        advantage = error + DISCOUNT * LAMBDA * ahead * ~done
+        return advantage, advantage
+
+    last = jnp.zeros_like(errors[0])
+    return jax.lax.scan(back, last, (errors, steps.done), reverse=True)[1]
+
+
+def loss_of(weights: Any, steps: Steps, advantages: Array, entropy_weight: Array) -> Array:
+    log_chances, values = network(weights, steps.observation)
+    ratio = jnp.exp(of_actions(log_chances, steps.action) - steps.log_chance)
+    scaled = (advantages - advantages.mean()) / (advantages.std() + 1e-8)
+    gain = jnp.minimum(ratio * scaled, jnp.clip(ratio, 1 - CLIP, 1 + CLIP) * scaled)
+    value_loss = jnp.square(values - steps.value - advantages)
+    entropy = -(jnp.exp(log_chances) * log_chances).sum(axis=-1)
+    return jnp.mean(VALUE_WEIGHT * value_loss - gain - entropy_weight * entropy)
+
+
+class Scale(NamedTuple):
+    """Levels, and the exact expected returns in them, `[levels]`, that others are compared with."""
+
+    params: Any
+    random: Array
+    best: Array
+
+
+class Figures(NamedTuple):
+    """How good a policy is, exactly: means over levels."""
+
+    share: Array  # (return - random) / (optimum - random)
+    quotient: Array  # return / optimum
+    regret: Array  # optimum - return
+
+
+def make_run(env: Any, told: Array, updates: int, every: int) -> Any:
+    """Return the compiled function of all: from seeds and levels to figures.
+
+    Args:
+        env: the environment.
+        told: which entries of a view the network is given.
+        updates: how many updates there are.
+        every: after how many of them the policy is evaluated.
+    """
+    schedule = optax.linear_schedule(LEARNING_RATE, 0, updates * EPOCHS * BATCHES)
+    optimizer = optax.chain(optax.clip_by_global_norm(LARGEST_GRADIENT), optax.adam(schedule))
+    reset_all = jax.vmap(env.reset, in_axes=(0, None))
+    step_all = jax.vmap(env.step, in_axes=(0, 0, 0, None))
+
+    def inputs_of(views: Array) -> Array:
+        return views.reshape(len(views), -1)[:, told].astype(jnp.float32)
+
+    def scale_of(params: Any) -> Scale:
+        """Random moves and the optimum, within the time limit."""
+        random = brl_jax.evaluate(params, brl_jax.random_policy(params), within="max_steps")
+        return Scale(params, random.returns, brl_jax.optimum(params, within="max_steps").returns)
+
+    def figures_of(weights: Weights, scale: Scale) -> Figures:
+        """Apply the network to all states, and evaluate the policy."""
+        log_chances, _ = network(weights, inputs_of(env.observations(scale.params)))
+        worth = brl_jax.evaluate(scale.params, jnp.exp(log_chances), within="max_steps")
+        lost = scale.best - worth.returns
+        share = 1 - lost / (scale.best - scale.random)
+        return Figures(share.mean(), (worth.returns / scale.best).mean(), lost.mean())
+
+    def learn(key: Array, train: Any, scales: list[Scale]) -> list[Figures]:
+        weights_key, reset_key, updates_key = jax.random.split(key, 3)
+        weights = new_weights(weights_key, (len(told), *HIDDEN, env.num_actions + 1))
+        views, states = reset_all(jax.random.split(reset_key, NUM_ENVS), train)
+
+        def step(weights: Weights, carry: Any, key: Array) -> tuple[Any, Steps]:
+            views, states = carry
+            action_key, step_key = jax.random.split(key)
+            inputs = inputs_of(views)
+            log_chances, values = network(weights, inputs)
+            actions = jax.random.categorical(action_key, log_chances)
+            views, states, rewards, terminated, truncated, info = step_all(
+                jax.random.split(step_key, NUM_ENVS), states, actions, train
+            )
+            # At the end of an episode, `views` are already of the next one.
+            _, ahead = network(weights, inputs_of(info["final_observation"]))
+            before = of_actions(log_chances, actions)
+            scaled, done = rewards * REWARD_SCALE, terminated | truncated
+            steps = Steps(inputs, actions, before, values, ahead, scaled, terminated, done)
+            return (views, states), steps
+
+        def update(carry: Any, now: tuple[Array, Array]) -> tuple[Any, None]:
+            weights, optimizer_state, *envs = carry
+            key, entropy_weight = now
+            steps_key, epochs_key = jax.random.split(key)
+            keys = jax.random.split(steps_key, NUM_STEPS)
+            envs, steps = jax.lax.scan(partial(step, weights), tuple(envs), keys)
+            data = (steps, advantages_of(steps))
+            flat = jax.tree.map(lambda each: each.reshape(-1, *each.shape[2:]), data)
+
+            def batch(carry: Any, rows: Array) -> tuple[Any, None]:
+                weights, state = carry
+                drawn = jax.tree.map(lambda each: each[rows], flat)
+                slopes = jax.grad(loss_of)(weights, *drawn, entropy_weight)
+                changes, state = optimizer.update(slopes, state)
+                return (optax.apply_updates(weights, changes), state), None
+
+            orders = [
+                jax.random.permutation(key, NUM_ENVS * NUM_STEPS).reshape(BATCHES, -1)
+                for key in jax.random.split(epochs_key, EPOCHS)
+            ]
+            learned, _ = jax.lax.scan(batch, (weights, optimizer_state), jnp.concatenate(orders))
+            return (*learned, *envs), None
+
+        def stage(carry: Any, plan: Any) -> tuple[Any, list[Figures]]:
+            carry, _ = jax.lax.scan(update, carry, plan)
+            return carry, [figures_of(carry[0], scale) for scale in scales]
+
+        keys = jax.random.split(updates_key, (updates // every, every))
+        entropy_weights = jnp.linspace(ENTROPY_WEIGHT, 0, updates).reshape(keys.shape)
+        start = weights, optimizer.init(weights), views, states
+        return jax.lax.scan(stage, start, (keys, entropy_weights))[1]
+
+    @jax.jit
+    def run(keys: Array, train: Any, evaluated: list[Any]) -> list[Figures]:
+        scales = [scale_of(params) for params in evaluated]
+        return jax.lax.map(lambda key: learn(key, train, scales), keys)
+
+    return run
+
+
+def main() -> None:
+    parser = parser_of(__doc__, steps=3_000_000, level=None)
+    parser.add_argument("--suite", default=MAZES, help="a name or a path; levels with a time limit")
+    parser.add_argument("--seeds", type=at_least(1), default=3, help="number of seeds")
+    parser.add_argument("--every", type=at_least(1), default=40, help="updates per evaluation")
+    args = parser.parse_args()
+    try:
+        suite = brl.load_suite(args.suite)
+        train_levels, test_levels = suite.split("train"), suite.split("test")
+    except (brl.BabyRobotError, ValueError) as fault:
+        parser.error(str(fault))
+    env, train = brl_jax.make(train_levels, **VIEW)
+    _, test = brl_jax.make(test_levels, **VIEW)
+    _, first = brl_jax.make(list(train_levels[:100]), **VIEW)
+    # Most entries of a view are the same in all states, and tell nothing.
+    views = env.observations(train).reshape(train.num_states, -1)
+    told = jnp.flatnonzero(views.any(axis=0) & ~views.all(axis=0))
+
+    stages = max(1, round(args.steps / (NUM_ENVS * NUM_STEPS * args.every)))
+    run = make_run(env, told, stages * args.every, args.every)
+    seeds = range(args.seed, args.seed + args.seeds)
+    inputs = jnp.stack([jax.random.key(seed) for seed in seeds]), train, [first, test]
+    began = time.perf_counter()
+    compiled = run.lower(*inputs).compile()
+    ready = time.perf_counter()
+    in_train, in_test = jax.block_until_ready(compiled(*inputs))
+    ended = time.perf_counter()
+
+    print(f"{train.num_levels} levels to learn in, {test.num_levels} to be tested on")
+    print("updates       steps  share in train  in test  return / optimum  regret")
+    for stage in range(stages):
+        updates = (stage + 1) * args.every
+        means = [each[:, stage].mean() for each in (in_train.share, *in_test)]
+        print(
+            f"{updates:7} {updates * NUM_ENVS * NUM_STEPS:11,}"
+            f"{means[0]:16.3f}{means[1]:9.3f}{means[2]:18.3f}{means[3]:8.2f}"
+        )
+    shares, quotients = (
+        "  ".join(f"{seed[-1]:.3f}" for seed in each) for each in (in_test.share, in_test.quotient)
+    )
+    print(f"seeds {', '.join(map(str, seeds))}: share in test {shares}, of the optimum {quotients}")
+    print(f"{ready - began:.1f} s to compile, {ended - ready:.1f} s to run on {jax.devices()[0]}")
+
+
+if __name__ == "__main__":
+    main()
