@@ -30,16 +30,16 @@ MAZES = {
     "kind": "suite",
     "name": "tiny-mazes",
     "seed": 7,
-    "count": 8000,
+    "count": 12000,
     "splits": {"train": 0.9, "test": 0.1},
-    "size": {"min": [3, 3], "max": [4, 4]},
+    "size": {"min": [3, 3], "max": [5, 5]},
     "maze": {"algorithm": ["wilson", "depth-first"], "loops": {"max": 0.5}},
     "puddles": {"max": 2},
     "rewards": {"step": -1, "exit": 100},
     "max_steps": 50,
 }
-# What is within three cells of the robot, also behind walls: the whole of these mazes.
-VIEW: dict[str, Any] = {"observation": "view", "view_radius": 3, "see_through": True}
+# What is within four cells of the robot, also behind walls: the whole of these mazes.
+VIEW: dict[str, Any] = {"observation": "view", "view_radius": 4, "see_through": True}
 
 NUM_ENVS, NUM_STEPS = 512, 16  # environments, and steps of each between two updates
 EPOCHS, BATCHES, LEARNING_RATE = 4, 8, 2e-3
@@ -55,6 +55,7 @@ Weights = list[tuple[Array, Array]]
 class Steps(NamedTuple):
     """What is learned from, `[steps, environments]`."""
 
+    level: Array
     observation: Array
     action: Array
     log_chance: Array
@@ -63,6 +64,107 @@ class Steps(NamedTuple):
     reward: Array
     terminated: Array
     done: Array
+
+
+class State(NamedTuple):
+    """What an update hands to the next one."""
+
+    weights: Weights
+    optimizer: Any
+    updates: Array  # how many there were
+    views: Array
+    envs: Any
+
+
+class Scale(NamedTuple):
+    """Levels, and the exact expected returns in them, `[levels]`, that others are compared with."""
+
+    params: Any
+    random: Array
+    best: Array
+
+
+class Figures(NamedTuple):
+    """How good a policy is, exactly: means over levels."""
+
+    share: Array  # (return - random) / (optimum - random)
+    quotient: Array  # return / optimum
+    regret: Array  # optimum - return
+
+
+class Learner:
+    """PPO, as functions to compile.
+
+    Args:
+        env: the environment.
+        params: the levels to learn in.
+        updates: how many updates there will be.
+    """
+
+    def __init__(self, env: Any, params: Any, updates: int) -> None:
+        self.env, self.updates = env, updates
+        # Most entries of a view are the same in all states, and tell nothing.
+        views = env.observations(params).reshape(params.num_states, -1)
+        self.told = jnp.flatnonzero(views.any(axis=0) & ~views.all(axis=0))
+        schedule = optax.linear_schedule(LEARNING_RATE, 0, updates * EPOCHS * BATCHES)
+        limited = optax.clip_by_global_norm(LARGEST_GRADIENT)
+        self.optimizer = optax.chain(limited, optax.adam(schedule))
+
+    def start(self, key: Array, params: Any) -> State:
+        weights_key, reset_key = jax.random.split(key)
+        sizes = (len(self.told), *HIDDEN, self.env.num_actions + 1)
+        weights = new_weights(weights_key, sizes)
+        reset = jax.vmap(self.env.reset, in_axes=(0, None))
+        views, envs = reset(jax.random.split(reset_key, NUM_ENVS), params)
+        return State(weights, self.optimizer.init(weights), jnp.int32(0), views, envs)
+
+    def update(self, state: State, params: Any, key: Array) -> tuple[State, Array]:
+        """Play and learn; return also the levels that were played, `[steps, environments]`."""
+        steps_key, epochs_key = jax.random.split(key)
+        playing = (state.weights, params), (state.views, state.envs)
+        keys = jax.random.split(steps_key, NUM_STEPS)
+        (views, envs), steps = jax.lax.scan(partial(self.step, playing[0]), playing[1], keys)
+        data = (steps, advantages_of(steps))
+        flat = jax.tree.map(lambda each: each.reshape(-1, *each.shape[2:]), data)
+        entropy_weight = ENTROPY_WEIGHT * (1 - state.updates / self.updates)
+
+        def batch(carry: Any, rows: Array) -> tuple[Any, None]:
+            weights, optimizer = carry
+            drawn = jax.tree.map(lambda each: each[rows], flat)
+            slopes = jax.grad(loss_of)(weights, *drawn, entropy_weight)
+            changes, optimizer = self.optimizer.update(slopes, optimizer)
+            return (optax.apply_updates(weights, changes), optimizer), None
+
+        orders = [
+            jax.random.permutation(key, NUM_ENVS * NUM_STEPS).reshape(BATCHES, -1)
+            for key in jax.random.split(epochs_key, EPOCHS)
+        ]
+        learned, _ = jax.lax.scan(batch, (state.weights, state.optimizer), jnp.concatenate(orders))
+        return State(*learned, state.updates + 1, views, envs), steps.level
+
+    def step(self, fixed: Any, carry: Any, key: Array) -> tuple[Any, Steps]:
+        (weights, params), (views, envs) = fixed, carry
+        action_key, step_key = jax.random.split(key)
+        inputs, level = self.inputs(views), envs.level
+        log_chances, values = network(weights, inputs)
+        actions = jax.random.categorical(action_key, log_chances)
+        views, envs, rewards, terminated, truncated, info = jax.vmap(
+            self.env.step, in_axes=(0, 0, 0, None)
+        )(jax.random.split(step_key, NUM_ENVS), envs, actions, params)
+        # At the end of an episode, `views` are already of the next one.
+        _, ahead = network(weights, self.inputs(info["final_observation"]))
+        before = of_actions(log_chances, actions)
+        rewards, done = rewards * REWARD_SCALE, terminated | truncated
+        steps = Steps(level, inputs, actions, before, values, ahead, rewards, terminated, done)
+        return (views, envs), steps
+
+    def inputs(self, views: Array) -> Array:
+        return views.reshape(len(views), -1)[:, self.told].astype(jnp.float32)
+
+    def returns(self, weights: Weights, params: Any) -> Array:
+        """Apply the network to all states, and return the exact expected returns, `[levels]`."""
+        log_chances, _ = network(weights, self.inputs(self.env.observations(params)))
+        return brl_jax.evaluate(params, jnp.exp(log_chances), within="max_steps").returns
 
 
 def new_weights(key: Array, sizes: tuple[int, ...]) -> Weights:
@@ -115,115 +217,41 @@ def loss_of(weights: Any, steps: Steps, advantages: Array, entropy_weight: Array
     return jnp.mean(VALUE_WEIGHT * value_loss - gain - entropy_weight * entropy)
 
 
-class Scale(NamedTuple):
-    """Levels, and the exact expected returns in them, `[levels]`, that others are compared with."""
-
-    params: Any
-    random: Array
-    best: Array
+def scale_of(params: Any) -> Scale:
+    """Return random moves and the optimum, within the time limit."""
+    random = brl_jax.evaluate(params, brl_jax.random_policy(params), within="max_steps")
+    return Scale(params, random.returns, brl_jax.optimum(params, within="max_steps").returns)
 
 
-class Figures(NamedTuple):
-    """How good a policy is, exactly: means over levels."""
-
-    share: Array  # (return - random) / (optimum - random)
-    quotient: Array  # return / optimum
-    regret: Array  # optimum - return
+def figures_of(returns: Array, scale: Scale) -> Figures:
+    lost = scale.best - returns
+    share = 1 - lost / (scale.best - scale.random)
+    return Figures(share.mean(), (returns / scale.best).mean(), lost.mean())
 
 
-def make_run(env: Any, told: Array, updates: int, every: int) -> Any:
-    """Return the compiled function of all: from seeds and levels to figures.
+@partial(jax.jit, static_argnames=("learner", "every"))
+def run(
+    keys: Array, train: Any, evaluated: list[Any], *, learner: Learner, every: int
+) -> list[Figures]:
+    """Learn once for each key; return figures, `[keys, stages]`, for each set of levels."""
+    scales = [scale_of(params) for params in evaluated]
 
-    Args:
-        env: the environment.
-        told: which entries of a view the network is given.
-        updates: how many updates there are.
-        every: after how many of them the policy is evaluated.
-    """
-    schedule = optax.linear_schedule(LEARNING_RATE, 0, updates * EPOCHS * BATCHES)
-    optimizer = optax.chain(optax.clip_by_global_norm(LARGEST_GRADIENT), optax.adam(schedule))
-    reset_all = jax.vmap(env.reset, in_axes=(0, None))
-    step_all = jax.vmap(env.step, in_axes=(0, 0, 0, None))
+    def learn(key: Array) -> list[Figures]:
+        start_key, key = jax.random.split(key)
 
-    def inputs_of(views: Array) -> Array:
-        return views.reshape(len(views), -1)[:, told].astype(jnp.float32)
+        def stage(state: State, keys: Array) -> tuple[State, list[Figures]]:
+            state, _ = jax.lax.scan(lambda now, key: learner.update(now, train, key), state, keys)
+            found = [learner.returns(state.weights, scale.params) for scale in scales]
+            return state, list(map(figures_of, found, scales))
 
-    def scale_of(params: Any) -> Scale:
-        """Random moves and the optimum, within the time limit."""
-        random = brl_jax.evaluate(params, brl_jax.random_policy(params), within="max_steps")
-        return Scale(params, random.returns, brl_jax.optimum(params, within="max_steps").returns)
+        keys = jax.random.split(key, (learner.updates // every, every))
+        return jax.lax.scan(stage, learner.start(start_key, train), keys)[1]
 
-    def figures_of(weights: Weights, scale: Scale) -> Figures:
-        """Apply the network to all states, and evaluate the policy."""
-        log_chances, _ = network(weights, inputs_of(env.observations(scale.params)))
-        worth = brl_jax.evaluate(scale.params, jnp.exp(log_chances), within="max_steps")
-        lost = scale.best - worth.returns
-        share = 1 - lost / (scale.best - scale.random)
-        return Figures(share.mean(), (worth.returns / scale.best).mean(), lost.mean())
-
-    def learn(key: Array, train: Any, scales: list[Scale]) -> list[Figures]:
-        weights_key, reset_key, updates_key = jax.random.split(key, 3)
-        weights = new_weights(weights_key, (len(told), *HIDDEN, env.num_actions + 1))
-        views, states = reset_all(jax.random.split(reset_key, NUM_ENVS), train)
-
-        def step(weights: Weights, carry: Any, key: Array) -> tuple[Any, Steps]:
-            views, states = carry
-            action_key, step_key = jax.random.split(key)
-            inputs = inputs_of(views)
-            log_chances, values = network(weights, inputs)
-            actions = jax.random.categorical(action_key, log_chances)
-            views, states, rewards, terminated, truncated, info = step_all(
-                jax.random.split(step_key, NUM_ENVS), states, actions, train
-            )
-            # At the end of an episode, `views` are already of the next one.
-            _, ahead = network(weights, inputs_of(info["final_observation"]))
-            before = of_actions(log_chances, actions)
-            scaled, done = rewards * REWARD_SCALE, terminated | truncated
-            steps = Steps(inputs, actions, before, values, ahead, scaled, terminated, done)
-            return (views, states), steps
-
-        def update(carry: Any, now: tuple[Array, Array]) -> tuple[Any, None]:
-            weights, optimizer_state, *envs = carry
-            key, entropy_weight = now
-            steps_key, epochs_key = jax.random.split(key)
-            keys = jax.random.split(steps_key, NUM_STEPS)
-            envs, steps = jax.lax.scan(partial(step, weights), tuple(envs), keys)
-            data = (steps, advantages_of(steps))
-            flat = jax.tree.map(lambda each: each.reshape(-1, *each.shape[2:]), data)
-
-            def batch(carry: Any, rows: Array) -> tuple[Any, None]:
-                weights, state = carry
-                drawn = jax.tree.map(lambda each: each[rows], flat)
-                slopes = jax.grad(loss_of)(weights, *drawn, entropy_weight)
-                changes, state = optimizer.update(slopes, state)
-                return (optax.apply_updates(weights, changes), state), None
-
-            orders = [
-                jax.random.permutation(key, NUM_ENVS * NUM_STEPS).reshape(BATCHES, -1)
-                for key in jax.random.split(epochs_key, EPOCHS)
-            ]
-            learned, _ = jax.lax.scan(batch, (weights, optimizer_state), jnp.concatenate(orders))
-            return (*learned, *envs), None
-
-        def stage(carry: Any, plan: Any) -> tuple[Any, list[Figures]]:
-            carry, _ = jax.lax.scan(update, carry, plan)
-            return carry, [figures_of(carry[0], scale) for scale in scales]
-
-        keys = jax.random.split(updates_key, (updates // every, every))
-        entropy_weights = jnp.linspace(ENTROPY_WEIGHT, 0, updates).reshape(keys.shape)
-        start = weights, optimizer.init(weights), views, states
-        return jax.lax.scan(stage, start, (keys, entropy_weights))[1]
-
-    @jax.jit
-    def run(keys: Array, train: Any, evaluated: list[Any]) -> list[Figures]:
-        scales = [scale_of(params) for params in evaluated]
-        return jax.lax.map(lambda key: learn(key, train, scales), keys)
-
-    return run
+    return jax.lax.map(learn, keys)
 
 
 def main() -> None:
-    parser = parser_of(__doc__, steps=3_000_000, level=None)
+    parser = parser_of(__doc__, steps=2_000_000, level=None)
     parser.add_argument("--suite", default=MAZES, help="a name or a path; levels with a time limit")
     parser.add_argument("--seeds", type=at_least(1), default=3, help="number of seeds")
     parser.add_argument("--every", type=at_least(1), default=40, help="updates per evaluation")
@@ -236,16 +264,12 @@ def main() -> None:
     env, train = brl_jax.make(train_levels, **VIEW)
     _, test = brl_jax.make(test_levels, **VIEW)
     _, first = brl_jax.make(list(train_levels[:100]), **VIEW)
-    # Most entries of a view are the same in all states, and tell nothing.
-    views = env.observations(train).reshape(train.num_states, -1)
-    told = jnp.flatnonzero(views.any(axis=0) & ~views.all(axis=0))
-
     stages = max(1, round(args.steps / (NUM_ENVS * NUM_STEPS * args.every)))
-    run = make_run(env, told, stages * args.every, args.every)
+    sizes = {"learner": Learner(env, train, stages * args.every), "every": args.every}
     seeds = range(args.seed, args.seed + args.seeds)
     inputs = jnp.stack([jax.random.key(seed) for seed in seeds]), train, [first, test]
     began = time.perf_counter()
-    compiled = run.lower(*inputs).compile()
+    compiled = run.lower(*inputs, **sizes).compile()
     ready = time.perf_counter()
     in_train, in_test = jax.block_until_ready(compiled(*inputs))
     ended = time.perf_counter()
