@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from arguments import at_least, parser_of
+from arguments import at_least, parser_of, suite_of
 from jax import Array
 from ppo_jax import NUM_ENVS, NUM_STEPS, Learner, Scale, State, scale_of
 
@@ -105,17 +105,15 @@ def run(
 
 def main() -> None:
     parser = parser_of(__doc__, steps=500_000, steps_help="steps of each run", level=None)
-    parser.add_argument("--suite", default=MAZES, help="a name or a path; levels with a time limit")
+    parser.add_argument(
+        "--suite", type=partial(suite_of, splits=("train", "test")), default=brl.load_suite(MAZES),
+        help="a name or a path; its levels need a time limit",
+    )  # fmt: skip
     parser.add_argument("--seeds", type=at_least(1), default=3, help="number of seeds")
     parser.add_argument("--every", type=at_least(1), default=15, help="updates per evaluation")
     args = parser.parse_args()
-    try:
-        suite = brl.load_suite(args.suite)
-        train_levels, test_levels = suite.split("train"), suite.split("test")
-    except (brl.BabyRobotError, ValueError) as fault:
-        parser.error(str(fault))
-    env, train = brl_jax.make(train_levels, **VIEW)
-    _, test = brl_jax.make(test_levels, **VIEW)
+    env, train = brl_jax.make(args.suite.split("train"), **VIEW)
+    _, test = brl_jax.make(args.suite.split("test"), **VIEW)
 
     stages = max(1, round(args.steps / (NUM_ENVS * NUM_STEPS * args.every)))
     sizes = {"learner": Learner(env, train, stages * args.every), "every": args.every}

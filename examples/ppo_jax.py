@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 import jax
 import jax.numpy as jnp
 import optax
-from arguments import at_least, parser_of
+from arguments import at_least, parser_of, suite_of
 from jax import Array
 
 import babyrobot_levels as brl
@@ -103,9 +103,7 @@ class Learner:
 
     def __init__(self, env: Any, params: Any, updates: int) -> None:
         self.env, self.updates = env, updates
-        # Most entries of a view are the same in all states, and tell nothing.
-        views = env.observations(params).reshape(params.num_states, -1)
-        self.told = jnp.flatnonzero(views.any(axis=0) & ~views.all(axis=0))
+        self.told = jnp.flatnonzero(varying(env, params))
         schedule = optax.linear_schedule(LEARNING_RATE, 0, updates * EPOCHS * BATCHES)
         limited = optax.clip_by_global_norm(LARGEST_GRADIENT)
         self.optimizer = optax.chain(limited, optax.adam(schedule))
@@ -121,9 +119,9 @@ class Learner:
     def update(self, state: State, params: Any, key: Array) -> tuple[State, Array]:
         """Play and learn; return also the levels that were played, `[steps, environments]`."""
         steps_key, epochs_key = jax.random.split(key)
-        playing = (state.weights, params), (state.views, state.envs)
+        step = partial(self.step, state.weights, params)
         keys = jax.random.split(steps_key, NUM_STEPS)
-        (views, envs), steps = jax.lax.scan(partial(self.step, playing[0]), playing[1], keys)
+        (views, envs), steps = jax.lax.scan(step, (state.views, state.envs), keys)
         data = (steps, advantages_of(steps))
         flat = jax.tree.map(lambda each: each.reshape(-1, *each.shape[2:]), data)
         entropy_weight = ENTROPY_WEIGHT * (1 - state.updates / self.updates)
@@ -142,8 +140,8 @@ class Learner:
         learned, _ = jax.lax.scan(batch, (state.weights, state.optimizer), jnp.concatenate(orders))
         return State(*learned, state.updates + 1, views, envs), steps.level
 
-    def step(self, fixed: Any, carry: Any, key: Array) -> tuple[Any, Steps]:
-        (weights, params), (views, envs) = fixed, carry
+    def step(self, weights: Weights, params: Any, carry: Any, key: Array) -> tuple[Any, Steps]:
+        views, envs = carry
         action_key, step_key = jax.random.split(key)
         inputs, level = self.inputs(views), envs.level
         log_chances, values = network(weights, inputs)
@@ -165,6 +163,13 @@ class Learner:
         """Apply the network to all states, and return the exact expected returns, `[levels]`."""
         log_chances, _ = network(weights, self.inputs(self.env.observations(params)))
         return brl_jax.evaluate(params, jnp.exp(log_chances), within="max_steps").returns
+
+
+@partial(jax.jit, static_argnums=0)
+def varying(env: Any, params: Any) -> Array:
+    """Return which entries of a view differ between states: most are the same, and tell nothing."""
+    views = env.observations(params).reshape(params.num_states, -1)
+    return views.any(axis=0) & ~views.all(axis=0)
 
 
 def new_weights(key: Array, sizes: tuple[int, ...]) -> Weights:
@@ -225,7 +230,8 @@ def scale_of(params: Any) -> Scale:
 
 def figures_of(returns: Array, scale: Scale) -> Figures:
     lost = scale.best - returns
-    share = 1 - lost / (scale.best - scale.random)
+    # Where random moves are optimal, there is nothing to be lost.
+    share = 1 - lost / jnp.maximum(scale.best - scale.random, 1e-6)
     return Figures(share.mean(), (returns / scale.best).mean(), lost.mean())
 
 
@@ -252,18 +258,16 @@ def run(
 
 def main() -> None:
     parser = parser_of(__doc__, steps=2_000_000, level=None)
-    parser.add_argument("--suite", default=MAZES, help="a name or a path; levels with a time limit")
+    parser.add_argument(
+        "--suite", type=partial(suite_of, splits=("train", "test")), default=brl.load_suite(MAZES),
+        help="a name or a path; its levels need a time limit",
+    )  # fmt: skip
     parser.add_argument("--seeds", type=at_least(1), default=3, help="number of seeds")
     parser.add_argument("--every", type=at_least(1), default=40, help="updates per evaluation")
     args = parser.parse_args()
-    try:
-        suite = brl.load_suite(args.suite)
-        train_levels, test_levels = suite.split("train"), suite.split("test")
-    except (brl.BabyRobotError, ValueError) as fault:
-        parser.error(str(fault))
-    env, train = brl_jax.make(train_levels, **VIEW)
-    _, test = brl_jax.make(test_levels, **VIEW)
-    _, first = brl_jax.make(list(train_levels[:100]), **VIEW)
+    env, train = brl_jax.make(args.suite.split("train"), **VIEW)
+    _, test = brl_jax.make(args.suite.split("test"), **VIEW)
+    _, first = brl_jax.make(args.suite.split("train")[:100], **VIEW)
     stages = max(1, round(args.steps / (NUM_ENVS * NUM_STEPS * args.every)))
     sizes = {"learner": Learner(env, train, stages * args.every), "every": args.every}
     seeds = range(args.seed, args.seed + args.seeds)

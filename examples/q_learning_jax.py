@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import jax
 import jax.numpy as jnp
-from arguments import at_least, parser_of
+from arguments import at_least, parser_of, suite_of
 from jax import Array
 
 import babyrobot_levels as brl
@@ -124,16 +124,15 @@ def run(key: Array, params: Any, *, env: Any, num_envs: int, stages: int, every:
 
 def main() -> None:
     parser = parser_of(__doc__, steps=8_000_000, level=None)
-    parser.add_argument("--suite", default=MAZES, help="a name or a path; levels with a time limit")
+    parser.add_argument(
+        "--suite", type=suite_of, default=brl.load_suite(MAZES),
+        help="a name or a path; its levels need a time limit",
+    )  # fmt: skip
     parser.add_argument("--num-envs", type=at_least(2), default=16, help="environments per level")
     parser.add_argument("--every", type=at_least(1), default=500, help="steps per evaluation")
     args = parser.parse_args()
-    try:
-        suite = brl.load_suite(args.suite)
-    except brl.BabyRobotError as fault:
-        parser.error(str(fault))
     # Observations are not used: the table has a row for each state.
-    env, params = brl_jax.make(suite, actions="moves", draw_levels=False)
+    env, params = brl_jax.make(args.suite, actions="moves", draw_levels=False)
 
     num_envs = params.num_levels * args.num_envs
     stages = max(1, round(args.steps / (num_envs * args.every)))
