@@ -36,6 +36,8 @@ BENCHMARKS = (
     "mazes",
     "generate",
     "editor",
+    "jax_envs",
+    "jax_solve",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
 

@@ -215,7 +215,6 @@ def _at(array: Array, index: Array) -> Array:
 
 def _model_of(params: EnvParams) -> _Model:
     states, actions, rows = params.num_states, params.num_actions, params.num_rows
-    here = jnp.arange(states)
     following = jnp.where((params.outcome & TERMINAL) > 0, states, params.next_state)
     row_next = params.next_state[:rows]
     is_drawn = row_next < 0
@@ -225,24 +224,33 @@ def _model_of(params: EnvParams) -> _Model:
     if params.draws_outcomes:
         drawn = (params.probability * params.reward[rows:].reshape(shape)).sum(axis=1)
         reward = jnp.where(is_drawn, drawn[jnp.maximum(-1 - row_next, 0)], reward)
-    # A single level has the room of the largest one: beyond its own states, nothing happens.
-    exists = here < params.offset[-1]
     return _Model(
-        reward=jnp.where(exists, reward.reshape(states, actions).T, 0),
-        target=jnp.where(exists, target.reshape(states, actions).T, states),
+        reward=reward.reshape(states, actions).T,
+        target=target.reshape(states, actions).T,
         weight=params.probability.T,
+        # Outcomes that do not exist may lead anywhere.
         outcome=jnp.clip(following[rows:].reshape(shape).T, 0, states),
-        level=jnp.searchsorted(params.offset[1:-1], here, side="right").astype(jnp.int32),
+        level=_group(params.offset, states),
     )
+
+
+def _group(first: Array, count: int) -> Array:
+    """Return to which level each of some things belongs, int32 `[count]`.
+
+    Args:
+        first: `[levels + 1]`: where those of each level begin.
+        count: how many there are.
+    """
+    number = jnp.arange(count)
+    return jnp.searchsorted(first[1:-1], number, side="right").astype(jnp.int32)
 
 
 def _at_starts(params: EnvParams, values: Array) -> Array:
     """Return the expectation of values over each level's starts, `[levels]`."""
-    first = params.first_start
-    number = jnp.arange(params.starts.shape[0])
-    level = jnp.searchsorted(first[1:-1], number, side="right")
-    of_starts = jnp.where(number < first[-1], values[params.starts], 0)
-    return jax.ops.segment_sum(of_starts, level, params.num_levels) / jnp.diff(first)
+    first, count = params.first_start, params.starts.shape[0]
+    of_starts = jnp.where(jnp.arange(count) < first[-1], values[params.starts], 0)
+    sums = jax.ops.segment_sum(of_starts, _group(first, count), params.num_levels)
+    return sums / jnp.diff(first)
 
 
 # -- sweeps ----------------------------------------------------------------------------------
@@ -354,11 +362,12 @@ def _in_the_long_run(
         reached: Array = lax.while_loop(lambda carry: carry[1], step, (goals, True))[0]
         return reached
 
-    # Episodes that go on for ever add up to nothing or to infinity, unless there is a discount.
-    for_ever = ~may_reach(factor < 1, 1.0)
+    # Without a discount, what goes on for ever adds up to nothing or to infinity.
+    is_idle = ~may_reach((factor < 1) | (reward != 0), 1.0)
+    for_ever = ~may_reach((factor < 1) | is_idle, 1.0)
     gains = may_reach(for_ever & (reward > 0), 0.0)
     loses = may_reach(for_ever & (reward < 0), 0.0)
-    is_finite = ~(for_ever | gains | loses)
+    is_finite = ~(is_idle | gains | loses)
 
     def apply(values: Array) -> Array:
         # Differences first: what is almost equal cancels out without rounding.
@@ -370,7 +379,6 @@ def _in_the_long_run(
         apply, jnp.where(is_finite, reward, 0), model.level, num_levels
     )
     values = jnp.where(converged[model.level], values, jnp.nan)
-    values = jnp.where(for_ever, 0, values)
     values = jnp.where(gains, jnp.inf, jnp.where(loses, -jnp.inf, values))
     return jnp.where(gains & loses, jnp.nan, values)
 
