@@ -60,6 +60,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.samplers import WeightedSampler as WeightedSampler
     from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
+    from babyrobot_levels.generate.batch import FolderError as FolderError
+    from babyrobot_levels.generate.batch import Generated as Generated
+    from babyrobot_levels.generate.levels import generate_levels as generate_levels
     from babyrobot_levels.generate.search import UnsatisfiableError as UnsatisfiableError
     from babyrobot_levels.generate.suites import Suite as Suite
     from babyrobot_levels.generate.suites import load_suite as load_suite
@@ -77,6 +80,8 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Things as Things
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
+    from babyrobot_levels.parallel.executor import ExecutorError as ExecutorError
+    from babyrobot_levels.parallel.executor import WorkerDiedError as WorkerDiedError
     from babyrobot_levels.scoring.datasets import to_minari as to_minari
     from babyrobot_levels.scoring.plays.files import Play as Play
     from babyrobot_levels.scoring.plays.files import read_plays as read_plays
@@ -109,6 +114,9 @@ _HOMES = {
     "Difference": "analysis.diff",
     "EpisodeTooLongError": "analysis.solver.results",
     "Evaluation": "analysis.solver.results",
+    "ExecutorError": "parallel.executor",
+    "FolderError": "generate.batch",
+    "Generated": "generate.batch",
     "Grade": "scoring.plays.grades",
     "Grades": "scoring.plays.grades",
     "Grid": "mdp.grid",
@@ -143,6 +151,7 @@ _HOMES = {
     "UniformSampler": "envs.samplers",
     "Verification": "scoring.plays.verify",
     "WeightedSampler": "envs.samplers",
+    "WorkerDiedError": "parallel.executor",
     "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",
@@ -150,6 +159,7 @@ _HOMES = {
     "evaluate": "analysis.solver.evaluation",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
+    "generate_levels": "generate.levels",
     "grade": "scoring.plays.grades",
     "levels": "library.catalogue",
     "load": "library.catalogue",
