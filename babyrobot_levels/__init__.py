@@ -83,6 +83,11 @@ if TYPE_CHECKING:
     from babyrobot_levels.parallel.executor import ExecutorError as ExecutorError
     from babyrobot_levels.parallel.executor import WorkerDiedError as WorkerDiedError
     from babyrobot_levels.scoring.datasets import to_minari as to_minari
+    from babyrobot_levels.scoring.many import LevelMetrics as LevelMetrics
+    from babyrobot_levels.scoring.many import LevelValue as LevelValue
+    from babyrobot_levels.scoring.many import evaluate_many as evaluate_many
+    from babyrobot_levels.scoring.many import metrics_many as metrics_many
+    from babyrobot_levels.scoring.many import solve_many as solve_many
     from babyrobot_levels.scoring.plays.files import Play as Play
     from babyrobot_levels.scoring.plays.files import read_plays as read_plays
     from babyrobot_levels.scoring.plays.grades import Grade as Grade
@@ -124,8 +129,10 @@ _HOMES = {
     "LevelEnv": "envs.single",
     "LevelError": "text.errors",
     "LevelInfo": "library.catalogue",
+    "LevelMetrics": "scoring.many",
     "LevelNotFoundError": "text.errors",
     "LevelScore": "scoring.results",
+    "LevelValue": "scoring.many",
     "LevelVectorEnv": "envs.vector.env",
     "Mdp": "mdp.tables",
     "Metrics": "analysis.metrics",
@@ -157,6 +164,7 @@ _HOMES = {
     "diff": "analysis.diff",
     "edit": "editor.hosts.notebook",
     "evaluate": "analysis.solver.evaluation",
+    "evaluate_many": "scoring.many",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
     "generate_levels": "generate.levels",
@@ -166,6 +174,7 @@ _HOMES = {
     "load_suite": "generate.suites",
     "loads": "library.reading",
     "metrics": "analysis.metrics",
+    "metrics_many": "scoring.many",
     "monte_carlo": "analysis.learning.episodes",
     "policy_evaluation": "analysis.learning.sweeps",
     "policy_iteration": "analysis.learning.sweeps",
@@ -178,6 +187,7 @@ _HOMES = {
     "score": "scoring.score",
     "simulate": "analysis.solver.evaluation",
     "solve": "analysis.solver.optimum",
+    "solve_many": "scoring.many",
     "strip": "analysis.strip",
     "success_within": "analysis.solver.evaluation",
     "verify_play": "scoring.plays.verify",
