@@ -74,7 +74,8 @@ def optimum(
     Raises:
         ValueError: an argument has another value.
     """
-    return _optimum(params, _factors(params, discount), _limits(params, within))
+    found: Optimum = _optimum(params, _factors(params, discount), _limits(params, within))
+    return found
 
 
 def evaluate(
@@ -99,8 +100,9 @@ def evaluate(
     Raises:
         ValueError: an argument has another shape or value.
     """
-    policy = _checked(params, policy)
-    return _evaluate(params, policy, _factors(params, discount), _limits(params, within))
+    policy, factors = _checked(params, policy), _factors(params, discount)
+    worth: Worth = _evaluate(params, policy, factors, _limits(params, within))
+    return worth
 
 
 def regret(
@@ -186,6 +188,11 @@ class _Model:
             drawn = sum(weight * _at(known, to) for weight, to in chances)
             known = jnp.concatenate([known, drawn])
         return [_at(known, self.target[choice]) for choice in range(self.target.shape[0])]
+
+    def largest_reward(self, params: EnvParams) -> Array:
+        """Return the largest reward or cost of each state's level, `[states]`."""
+        largest = jnp.abs(self.reward).max(axis=0)
+        return jax.ops.segment_max(largest, self.level, params.num_levels)[self.level]
 
     def under(self, actions: Array) -> _Model:
         """Return the model in which these actions, `[states]`, are the only choice."""
@@ -280,7 +287,7 @@ def _optimum(params: EnvParams, discount: Array, limit: Array | None) -> Optimum
     if limit is None:
         limit = jnp.full_like(params.limit, UNLIMITED)
     start = nothing, nothing.astype(jnp.int32)
-    values, actions = _swept(sweep, start, limit[model.level])
+    values, actions = _swept(sweep, start, limit[model.level], model.largest_reward(params))
     return Optimum(values, _at_starts(params, values), actions)
 
 
@@ -303,20 +310,28 @@ def _evaluate(params: EnvParams, policy: Array, discount: Array, limit: Array | 
         def sweep(values: Array, _: None) -> tuple[Array, None]:
             return reward + factor * _mean(weights, model.ahead(values)), None
 
-        values, _ = _swept(sweep, (jnp.zeros_like(reward), None), limit[model.level])
+        start = jnp.zeros_like(reward), None
+        values, _ = _swept(sweep, start, limit[model.level], model.largest_reward(params))
     return Worth(values, _at_starts(params, values))
 
 
-def _swept(sweep: Any, start: tuple[Array, Any], limit: Array) -> tuple[Array, Any]:
+def _swept(sweep: Any, start: tuple[Array, Any], limit: Array, largest: Array) -> tuple[Array, Any]:
     """Sweep until each state's limit, or until nothing changes; return values and more.
 
     Args:
         sweep: from values, `[states]`, and more of each state to the next ones.
         start: what they are with no steps left.
         limit: int32 `[states]`: the number of sweeps.
+        largest: `[states]`: the largest reward of the state's level.
     """
     is_limited = limit < UNLIMITED
     last = jnp.where(is_limited, limit, MAX_SWEEPS)
+    rounding = jnp.finfo(largest.dtype).eps
+    slack = jnp.where(is_limited, 0, rounding * largest)
+
+    def is_rounding(values: Array, past: Array) -> Array:
+        most = 64 * rounding * (largest + jnp.abs(values))
+        return ~is_limited & (jnp.abs(values - past) <= most)
 
     def going(carry: Any) -> Any:
         count, _, _, changed = carry
@@ -325,15 +340,14 @@ def _swept(sweep: Any, start: tuple[Array, Any], limit: Array) -> tuple[Array, A
     def step(carry: Any) -> Any:
         count, before, past, _ = carry
         found = jax.tree.map(partial(jnp.where, count < last), sweep(*past), past)
-        # Without a limit, rounding may change a last digit back and forth for ever.
-        changed = (found[0] != past[0]) & (is_limited | (found[0] != before))
+        # Without a limit, rounding may change last digits back and forth for ever.
+        swings = (found[0] == before) & is_rounding(found[0], past[0])
+        changed = (jnp.abs(found[0] - past[0]) > slack) & ~swings
         return count + 1, past[0], found, changed
 
     begin = jnp.int32(0), start[0], start, jnp.ones(limit.shape, bool)
     _, before, (values, more), _ = lax.while_loop(going, step, begin)
-    rounding = 64 * jnp.finfo(values.dtype).eps * jnp.abs(values)
-    unsettled = ~is_limited & (jnp.abs(values - before) > rounding)
-    return jnp.where(unsettled, jnp.nan, values), more
+    return jnp.where(is_limited | is_rounding(values, before), values, jnp.nan), more
 
 
 # -- without a limit -------------------------------------------------------------------------
