@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 LevelsArgument = Annotated[
     list[str],
     typer.Argument(
-        metavar="LEVEL...",
+        metavar="LEVEL",
         help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input; "
         "several of these; folders of level files and packs; or one suite.",
     ),
@@ -233,8 +233,9 @@ def _plain(row: Row) -> dict[str, Any]:
 class _Target(Protocol):
     """Where rows are written."""
 
-    first: int
-    """The index of the first row that is needed."""
+    @property
+    def first(self) -> int:
+        """The index of the first row that is needed."""
 
     def put(self, row: dict[str, Any]) -> None:
         """Write a row."""

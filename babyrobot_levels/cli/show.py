@@ -67,8 +67,8 @@ def show(
     left out above 5,000 cells; with items, doors, switches or movers, above 5,000 states.
 
     Several levels, folders and packs give a row with the metrics of each level; so do the levels
-    of a suite with --split, --output or --format csv. Rows do not depend on --jobs. After an error
-    the exit status is 1.
+    of a suite with --split, --output or --format csv. Rows do not depend on --jobs. The exit
+    status is 1 if a level has an error.
 
     Examples:
 
@@ -80,9 +80,9 @@ def show(
 
       babyrobot show small-mazes
 
-      babyrobot show gallery --keep-going
+      babyrobot show final-maze frozen-lake
 
-      babyrobot show small-mazes --format csv --jobs 4 > metrics.csv
+      babyrobot show classics --format csv
     """
     options = RowOptions(
         split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)

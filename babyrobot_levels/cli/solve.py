@@ -110,8 +110,8 @@ def solve(
     forward. JSON has all headings, and all configurations of items, switches and movers.
 
     Several levels, folders, packs and suites give a row for each level, without policies and
-    values; with --format json, a line of JSON. Rows do not depend on --jobs. After an error the
-    exit status is 1.
+    values; with --format json, a line of JSON. Rows do not depend on --jobs. The exit
+    status is 1 if a level has an error.
 
     Examples:
 
@@ -123,9 +123,9 @@ def solve(
 
       babyrobot solve frozen-lake --discount 0.99 --format json
 
-      babyrobot solve levels/ --keep-going
+      babyrobot solve final-maze frozen-lake
 
-      babyrobot solve small-mazes --split test -o optimal.jsonl --jobs 4
+      babyrobot solve classics -o optimal.jsonl --jobs 4
     """
     options = RowOptions(
         split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)

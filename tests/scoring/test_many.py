@@ -68,7 +68,7 @@ def test_levels_of_all_kinds_are_solved(executor: Executor, here: Path) -> None:
     (here / "themes").mkdir()
     (here / "themes" / "mine.yaml").write_text("colors: {arrows: red}\n", encoding="utf-8")
     (here / "on-ice.yaml").write_text("version: 1\nsize: [3, 3]\ntheme: mine\n", encoding="utf-8")
-    levels = [
+    levels: list[Any] = [
         "final-maze",
         "gallery/first-key",
         "on-ice.yaml",
@@ -149,7 +149,14 @@ def test_levels_are_measured(executor: Executor) -> None:
 @BOTH
 def test_an_error_is_told_with_the_index_of_its_level(executor: Executor, here: Path) -> None:
     Path("bad.yaml").write_text("version: 1\nsize: [4, 4]\nexit: [9, 9]\n", encoding="utf-8")
-    levels = ["final-maze", "bad.yaml", CANCELLING, "nowhere", "random-maze", "frozen-lake"]
+    levels: list[Any] = [
+        "final-maze",
+        "bad.yaml",
+        CANCELLING,
+        "nowhere",
+        "random-maze",
+        "frozen-lake",
+    ]
     rows = list(brl.solve_many(levels, executor=executor, keep_going=True))
     assert [row.index for row in rows] == [*range(6)]
     errors = {row.index: (type(row.error), row.name) for row in rows if row.error}
