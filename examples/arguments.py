@@ -50,6 +50,14 @@ def level_of(text: str) -> brl.Level:
         raise argparse.ArgumentTypeError(str(fault)) from fault
 
 
+def suite_of(text: str) -> brl.Suite:
+    """Return the suite with a name or path."""
+    try:
+        return brl.load_suite(text)
+    except brl.BabyRobotError as fault:
+        raise argparse.ArgumentTypeError(str(fault)) from fault
+
+
 def at_least(least: int) -> Callable[[str], int]:
     """Return a function that reads a whole number and checks its minimum."""
 
