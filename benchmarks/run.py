@@ -35,6 +35,7 @@ BENCHMARKS = (
     "lint",
     "mazes",
     "generate",
+    "parallel",
     "editor",
     "jax_envs",
     "jax_solve",

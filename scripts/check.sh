@@ -4,6 +4,7 @@
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
+#        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -28,6 +29,11 @@ jax)
     .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hypothesis jaxued==0.0.1 pytest pytest-xdist
     exec .venv-jax/bin/python -m pytest -m libraries -n 2 tests/jax_levels
     ;;
+ray)
+    make_venv .venv-ray
+    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hypothesis pytest
+    exec .venv-ray/bin/python -m pytest -m libraries tests/on_ray
+    ;;
 lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
@@ -35,7 +41,7 @@ lowest)
     exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,8s/^# //p' scripts/check.sh >&2
+    sed -n '3,9s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

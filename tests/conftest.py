@@ -31,7 +31,7 @@ SLOW = {
 }
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
 
-LIBRARIES = {"jax_levels"}
+LIBRARIES = {"jax_levels", "on_ray"}
 """Likewise, those in which every test needs libraries that learn."""
 
 NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
