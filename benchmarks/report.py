@@ -112,13 +112,24 @@ def told(versions: Mapping[str, str]) -> str:
     return f"Python {platform.python_version()}{packages}, {platform.machine()}"
 
 
-def main(description: str, compare: Compare) -> None:
-    """Measure as a script does that is called by itself, and print the tables."""
+def main(description: str, compare: Compare, sizes: Sequence[int] = ()) -> None:
+    """Measure as a script does that is called by itself, and print the tables.
+
+    Args:
+        description: the script's.
+        compare: what it measures.
+        sizes: how many environments it measures with; with an option for others, which `compare`
+            takes then.
+    """
     parser = argparse.ArgumentParser(description=description.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="few rounds")
-    count = FEW if parser.parse_args().quick else ROUNDS
+    if sizes:
+        told_sizes = "how many environments: " + ", ".join(map(str, sizes))
+        parser.add_argument("--sizes", type=int, nargs="+", default=sizes, help=told_sizes)
+    asked = parser.parse_args()
+    count = FEW if asked.quick else ROUNDS
     heading = ""
-    for comparison in compare(count):
+    for comparison in compare(count, asked.sizes) if sizes else compare(count):
         if told(comparison.versions) != heading:
             heading = told(comparison.versions)
             print(heading)

@@ -30,11 +30,15 @@ BENCHMARKS = (
     "things",
     "frames",
     "solve",
+    "score",
     "validate",
     "lint",
     "mazes",
     "generate",
+    "parallel",
     "editor",
+    "jax_envs",
+    "jax_solve",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
 

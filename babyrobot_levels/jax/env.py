@@ -13,7 +13,7 @@ from jax import Array
 from jax.tree_util import register_dataclass
 
 from babyrobot_levels.jax.loading import Loader
-from babyrobot_levels.jax.observations import space_of
+from babyrobot_levels.jax.observations import look_up, space_of
 from babyrobot_levels.jax.params import HIT, REACHED, SKIDDED, TERMINAL, EnvParams
 from babyrobot_levels.jax.room import Room
 from babyrobot_levels.jax.words import below, chosen, draw_words
@@ -41,11 +41,20 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
     """Levels as an environment of gymnax 1.0; made by `babyrobot_levels.jax.make`.
 
     Observations, actions, rewards and ends of episodes are those of `LevelEnv`. All that belongs to
-    the levels is in `EnvParams`, which every call takes. An action beyond the last one is taken as
-    the last one: compiled code cannot raise errors.
+    the levels is in `EnvParams`, which every call takes; without them, the levels with which it was
+    made become constants of the compiled code. An action below 0 is taken as 0, and one beyond the
+    last as the last: compiled code cannot raise errors.
     """
 
     def __init__(self, params: EnvParams, loader: Loader, room: Room, name: str) -> None:
+        """Make the environment.
+
+        Args:
+            params: the levels.
+            loader: puts other levels into tables.
+            room: the size of the tables.
+            name: the name of the environment.
+        """
         super().__init__()
         self._params, self._loader, self._room, self._name = params, loader, room, name
         self._observation_space = space_of(loader.observation, loader.extent)
@@ -163,7 +172,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
 
     def is_truncated(self, state: EnvState, params: EnvParams) -> Array:
         """Return whether the level's time limit is reached."""
-        return state.time >= params.limit[_index(state.level, params)]
+        return state.time >= _of_level(params.limit, state.level, params)
 
     def action_space(self, params: EnvParams | None = None) -> spaces.Discrete:
         """Return the space of actions."""
@@ -225,7 +234,7 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
     def action_mask(self, state: EnvState, params: EnvParams | None = None) -> Array:
         """Return the action mask, int8 `[actions]`: 1 for the actions that nothing refuses."""
         params = self._params if params is None else params
-        bits = params.mask[state.state][..., None] >> jnp.arange(
+        bits = look_up(params.mask, state.state)[..., None] >> jnp.arange(
             params.num_actions, dtype=jnp.uint8
         )
         return (bits & 1).astype(jnp.int8)
@@ -249,23 +258,24 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         action = jnp.clip(jnp.asarray(action, jnp.int32), 0, params.num_actions - 1)
         entry = state.state * params.num_actions + action
         if params.draws_outcomes:
-            number = -1 - params.next_state[entry]
+            number = -1 - look_up(params.next_state, entry)
             row = jnp.maximum(number, 0)
-            outcome = chosen(words[0], params.threshold[row])
+            outcome = chosen(words[0], look_up(params.threshold, row))
             drawn = params.num_rows + row * params.most_outcomes + outcome
             entry = jnp.where(number >= 0, drawn, entry)
-        after = EnvState(time=state.time + 1, state=params.next_state[entry], level=state.level)
-        told = params.outcome[entry]
+        next_state = look_up(params.next_state, entry)
+        after = EnvState(time=state.time + 1, state=next_state, level=state.level)
+        told = look_up(params.outcome, entry)
         info = {
-            "level_index": params.number[_index(state.level, params)],
+            "level_index": _of_level(params.number, state.level, params),
             "target_reached": (told & REACHED) > 0,
             "skidded": (told & SKIDDED) > 0,
         }
         if params.has_movers:
             info["hit"] = (told & HIT) > 0
         if params.held.shape[-1]:
-            info["held"] = params.held[after.state]
-        return after, params.reward[entry], (told & TERMINAL) > 0, info
+            info["held"] = look_up(params.held, next_state)
+        return after, look_up(params.reward, entry), (told & TERMINAL) > 0, info
 
     def start(self, words: Array, params: EnvParams, level: Array | None = None) -> EnvState:
         """Return the state in which an episode starts, with given randomness.
@@ -278,13 +288,13 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
         """
         if level is None:
             level = params.drawn_level(words[0]) if params.draws_levels else jnp.int32(0)
-        index = _index(level, params)
-        number = params.first_start[index]
+        number = _of_level(params.first_start, level, params)
         if params.draws_starts:
-            number += below(words[-1], params.first_start[index + 1] - number)
-        return EnvState(time=jnp.int32(0), state=params.starts[number], level=level)
+            end = _of_level(params.first_start[1:], level, params)
+            number += below(words[-1], end - number)
+        return EnvState(time=jnp.int32(0), state=look_up(params.starts, number), level=level)
 
 
-def _index(level: Array, params: EnvParams) -> Array | int:
-    """Return a level as an index: of a single level a constant, which needs no look-up."""
-    return level if params.num_levels > 1 else 0
+def _of_level(table: Array, level: Array, params: EnvParams) -> Array:
+    """Return what a table has of a level; of a single one, without a look-up."""
+    return look_up(table, level) if params.num_levels > 1 else table[0]

@@ -1,7 +1,7 @@
 """The observations of all states as arrays, from which a compiled step reads them.
 
 They are those of the other environments, made by the same observers. The tables of one level have
-NumPy arrays; `join` puts those of many together.
+NumPy arrays; `joined` puts those of many together.
 """
 
 from __future__ import annotations
@@ -33,13 +33,24 @@ from babyrobot_levels.jax.room import Room
 from babyrobot_levels.library.level import Level
 
 
+def look_up(table: Array, index: Any) -> Array:
+    """Return a row of a table, or rows; without the checks of `table[index]`, which take time.
+
+    Args:
+        table: `[rows, …]`.
+        index: int32, from 0 on and below the number of rows.
+    """
+    return table.at[index].get(mode="promise_in_bounds")
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class RowTable:
     """An observation that has a row of an array for each state.
 
     Attributes:
-        rows: `[states, …]`; of views, the bits, uint8 `[states, bytes]`.
+        rows: `[states, …]`; of views uint8 `[states, bytes]`, the first of their numbers in the
+            lowest bits, the next ones in the bits above: so whole vectors are unpacked at once.
         shape: the shape of a view; None if rows are observations.
     """
 
@@ -48,11 +59,11 @@ class RowTable:
 
     def at(self, states: Any) -> Array:
         """Return the observation of a state, or of each of an array of states."""
-        rows = self.rows[states]
+        rows = look_up(self.rows, states)
         if self.shape is None:
             return rows
-        bits = jnp.unpackbits(rows, axis=-1, count=prod(self.shape))
-        return bits.reshape(rows.shape[:-1] + self.shape)
+        bits = jnp.concatenate([rows >> place & 1 for place in range(8)], axis=-1)
+        return bits[..., : prod(self.shape)].reshape(rows.shape[:-1] + self.shape)
 
     def take(self, level: Array, base: Array, states: int) -> RowTable:
         """Return the rows of a level, which begin at `base`."""
@@ -91,8 +102,9 @@ class PlaneTables:
         """Return the planes of a state, or of each of an array of states."""
         if jnp.ndim(states):
             return jax.vmap(self.at)(states)
-        planes = self.grounds[self.ground[states]]
-        return planes.reshape(-1).at[self.robot[states]].set(self.one).reshape(planes.shape)
+        planes = look_up(self.grounds, look_up(self.ground, states))
+        robot = look_up(self.robot, states)
+        return planes.reshape(-1).at[robot].set(self.one).reshape(planes.shape)
 
     def take(self, level: Array, base: Array, states: int) -> PlaneTables:
         """Return the planes of a level, whose states begin at `base`."""
@@ -151,14 +163,17 @@ class DictTables:
     def join(cls, parts: Sequence[Self], room: Room) -> DictTables:
         """Return the tables of several levels as one, with this room."""
         return DictTables(
-            {
-                name: type(first).join([part.parts[name] for part in parts], room)
-                for name, first in parts[0].parts.items()
-            }
+            {name: joined([part.parts[name] for part in parts], room) for name in parts[0].parts}
         )
 
 
 ObservationTables = RowTable | PlaneTables | DictTables
+
+
+def joined(parts: Sequence[Any], room: Room) -> ObservationTables:
+    """Return tables of the same kind, of one level each, as one with this room."""
+    tables: ObservationTables = type(parts[0]).join(parts, room)
+    return tables
 
 
 def tables_of(
@@ -183,7 +198,7 @@ def tables_of(
             radius = observation.view_radius
             painter = ViewPainter(level, extent.headings, radius, observation.see_through)
             shape = painter.view(0).shape
-            return RowTable(np.stack([np.packbits(painter.view(s)) for s in range(count)]), shape)
+            return RowTable(np.stack([_packed(painter.view(s)) for s in range(count)]), shape)
         case "vector":
             return RowTable(VectorObserver(level, extent).table())
         case "image":
@@ -193,6 +208,14 @@ def tables_of(
         case name:
             numbers = NumericObserver(level, name, extent).table().astype(np.int32)
             return RowTable(numbers[:, 0] if name == "index" else numbers)
+
+
+def _packed(view: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return a view in an eighth of its bytes; see `RowTable`."""
+    bits = np.zeros((8, -(-view.size // 8)), np.uint8)
+    bits.reshape(-1)[: view.size] = view.reshape(-1)
+    packed: NDArray[np.uint8] = np.packbits(bits, axis=0, bitorder="little")[0]
+    return packed
 
 
 def _planes(level: Level, count: int, observation: Observation, extent: Extent) -> PlaneTables:

@@ -43,6 +43,8 @@ class ReturnDistribution(Result):
         max_steps: the number of steps after which episodes are truncated.
     """
 
+    __module__ = "babyrobot_levels"
+
     values: Floats
     probabilities: Floats
     episodes: int
@@ -53,6 +55,11 @@ class ReturnDistribution(Result):
     def mean(self) -> float:
         """The expected return."""
         return float(self.values @ self.probabilities)
+
+    @property
+    def standard_deviation(self) -> float:
+        """By how much returns differ from the expected one, as a root mean square."""
+        return float(np.sqrt((self.values - self.mean) ** 2 @ self.probabilities))
 
     def quantiles(self, shares: Floats) -> Floats:
         """Return the smallest return that at least such a share of episodes does not exceed."""

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import babyrobot_levels as brl
-from babyrobot_levels.analysis.solver.distribution import EPISODES, return_distribution
+from babyrobot_levels.analysis.solver.distribution import EPISODES
 
 
 def recursive(level: brl.Level, steps: int, discount: float) -> dict[float, float]:
@@ -41,7 +41,7 @@ def recursive(level: brl.Level, steps: int, discount: float) -> dict[float, floa
 def test_it_is_what_the_recursion_gives(name: str, discount: float) -> None:
     level = brl.load(name)
     expected = recursive(level, 5, discount)
-    found = return_distribution(level, "random", 5, discount=discount)
+    found = brl.return_distribution(level, "random", 5, discount=discount)
     assert found.episodes == 0
     assert found.values == pytest.approx(sorted(expected), abs=1e-9)
     assert found.probabilities == pytest.approx([expected[each] for each in sorted(expected)])
@@ -50,7 +50,7 @@ def test_it_is_what_the_recursion_gives(name: str, discount: float) -> None:
 @pytest.mark.parametrize("name", ["final-maze", "treasure-chests", "four-rooms-slippery"])
 def test_its_mean_is_the_exact_average(name: str) -> None:
     solution = brl.solve(name)
-    found = return_distribution(name, solution)
+    found = brl.return_distribution(name, solution)
     assert found.episodes == 0
     assert found.mean == pytest.approx(solution.expected_return, abs=1e-9)
     assert found.probabilities.sum() == pytest.approx(1.0)
@@ -62,30 +62,32 @@ def test_episodes_that_are_truncated_count_with_what_they_have(name: str, policy
     level = brl.load(name)
     steps = 12
     taken = "random" if policy == "random" else brl.solve(level)
-    found = return_distribution(level, taken, steps)
+    found = brl.return_distribution(level, taken, steps)
     exact = brl.evaluate(level, taken, within=steps).expected_return
     assert found.mean == pytest.approx(exact)
 
 
 def test_the_frozen_lake_is_crossed_or_not() -> None:
-    found = return_distribution("frozen-lake", brl.solve("frozen-lake"))
+    found = brl.return_distribution("frozen-lake", brl.solve("frozen-lake"))
     assert found.values.tolist() == [0.0, 1.0]
     assert found.probabilities[1] == pytest.approx(
         brl.success_within("frozen-lake", brl.solve("frozen-lake"))
     )
+    chance = found.probabilities[1]
+    assert found.standard_deviation == pytest.approx((chance * (1 - chance)) ** 0.5)
 
 
 def test_where_returns_are_too_many_episodes_are_simulated() -> None:
-    found = return_distribution("gridworld-3-5", "random")
+    found = brl.return_distribution("gridworld-3-5", "random")
     assert found.episodes == EPISODES
     exact = brl.evaluate("gridworld-3-5", "random", within=1000).expected_return
     assert found.mean == pytest.approx(exact, abs=0.2)
-    again = return_distribution("gridworld-3-5", "random")
+    again = brl.return_distribution("gridworld-3-5", "random")
     assert np.array_equal(found.values, again.values)
 
 
 def test_quantiles_are_returns_that_are_possible() -> None:
-    found = return_distribution("frozen-lake", brl.solve("frozen-lake"))
+    found = brl.return_distribution("frozen-lake", brl.solve("frozen-lake"))
     lost = found.probabilities[0]
     assert found.quantiles(np.array([0.0, lost / 2, lost, lost + 0.01, 1.0])).tolist() == [
         0.0,
@@ -98,4 +100,4 @@ def test_quantiles_are_returns_that_are_possible() -> None:
 
 def test_no_steps_are_no_episode() -> None:
     with pytest.raises(ValueError, match="within must be a number of steps from 1 on"):
-        return_distribution("default", "random", 0)
+        brl.return_distribution("default", "random", 0)

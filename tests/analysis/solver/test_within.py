@@ -196,3 +196,27 @@ def test_the_former_name_of_the_limit() -> None:
     with pytest.warns(DeprecationWarning, match="max_steps is called within now"):
         runs = brl.simulate(CHEST, "random", 10, max_steps=2)
     assert runs.max_steps == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "optimum_250", "optimum_450"),
+    [
+        ("sixteen-rooms", 0.9064, 0.9480),
+        ("sixteen-rooms-fewer-doors", 0.8992, 0.9440),
+        ("labyrinth", 0.5932, 0.7740),
+        ("labyrinth-flipped", 0.5932, 0.7740),
+        ("labyrinth-2", 0.5932, 0.7740),
+        ("standard-maze", 0.8056, 0.8920),
+        ("standard-maze-2", 0.7372, 0.8540),
+        ("standard-maze-3", 0.8056, 0.8920),
+    ],
+)
+def test_test_mazes_with_the_reward_of_minigrid(
+    name: str, optimum_250: float, optimum_450: float
+) -> None:
+    # The limit of JaxUED, and that of DCD and minimax: a maze has another optimum in each.
+    for limit, optimum in ((250, optimum_250), (450, optimum_450)):
+        # The exit pays 1 - 0.9 * steps / limit.
+        rewards = {"step": -0.9 / limit, "exit": 1 - 0.9 / limit}
+        solution = brl.solve(brl.load(name).replace(rewards=rewards), within=limit, actions="turns")
+        assert solution.expected_return == pytest.approx(optimum, abs=1e-9)
