@@ -62,8 +62,8 @@ def priorities(regrets: Array, ages: Array) -> Array:
 @partial(jax.jit, static_argnames=("learner", "every"))
 def run(
     keys: Array, prioritised: Array, train: Any, test: Any, *, learner: Learner, every: int
-) -> Figures:
-    """Learn once for each key; return figures, `[keys, stages]`.
+) -> Any:
+    """Learn once for each key; return `Figures`, `[keys, stages]`.
 
     Args:
         keys: sources of randomness.
@@ -79,7 +79,7 @@ def run(
         returns = learner.returns(state.weights, scale.params)
         return (returns - scale.random) / (scale.best - scale.random)
 
-    def learn(case: tuple[Array, Array]) -> Figures:
+    def learn(case: tuple[Array, Array]) -> Any:
         key, by_regret = case
         start_key, key = jax.random.split(key)
 

@@ -137,8 +137,9 @@ class Learner:
             jax.random.permutation(key, NUM_ENVS * NUM_STEPS).reshape(BATCHES, -1)
             for key in jax.random.split(epochs_key, EPOCHS)
         ]
-        learned, _ = jax.lax.scan(batch, (state.weights, state.optimizer), jnp.concatenate(orders))
-        return State(*learned, state.updates + 1, views, envs), steps.level
+        learned = state.weights, state.optimizer
+        (weights, optimizer), _ = jax.lax.scan(batch, learned, jnp.concatenate(orders))
+        return State(weights, optimizer, state.updates + 1, views, envs), steps.level
 
     def step(self, weights: Weights, params: Any, carry: Any, key: Array) -> tuple[Any, Steps]:
         views, envs = carry
@@ -236,13 +237,11 @@ def figures_of(returns: Array, scale: Scale) -> Figures:
 
 
 @partial(jax.jit, static_argnames=("learner", "every"))
-def run(
-    keys: Array, train: Any, evaluated: list[Any], *, learner: Learner, every: int
-) -> list[Figures]:
-    """Learn once for each key; return figures, `[keys, stages]`, for each set of levels."""
+def run(keys: Array, train: Any, evaluated: list[Any], *, learner: Learner, every: int) -> Any:
+    """Learn once for each key; return `Figures`, `[keys, stages]`, for each set of levels."""
     scales = [scale_of(params) for params in evaluated]
 
-    def learn(key: Array) -> list[Figures]:
+    def learn(key: Array) -> Any:
         start_key, key = jax.random.split(key)
 
         def stage(state: State, keys: Array) -> tuple[State, list[Figures]]:

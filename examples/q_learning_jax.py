@@ -53,8 +53,8 @@ class Carry(NamedTuple):
 
 
 @partial(jax.jit, static_argnames=("env", "num_envs", "stages", "every"))
-def run(key: Array, params: Any, *, env: Any, num_envs: int, stages: int, every: int) -> Figures:
-    """Learn, and return the figures after each stage.
+def run(key: Array, params: Any, *, env: Any, num_envs: int, stages: int, every: int) -> Any:
+    """Learn, and return the `Figures` after each stage.
 
     Args:
         key: the source of randomness.

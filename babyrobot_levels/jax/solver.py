@@ -1,7 +1,8 @@
 """Solving levels in JAX: the optimum and the worth of policies, for all levels in one call.
 
 The states of all levels are swept together: the values with k + 1 steps left follow from those with
-k. So a time limit is exact; without one, sweeps go on until no value changes any more.
+k, so that time limits are exact. Without one, the optimum is swept until nothing changes any more,
+and policies are evaluated by solving linear systems: they may take millions of steps to end.
 """
 
 from __future__ import annotations
@@ -63,13 +64,13 @@ def optimum(
 
     It is that of `babyrobot_levels.solve`, to rounding. Actions that the mask refuses can be taken,
     too; mostly, they leave the robot where it is. Without a limit, values that are infinite, or
-    that have not converged after 10,000 sweeps, are nan.
+    that have not converged after 10,000 sweeps, are nan; these sweeps go over all levels.
 
     Args:
         params: the levels.
         discount: above 0 and at most 1; by default, that of each level.
         within: the number of steps after which episodes are truncated, or `"max_steps"` for each
-            level's own limit; None for no limit.
+            level's own limit, by sweeps until they converge where it has none; None for no limit.
 
     Raises:
         ValueError: an argument has another value.
@@ -87,7 +88,10 @@ def evaluate(
 ) -> Worth:
     """Return what a policy is worth in all levels.
 
-    It is what `babyrobot_levels.evaluate` returns, to rounding, and nan as `optimum` tells.
+    It is what `babyrobot_levels.evaluate` returns, to rounding. In float32 and without a limit or a
+    discount, rounding grows with the length of episodes: to 3e-4 of the values where they take
+    thousands of steps. Values are inf or -inf where rewards or costs may go on for ever; nan where
+    both may, and in levels whose system does not converge.
 
     Args:
         params: the levels.

@@ -110,10 +110,10 @@ class _Source(Generic[Item]):
     size: int = field(default=1, init=False)
 
     def next(self, workers: int) -> Chunk[Item] | None:
-        """Return the next chunk, smaller if few items are left; None if there are none."""
+        """Return the next chunk, down to half of the size at the end; None if there are none."""
         size = self.size
         if self.left > 0:
-            size = min(size, max(1, self.left // (2 * workers)))
+            size = min(size, max(1, size // 2, self.left // (2 * workers)))
         chunk = Chunk(self.first, list(islice(self.items, size)))
         self.first += len(chunk.items)
         self.left -= len(chunk.items)

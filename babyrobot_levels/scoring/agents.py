@@ -203,12 +203,19 @@ def _rllib_module(module: Any, num_actions: int, deterministic: bool) -> Chooser
             "an RLModule with memory has to be played: give an object with `reset` and `act`"
         )
     import torch
+    from gymnasium.spaces import Dict
+
+    has_masks = isinstance(module.observation_space, Dict)
+    space = module.observation_space["observations"] if has_masks else module.observation_space
 
     def choose(observations: Any, masks: NDArray[np.int8]) -> Floats:
-        given = torch.as_tensor(observations, dtype=torch.float32)
-        batch: dict[str, Any] = {"obs": given}
+        # A module can have been trained with flattened observations.
+        given = torch.as_tensor(observations, dtype=torch.float32).reshape(-1, *space.shape)
+        if has_masks:
+            allowed = torch.as_tensor(masks, dtype=torch.float32)
+            given = {"action_mask": allowed, "observations": given}
         with torch.no_grad():
-            logits = module.forward_inference(batch)["action_dist_inputs"]
+            logits = module.forward_inference({"obs": given})["action_dist_inputs"]
             if deterministic:
                 actions = logits.argmax(dim=1).numpy()
                 return as_probabilities(actions, num_actions, len(masks))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -287,6 +288,67 @@ def test_returns_in_several_levels_are_those_of_their_first_episodes(
     assert returns.tolist() == [each.expected_return for each in best]
     # An episode that is cut off has the rewards until then.
     assert comparison.returns_in(levels, [each.policy for each in best], 2, "moves")[1] == -2
+
+
+# -- on a Ray cluster ------------------------------------------------------------------------
+
+
+@pytest.fixture
+def address() -> Iterator[str]:
+    """The address of a cluster that runs already, as `ray start --head` begins one."""
+    from ray.cluster_utils import Cluster
+
+    cluster = Cluster(initialize_head=True, head_node_args={"num_cpus": 2})
+    yield cluster.address
+    cluster.shutdown()
+
+
+@pytest.mark.libraries
+def test_ppo_is_scored_in_each_maze_of_the_other_split(address: str, tmp_path: Path) -> None:
+    script = EXAMPLES / "ppo_rllib_suite.py"
+    arguments = ["--steps", "4000", "--env-runners", "1", "--address", address]
+    done = python(script, *arguments, cwd=tmp_path, timeout=600, warnings="ignore")
+    assert done.returncode == 0, done.stderr
+    rows = re.findall(r"^(level-\d+)((?: +\S+){4}) +(\S+)%$", done.stdout, re.MULTILINE)
+    shares = []
+    scores = brl.score(
+        "random", brl.load_suite(EXAMPLES / "tiny-mazes.yaml"), split="test", actions="moves"
+    )
+    for (name, returns, share), score in zip(rows, scores, strict=True):
+        random, learned, _, optimum = map(float, returns.split())
+        assert name == score.level
+        assert (random, optimum) == (round(score.random, 2), round(score.optimum, 2))
+        shares.append(100 * (learned - random) / (optimum - random))
+        assert shares[-1] == pytest.approx(float(share), abs=0.15)
+    found = re.search(r"unseen mazes: (\S+)%, greedy \S+%$", done.stdout, re.MULTILINE)
+    assert found
+    assert float(found[1]) == pytest.approx(np.mean(shares), abs=0.15)
+    # One update is too few to learn the mazes, but its moves are those that the masks allow.
+    assert float(found[1]) > -50
+
+
+@pytest.mark.libraries
+def test_a_sweep_finds_what_each_of_its_trials_finds_alone(tmp_path: Path) -> None:
+    sizes, seeds, episodes = [0.1, 1.0], [0, 1], 100
+    arguments = ["--step-sizes", *sizes, "--seeds", len(seeds), "--episodes", episodes]
+    done = python(
+        EXAMPLES / "sweep_tune.py",
+        *map(str, ["--levels", "maze", *arguments]),
+        cwd=tmp_path,
+        timeout=600,
+        warnings="ignore",
+    )
+    assert done.returncode == 0, done.stderr
+    rows = re.findall(r"^([\d.]+) +(\S+)% +(\S+)%$", done.stdout, re.MULTILINE)
+    for (size, share, mean), expected in zip(rows, sizes, strict=True):
+        learned = [
+            [*brl.q_learning("maze", episodes, step_size=expected, seed=seed)][-1].policy
+            for seed in seeds
+        ]
+        scores = [brl.score(each, "maze", actions="moves")[0].share for each in learned]
+        assert float(size) == expected
+        assert float(share) == float(mean) == pytest.approx(100 * np.mean(scores), abs=0.051)
+    assert (tmp_path / "sweep").is_dir()
 
 
 # -- files of others -------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import re
 from pathlib import Path
 
@@ -65,16 +66,16 @@ def test_ppo_learns_mazes_that_it_has_not_seen(suite: Path, tmp_path: Path) -> N
 
 def test_q_learning_finds_an_optimal_policy_in_each_level(suite: Path, tmp_path: Path) -> None:
     # 120 levels with 16 environments each.
-    text = printed_by("q_learning_jax", "--suite", suite, "--steps", 240 * 120 * 16,
-                      "--every", 20, cwd=tmp_path)  # fmt: skip
+    text = printed_by("q_learning_jax", "--suite", suite, "--steps", 76_800,
+                      "--every", 4, cwd=tmp_path)  # fmt: skip
     states = sum(level.compile().num_states for level in brl.load_suite(suite))
     assert text.startswith(f"120 levels, {states:,} states\n")
     rows = rows_of(text)
-    assert [row[0] for row in rows] == [20 * 120 * 16 * stage for stage in range(1, 13)]
-    assert rows[0][1] < 0.99
+    assert [row[0] for row in rows] == [4 * 120 * 16 * stage for stage in range(1, 11)]
+    assert rows[0][1] < 0.9
     _, mean, least, optimal, regret = rows[-1]
     assert mean > 0.99
-    assert least > 0.5
+    assert least > 0.9
     assert optimal > 95
     assert 0 <= regret < 1
 
@@ -106,9 +107,18 @@ def test_priorities_are_those_of_the_sampler(monkeypatch: pytest.MonkeyPatch) ->
     assert found.tolist() == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("example", ["ppo_jax", "level_replay_jax", "q_learning_jax"])
-def test_what_cannot_be_is_refused(example: str, tmp_path: Path) -> None:
-    done = python(EXAMPLES / f"{example}.py", "--suite", "no-suite", cwd=tmp_path)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "Traceback" not in done.stderr
-    assert "no-suite" in done.stderr
+@pytest.mark.parametrize(
+    ("name", "splits", "message"),
+    [
+        ("no-suite", (), "no-suite"),
+        ("small-mazes", ("train", "exam"), "there is no split 'exam'"),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    name: str, splits: tuple[str, ...], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import arguments
+
+    with pytest.raises(argparse.ArgumentTypeError, match=message):
+        arguments.suite_of(name, splits)

@@ -83,6 +83,27 @@ def test_a_module_of_rllib() -> None:
     assert 0.0 <= score.expected_return < score.optimum
 
 
+def test_a_module_of_rllib_with_masks_and_flattened_observations() -> None:
+    from gymnasium import spaces
+    from gymnasium.spaces.utils import flatten_space
+    from ray.rllib.core.rl_module.default_model_config import DefaultModelConfig
+    from ray.rllib.examples.rl_modules.classes.action_masking_rlm import ActionMaskingTorchRLModule
+
+    planes = brl.load(LEVEL).make(observation="planes").observation_space
+    masked = spaces.Dict(action_mask=spaces.Box(0, 1, (5,)), observations=flatten_space(planes))
+    module = ActionMaskingTorchRLModule(
+        observation_space=masked,
+        action_space=spaces.Discrete(5),
+        model_config=asdict(DefaultModelConfig(fcnet_hiddens=[8])),
+        inference_only=True,
+    )
+    score = brl.score(module, LEVEL, observation="planes", deterministic=False)[0]
+    # A network that has learned nothing is nearly indifferent between the actions of the mask.
+    expected = brl.evaluate(LEVEL, "random", within="max_steps").expected_return
+    assert score.episodes == 0
+    assert score.expected_return == pytest.approx(expected, abs=0.005)
+
+
 def test_a_function_of_jax() -> None:
     jax = pytest.importorskip("jax")
     space: Any = brl.load(LEVEL).make(observation="vector").observation_space
