@@ -71,7 +71,7 @@ def main() -> None:
         .rl_module(
             rl_module_spec=RLModuleSpec(
                 module_class=ActionMaskingTorchRLModule,
-                model_config={"vf_share_layers": False},
+                model_config={"fcnet_activation": "relu", "vf_share_layers": False},
             )
         )
         # By default, values that are off by more than the square root of 10 are not learned. With
