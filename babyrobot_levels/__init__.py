@@ -60,6 +60,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.envs.samplers import WeightedSampler as WeightedSampler
     from babyrobot_levels.envs.single import LevelEnv as LevelEnv
     from babyrobot_levels.envs.vector.env import LevelVectorEnv as LevelVectorEnv
+    from babyrobot_levels.generate.batch import FolderError as FolderError
+    from babyrobot_levels.generate.batch import Generated as Generated
+    from babyrobot_levels.generate.levels import generate_levels as generate_levels
     from babyrobot_levels.generate.search import UnsatisfiableError as UnsatisfiableError
     from babyrobot_levels.generate.suites import Suite as Suite
     from babyrobot_levels.generate.suites import load_suite as load_suite
@@ -77,7 +80,14 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.configurations import Things as Things
     from babyrobot_levels.mdp.grid import Grid as Grid
     from babyrobot_levels.mdp.tables import Mdp as Mdp
+    from babyrobot_levels.parallel.executor import ExecutorError as ExecutorError
+    from babyrobot_levels.parallel.executor import WorkerDiedError as WorkerDiedError
     from babyrobot_levels.scoring.datasets import to_minari as to_minari
+    from babyrobot_levels.scoring.many import LevelMetrics as LevelMetrics
+    from babyrobot_levels.scoring.many import LevelValue as LevelValue
+    from babyrobot_levels.scoring.many import evaluate_many as evaluate_many
+    from babyrobot_levels.scoring.many import metrics_many as metrics_many
+    from babyrobot_levels.scoring.many import solve_many as solve_many
     from babyrobot_levels.scoring.plays.files import Play as Play
     from babyrobot_levels.scoring.plays.files import read_plays as read_plays
     from babyrobot_levels.scoring.plays.grades import Grade as Grade
@@ -109,6 +119,9 @@ _HOMES = {
     "Difference": "analysis.diff",
     "EpisodeTooLongError": "analysis.solver.results",
     "Evaluation": "analysis.solver.results",
+    "ExecutorError": "parallel.executor",
+    "FolderError": "generate.batch",
+    "Generated": "generate.batch",
     "Grade": "scoring.plays.grades",
     "Grades": "scoring.plays.grades",
     "Grid": "mdp.grid",
@@ -116,8 +129,10 @@ _HOMES = {
     "LevelEnv": "envs.single",
     "LevelError": "text.errors",
     "LevelInfo": "library.catalogue",
+    "LevelMetrics": "scoring.many",
     "LevelNotFoundError": "text.errors",
     "LevelScore": "scoring.results",
+    "LevelValue": "scoring.many",
     "LevelVectorEnv": "envs.vector.env",
     "Mdp": "mdp.tables",
     "Metrics": "analysis.metrics",
@@ -143,19 +158,23 @@ _HOMES = {
     "UniformSampler": "envs.samplers",
     "Verification": "scoring.plays.verify",
     "WeightedSampler": "envs.samplers",
+    "WorkerDiedError": "parallel.executor",
     "check": "lint.runner",
     "compare": "analysis.compare",
     "diff": "analysis.diff",
     "edit": "editor.hosts.notebook",
     "evaluate": "analysis.solver.evaluation",
+    "evaluate_many": "scoring.many",
     "format_text": "language.formatting.formatter",
     "from_setup": "convert.babyrobot.reading",
+    "generate_levels": "generate.levels",
     "grade": "scoring.plays.grades",
     "levels": "library.catalogue",
     "load": "library.catalogue",
     "load_suite": "generate.suites",
     "loads": "library.reading",
     "metrics": "analysis.metrics",
+    "metrics_many": "scoring.many",
     "monte_carlo": "analysis.learning.episodes",
     "policy_evaluation": "analysis.learning.sweeps",
     "policy_iteration": "analysis.learning.sweeps",
@@ -168,6 +187,7 @@ _HOMES = {
     "score": "scoring.score",
     "simulate": "analysis.solver.evaluation",
     "solve": "analysis.solver.optimum",
+    "solve_many": "scoring.many",
     "strip": "analysis.strip",
     "success_within": "analysis.solver.evaluation",
     "verify_play": "scoring.plays.verify",

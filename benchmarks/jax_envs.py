@@ -19,7 +19,7 @@ from typing import Any
 import jax_walks
 import numpy as np
 import report
-from timing import Comparison, Measure, in_turns, installed, with_fast
+from timing import Comparison, Measure, in_turns, installed, needing
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
@@ -62,8 +62,8 @@ def mazes() -> list[brl.Level]:
 def ours(pool: Sequence[brl.Level]) -> dict[str, jax_walks.Walk]:
     """Return the walks in levels."""
     return {
-        "frozen-lake": jax_walks.level_walk("frozen-lake"),
-        "frozen-lake-8x8-dry": jax_walks.level_walk("frozen-lake-8x8-dry"),
+        "frozen-lake": jax_walks.level_walk("frozen-lake", observation="index"),
+        "frozen-lake-8x8-dry": jax_walks.level_walk("frozen-lake-8x8-dry", observation="index"),
         "final-maze": jax_walks.level_walk("final-maze"),
         "final-maze, view": jax_walks.level_walk("final-maze", observation="view"),
         "door-key": jax_walks.level_walk("door-key"),
@@ -79,9 +79,9 @@ def peers(pool: Sequence[brl.Level]) -> dict[str, jax_walks.Walk]:
         ROOMS: jax_walks.gymnax_walk("FourRooms"),
         NAVIX: jax_walks.navix_walk("Navix-Empty-8x8-v0"),
         XMINIGRID: jax_walks.xminigrid_walk("MiniGrid-Empty-8x8"),
-        ENGINE: lambda size: with_fast(partial(stepping, ["final-maze"], size)),
-        ENGINE_POOL: lambda size: with_fast(partial(stepping, pool, size)),
-        ROLLOUT: lambda size: with_fast(lambda: partial(rolling, size)),
+        ENGINE: lambda size: needing("numba", partial(stepping, ["final-maze"], size)),
+        ENGINE_POOL: lambda size: needing("numba", partial(stepping, pool, size)),
+        ROLLOUT: lambda size: needing("numba", lambda: partial(rolling, size)),
     }
 
 
@@ -122,7 +122,8 @@ def compare(count: int, sizes: Sequence[int] = SIZES) -> Iterator[Comparison]:
     pool = mazes()
     for size in sizes:
         walks = {**ours(pool), **peers(pool)}
-        rates, missing = in_turns({name: made(size) for name, made in walks.items()}, count)
+        names = dict.fromkeys(each for name, others in BESIDE.items() for each in (name, *others))
+        rates, missing = in_turns({name: walks[name](size) for name in names}, count)
         for name, others in BESIDE.items():
             yield Comparison(
                 f"steps per second, {size:,}",

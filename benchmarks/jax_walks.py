@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from importlib.util import find_spec
 from typing import Any
 
-from timing import Measure, MissingPeer
+from timing import Measure, needing
 
 SECONDS = 0.2
 """About how long a measurement lasts."""
@@ -22,37 +21,11 @@ Walk = Callable[[int], Measure]
 """Returns a measure of the steps per second of a number of environments."""
 
 
-def needing(package: str, make: Callable[[int], Any]) -> Walk:
-    """Return the walk of what is made for a number of environments, with a package.
-
-    Args:
-        package: the package's name in imports.
-        make: returns the number of actions, and a function each for resets and steps, as `walk`
-            takes them.
-    """
-
-    def made(num_envs: int) -> Measure:
-        started: list[Measure] = []
-
-        def measure() -> float:
-            for each in ("jax", package):
-                if find_spec(each) is None:
-                    raise MissingPeer(f"{each} is not installed")
-            if not started:
-                started.append(walk(num_envs, *make(num_envs)))
-            return started[0]()
-
-        return measure
-
-    return made
-
-
 def walk(
     num_envs: int,
     num_actions: int,
     reset: Callable[[Any], tuple[Any, Any]],
     step: Callable[[Any, Any, Any], tuple[Any, Any, Any, Any]],
-    seconds: float = SECONDS,
 ) -> Measure:
     """Return a measure of the steps per second of a walk, which each call carries on.
 
@@ -62,7 +35,6 @@ def walk(
         reset: takes a key; returns observations and states.
         step: takes a key, states and actions; returns observations, states, rewards and whether
             episodes are over.
-        seconds: about how long a measurement lasts.
     """
     import jax
     import jax.numpy as jnp
@@ -92,8 +64,8 @@ def walk(
         return time.perf_counter() - begin
 
     took(steps)
-    while (spent := took(steps)) < seconds / 2:
-        steps = max(2 * steps, int(0.8 * steps * seconds / spent))
+    while (spent := took(steps)) < SECONDS / 2:
+        steps = max(2 * steps, int(0.8 * steps * SECONDS / spent))
     return lambda: steps * num_envs / took(steps)
 
 
@@ -110,7 +82,7 @@ def level_walk(levels: str | Sequence[Any], **options: Any) -> Walk:
 
         return _gymnax(num_envs, *brl_jax.make(levels, actions="moves", **options))
 
-    return needing("gymnax", make)
+    return lambda num_envs: needing("jax gymnax", lambda: walk(num_envs, *make(num_envs)))
 
 
 def gymnax_walk(name: str, **options: Any) -> Walk:
@@ -128,7 +100,7 @@ def gymnax_walk(name: str, **options: Any) -> Walk:
         env = made[name](**options)
         return _gymnax(num_envs, env, env.default_params)
 
-    return needing("gymnax", make)
+    return lambda num_envs: needing("jax gymnax", lambda: walk(num_envs, *make(num_envs)))
 
 
 def navix_walk(name: str) -> Walk:
@@ -163,7 +135,7 @@ def navix_walk(name: str) -> Walk:
 
         return len(env.action_set), reset, step
 
-    return needing("navix", make)
+    return lambda num_envs: needing("jax navix", lambda: walk(num_envs, *make(num_envs)))
 
 
 def xminigrid_walk(name: str) -> Walk:
@@ -187,7 +159,7 @@ def xminigrid_walk(name: str) -> Walk:
 
         return env.num_actions(params), reset, step
 
-    return needing("xminigrid", make)
+    return lambda num_envs: needing("jax xminigrid", lambda: walk(num_envs, *make(num_envs)))
 
 
 def _gymnax(num_envs: int, env: Any, params: Any) -> Any:

@@ -16,7 +16,7 @@ from functools import partial
 
 import report
 from peers import Peer
-from timing import Comparison, Measure, compare_in_turns, installed, with_fast
+from timing import Comparison, Measure, compare_in_turns, installed, needing
 
 from babyrobot_levels.mdp.mazes import ALGORITHMS, carve, carve_many, compiled
 
@@ -56,7 +56,7 @@ def ours(size: tuple[int, int], count: int, *, plain: bool, many: bool = False) 
                     carve(width, height, blocked, 0, seed, "depth-first", 0.0)
             return count / (time.perf_counter() - begin)
 
-    return measure if plain else with_fast(lambda: measure)
+    return measure if plain else needing("numba", lambda: measure)
 
 
 def theirs(peer: Peer, size: tuple[int, int], count: int) -> Measure:
@@ -107,7 +107,7 @@ def compare(count: int) -> Iterator[Comparison]:
     name = f"depth-first, fast, {cells}"
     yield compare_in_turns(
         "cells of one maze per second",
-        {name: with_fast(lambda: partial(large, "depth-first", plain=False))},
+        {name: needing("numba", lambda: partial(large, "depth-first", plain=False))},
         {},
         count,
         aims={(name, None): LARGE[0] * LARGE[1] / SECONDS},

@@ -35,7 +35,10 @@ BENCHMARKS = (
     "lint",
     "mazes",
     "generate",
+    "parallel",
     "editor",
+    "jax_envs",
+    "jax_solve",
 )
 RESULTS = Path(__file__).with_name("RESULTS.md")
 

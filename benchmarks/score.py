@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 import report
-from timing import Comparison, Measure, compare_in_turns, installed, with_fast
+from timing import Comparison, Measure, compare_in_turns, installed, needing
 
 import babyrobot_levels as brl
 
@@ -109,8 +109,8 @@ def compare(count: int) -> Iterator[Comparison]:
         "levels scored per second",
         {ours: exactly(policies)},
         {
-            f"episodes, standard error {ERROR}": with_fast(
-                partial(by_episodes, all_levels, policies)
+            f"episodes, standard error {ERROR}": needing(
+                "numba", partial(by_episodes, all_levels, policies)
             )
         },
         count,

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import report
-from timing import Comparison, Measure, compare_in_turns, installed, with_fast
+from timing import Comparison, Measure, compare_in_turns, installed, needing
 
 import babyrobot_levels as brl
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
@@ -153,11 +153,11 @@ def compare(count: int) -> Iterator[Comparison]:
     }
     for name, make in ways.items():
         with_things, without = partial(make, layout), partial(make, without_things(layout))
-        needs_numba = "compiled" in name
+        needed = "numba" if "compiled" in name else ""
         yield compare_in_turns(
             "steps per second",
-            {f"{name}, with things": with_fast(with_things) if needs_numba else with_things()},
-            {f"{name}, without": with_fast(without) if needs_numba else without()},
+            {f"{name}, with things": needing(needed, with_things)},
+            {f"{name}, without": needing(needed, without)},
             count,
             aims={(f"{name}, with things", f"{name}, without"): LEAST},
             versions=versions,

@@ -14,6 +14,9 @@ ROUNDS = 7
 FEW = 2
 """How many do in a quick run."""
 
+EXTRAS = {"numba": "fast", "jax": "jax", "gymnax": "jax"}
+"""The extras of this project that packages belong to."""
+
 Measure = Callable[[], float]
 """Runs once and returns its rate, in things done per second.
 
@@ -98,13 +101,20 @@ def compare_in_turns(
     return Comparison(unit, mine, others, missing, aims or {}, versions or {})
 
 
-def with_fast(make: Callable[[], Measure]) -> Measure:
-    """Return a measure that is made when it first runs, and missing where the extra `fast` is."""
+def needing(packages: str, make: Callable[[], Measure]) -> Measure:
+    """Return a measure that is made when it first runs, and missing where a package is.
+
+    Args:
+        packages: their names in imports, with spaces between them.
+        make: returns the measure.
+    """
     made = cache(make)
 
     def measure() -> float:
-        if find_spec("numba") is None:
-            raise MissingPeer("numba is not installed (the extra `fast`)")
+        for each in packages.split():
+            if find_spec(each) is None:
+                extra = f" (the extra `{EXTRAS[each]}`)" if each in EXTRAS else ""
+                raise MissingPeer(f"{each} is not installed{extra}")
         return made()()
 
     return measure

@@ -24,7 +24,7 @@ import gymnasium
 import numpy as np
 import report
 from peers import Peer
-from timing import Comparison, Measure, compare_in_turns, installed, with_fast
+from timing import Comparison, Measure, compare_in_turns, installed, needing
 
 import babyrobot_levels as brl
 
@@ -55,7 +55,7 @@ AIMS = {
 
 def on(engine: str, make: Callable[[], Measure]) -> Measure:
     """Return an engine's measure; the compiled one may be missing."""
-    return with_fast(make) if engine == "compiled" else make()
+    return needing("numba", make) if engine == "compiled" else make()
 
 
 def ours(engine: str, num_envs: int, copy: bool) -> Measure:
@@ -223,7 +223,7 @@ def compare(count: int) -> Iterator[Comparison]:
                 # More of them take too long.
                 **({peers["sync"]: sync(size)} if size < 2000 else {}),
                 peers["envpool"]: pool(peer, size),
-                peers["bare"]: with_fast(partial(bare, size)),
+                peers["bare"]: needing("numba", partial(bare, size)),
             },
             count,
             aims={

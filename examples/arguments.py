@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import babyrobot_levels as brl
 
@@ -50,12 +50,15 @@ def level_of(text: str) -> brl.Level:
         raise argparse.ArgumentTypeError(str(fault)) from fault
 
 
-def suite_of(text: str) -> brl.Suite:
-    """Return the suite with a name or path."""
+def suite_of(text: str, splits: Sequence[str] = ()) -> brl.Suite:
+    """Return the suite with a name or path, which must have some splits."""
     try:
-        return brl.load_suite(text)
-    except brl.BabyRobotError as fault:
+        suite = brl.load_suite(text)
+        for name in splits:
+            suite.split(name)
+    except (brl.BabyRobotError, ValueError) as fault:
         raise argparse.ArgumentTypeError(str(fault)) from fault
+    return suite
 
 
 def at_least(least: int) -> Callable[[str], int]:

@@ -4,11 +4,14 @@
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
+#        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
 options=(--quiet --disable-pip-version-check)
+# Each process has tests that stand together, and takes others' once it has none left.
+workers=(-n 2 --dist worksteal)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
 case "${1:-fast}" in
@@ -19,21 +22,26 @@ libraries)
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
     .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
-    exec .venv-libraries/bin/python -m pytest -m libraries -n 2 tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
+    exec .venv-libraries/bin/python -m pytest -m "libraries and not sweep" "${workers[@]}" tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
     ;;
 jax)
     make_venv .venv-jax
     .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hypothesis jaxued==0.0.1 pytest pytest-xdist
     exec .venv-jax/bin/python -m pytest -m libraries -n 2 tests/jax_levels
     ;;
+ray)
+    make_venv .venv-ray
+    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hypothesis pytest
+    exec .venv-ray/bin/python -m pytest -m libraries tests/on_ray
+    ;;
 lowest)
     make_venv .venv-lowest
     .venv-lowest/bin/pip install "${options[@]}" --constraint scripts/lowest.txt --editable ".[fast]" \
         hypothesis ipykernel moviepy nbclient nbformat opencv-python-headless pygame-ce pytest pytest-xdist
-    exec .venv-lowest/bin/python -m pytest -m "not libraries" -n 2 tests/envs
+    exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,8s/^# //p' scripts/check.sh >&2
+    sed -n '3,9s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac
@@ -48,7 +56,7 @@ make_venv .venv
 said="$(mktemp)"
 .venv/bin/mypy >"$said" 2>&1 &
 types=$! status=0
-.venv/bin/python -m pytest "${tests[@]}" -n 2 || status=$?
+.venv/bin/python -m pytest "${tests[@]}" "${workers[@]}" || status=$?
 wait "$types" || status=$?
 cat "$said"
 rm "$said"

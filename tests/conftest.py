@@ -31,7 +31,7 @@ SLOW = {
 }
 """Files and folders in which every test is slow. Elsewhere the test itself is marked."""
 
-LIBRARIES = {"jax_levels"}
+LIBRARIES = {"jax_levels", "on_ray"}
 """Likewise, those in which every test needs libraries that learn."""
 
 NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
@@ -48,7 +48,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         place = item.path.relative_to(TESTS)
         places = {each.as_posix() for each in (place, *place.parents)}
-        if SLOW & places:
+        if SLOW & places or item.get_closest_marker("sweep"):
             item.add_marker(pytest.mark.slow)
         if LIBRARIES & places:
             item.add_marker(pytest.mark.libraries)

@@ -31,6 +31,7 @@ def _run() -> None:
 
     from babyrobot_levels.cli.commands import app
     from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, note, width_of
+    from babyrobot_levels.parallel.executor import ExecutorError
     from babyrobot_levels.text.errors import BabyRobotError, LevelError
 
     # Nothing that a command makes lives in circles for long: looking for them can wait.
@@ -42,6 +43,8 @@ def _run() -> None:
         sys.exit(FINDINGS)
     except BabyRobotError as error:
         note(f"error: {error}")
+        if isinstance(error, ExecutorError):
+            note(f"  help: {error.help}")
         sys.exit(WRONG_CALL)
     except OSError as error:
         note(

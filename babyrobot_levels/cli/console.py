@@ -34,6 +34,17 @@ FormatOption = Annotated[ReportFormat, typer.Option("--format", help="Output for
 """The option of commands that report."""
 
 
+class TableFormat(StrEnum):
+    """Output format of a command that can write a table."""
+
+    TEXT = "text"
+    CSV = "csv"
+    JSON = "json"
+
+
+TableOption = Annotated[TableFormat, typer.Option("--format", help="Output format.")]
+
+
 STANDARD_OUTPUT = Path("-")
 
 

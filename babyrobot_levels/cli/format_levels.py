@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, WRONG_CALL, fail, note, wants_color, write
-from babyrobot_levels.cli.parallel import JobsOption, map_all
+from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
     PathsArgument,
@@ -51,6 +51,8 @@ def format_levels(
     ] = False,
     diff: Annotated[bool, typer.Option("--diff", help="Only show what would change.")] = False,
     jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Format level files: one canonical form, with all comments.
 
@@ -65,10 +67,10 @@ def format_levels(
 
       babyrobot format --check levels/first.yaml
     """
-    files = level_paths(paths)
+    files, workers = level_paths(paths), Workers(jobs, ray, ray_address)
     if STANDARD_INPUT in files and len(files) > 1:
         fail("standard input (`-`) cannot be formatted together with files", "use two calls")
-    outcomes = dict(zip(files, map_all(work_on, files, jobs, "formatting"), strict=True))
+    outcomes = dict(zip(files, map_all(work_on, files, workers, "formatting"), strict=True))
     changed = [path for path, outcome in outcomes.items() if outcome.differs]
     unwritten = 0
     if diff:

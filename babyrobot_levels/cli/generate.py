@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-import os
 import re
 import shlex
+from contextlib import closing
 from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
@@ -15,7 +15,14 @@ import typer
 
 from babyrobot_levels.cli.app import INTERRUPTED
 from babyrobot_levels.cli.console import FINDINGS, fail, note, write
-from babyrobot_levels.cli.parallel import MAX_JOBS, WORTH_IT, JobsOption, map_all, track
+from babyrobot_levels.cli.parallel import (
+    JobsOption,
+    RayAddressOption,
+    RayOption,
+    Workers,
+    map_all,
+    track,
+)
 from babyrobot_levels.language.suite import Place
 from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
@@ -23,7 +30,6 @@ from babyrobot_levels.text.diagnostics import one_line
 if TYPE_CHECKING:
     from babyrobot_levels.generate.batch import Batch, Target
     from babyrobot_levels.generate.search import UnsatisfiableError
-    from babyrobot_levels.language.looks import Theme
     from babyrobot_levels.language.suite import SuiteFields
 
 MAX_FILES = 1_000_000
@@ -221,7 +227,12 @@ def generate(
         ),
     ] = False,
     force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
+    keep_going: Annotated[
+        bool, typer.Option("--keep-going", help="Leave out levels that cannot be made.")
+    ] = False,
     jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Generate levels that meet conditions: solvable, all different, reproducible by a seed.
 
@@ -265,21 +276,23 @@ def generate(
         seed=seed,
         split=split,
     )
+    workers = Workers(jobs, ray, ray_address)
     if output.exists() and not output.is_dir():
         fail(f"{output} is not a folder")
     if any(output.resolve().is_relative_to(folder.resolve()) for folder in exclude or []):
         fail("--exclude contains the folder to write to", "write to another folder")
-    excluded = _digests_in(exclude or [], jobs)
+    excluded = _digests_in(exclude or [], workers)
     batch = _batch(suite, options, Naming(names, title, first), excluded)
     target = Target(batch, output, resume, force)
     try:
-        _write(target, jobs)
+        _write(target, workers, keep_going=keep_going)
     except FolderError as error:
         fail(str(error), error.help)
 
 
 def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozenset[str]) -> Batch:
     from babyrobot_levels.generate.batch import DEFAULT_NAMES, Batch, is_pattern, is_title
+    from babyrobot_levels.generate.levels import described
     from babyrobot_levels.text.errors import LevelError
 
     if suite is None:
@@ -289,7 +302,7 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
         pattern = DEFAULT_NAMES
     else:
         fields, pattern = _suite_named(suite, options)
-        description = f"suite {fields.name or 'without a name'}, seed {fields.seed}"
+        description = described(fields)
     if fields.count > MAX_FILES:
         fail(f"--count must be at most {MAX_FILES:,}, not {fields.count:,}")
     pattern = naming.names or pattern
@@ -301,7 +314,7 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
         description += f", without {len(excluded):,} games"
     batch = Batch(fields, pattern, description, excluded, naming.first, naming.title)
     try:
-        batch.maker().draw(0, 0)
+        batch.order().maker().draw(0, 0)
     except LevelError as error:
         # Only the theme can be wrong: the files must be valid wherever they are.
         fail(error.diagnostics[0].message, error.diagnostics[0].help)
@@ -310,10 +323,9 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
 
 def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the given count, and the pattern of its levels' names."""
+    from babyrobot_levels.generate.levels import fields_to_generate
     from babyrobot_levels.generate.suite_sources import name_pattern
     from babyrobot_levels.generate.suites import load_suite
-    from babyrobot_levels.language.documents import grown_from_mapping
-    from babyrobot_levels.language.plain_data import plain
     from babyrobot_levels.language.suite import SuiteFields
 
     given = [name for name in options.given() if name != "--count"]
@@ -326,27 +338,11 @@ def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
             f"{fields.name or 'the suite'} lists its levels, so there is nothing to generate",
             "generate a suite that grows mazes, or copy the files of these levels",
         )
-    changes: dict[str, Any] = {} if options.count is None else {"count": options.count}
-    theme = _theme_beside(fields, loaded.folder)
-    if theme is not None:
-        changes["theme"] = plain(theme)
-    if changes:
-        fields = grown_from_mapping({**plain(fields), "name": fields.name, **changes})
+    fields = fields_to_generate(fields, loaded.folder, options.count)
     return fields, name_pattern(fields)
 
 
-def _theme_beside(fields: SuiteFields, folder: Path | None) -> Theme | None:
-    """Return the theme of a file beside a suite, which its levels have to include."""
-    from babyrobot_levels.language.documents import read_theme, theme_folders
-    from babyrobot_levels.language.looks import BUILTIN_THEMES
-
-    name = fields.theme
-    if not isinstance(name, str) or name in BUILTIN_THEMES or folder is None:
-        return None
-    return read_theme(name, theme_folders(folder))[0]
-
-
-def _digests_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
+def _digests_in(folders: list[Path], workers: Workers) -> frozenset[str]:
     """Return the digests of all levels in some folders."""
     from babyrobot_levels.library.search_path import yaml_files
 
@@ -354,7 +350,7 @@ def _digests_in(folders: list[Path], jobs: int | None) -> frozenset[str]:
         if not folder.is_dir():
             fail(f"--exclude: {folder} is not a folder")
     files = [path for folder in folders for path in yaml_files(folder, all_of_them=True)]
-    found = map_all(digest_of, files, jobs, "reading")
+    found = map_all(digest_of, files, workers, "reading")
     return frozenset(digest for digest in found if digest is not None)
 
 
@@ -370,32 +366,48 @@ def digest_of(path: Path) -> str | None:
     return None if level.has_random_maze else level.digest
 
 
-def _write(target: Target, jobs: int | None) -> None:
+def _write(target: Target, workers: Workers, *, keep_going: bool) -> None:
     """Write the files, and report the number."""
-    from babyrobot_levels.generate.search import UnsatisfiableError
-
     count = target.batch.suite.count
-    if jobs is None:
-        jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
-    jobs = min(jobs, MAX_JOBS)
     kept = written = 0
+    errors: list[Exception] = []
     try:
-        for is_new in track(target.write(jobs), count, "generating"):
-            written += is_new
-            kept += not is_new
-    except UnsatisfiableError as error:
-        note(_unmet(error, from_options=target.batch.description.startswith("babyrobot")))
-        note(f"  {target.there():,} of {count:,} levels are in {target.folder}")
-        if error.needs is not None:
-            note(
-                f"  help: use a larger size, for example {_grown(target.batch.suite, error.needs)}"
-            )
-        raise typer.Exit(FINDINGS) from None
+        with closing(target.write(workers.executor(count), keep_going=True)) as levels:
+            for level in track(levels, count, "generating"):
+                written += level.is_new
+                kept += not (level.is_new or level.error)
+                if level.error is not None:
+                    note(f"level {level.index}: {_reason(target, level.error)}")
+                    errors.append(level.error)
+                    if not keep_going:
+                        break
     except KeyboardInterrupt:
         note(f"stopped: {target.there():,} of {count:,} levels are in {target.folder}")
         note("  help: continue with the same call and --resume")
         raise typer.Exit(INTERRUPTED) from None
-    write(_summary(target, written, kept))
+    if errors and not keep_going:
+        note(f"  {target.there():,} of {count:,} levels are in {target.folder}")
+        _note_help(target, errors[0])
+    else:
+        write(_summary(target, written, kept, len(errors)))
+    if errors:
+        raise typer.Exit(FINDINGS)
+
+
+def _reason(target: Target, error: Exception) -> str:
+    """Return why a level could not be made."""
+    from babyrobot_levels.generate.search import UnsatisfiableError
+    from babyrobot_levels.text.errors import BabyRobotError
+
+    if isinstance(error, UnsatisfiableError):
+        return _unmet(error, from_options=target.batch.description.startswith("babyrobot"))
+    return str(error) if isinstance(error, BabyRobotError) else f"{type(error).__name__}: {error}"
+
+
+def _note_help(target: Target, error: Exception) -> None:
+    needs = getattr(error, "needs", None)
+    if needs is not None:
+        note(f"  help: use a larger size, for example {_grown(target.batch.suite, needs)}")
 
 
 def _unmet(error: UnsatisfiableError, *, from_options: bool) -> str:
@@ -416,10 +428,12 @@ def _grown(suite: SuiteFields, factor: float) -> str:
     return "x".join(str(min(MAX_SIZE, math.ceil(factor * cells))) for cells in suite.largest)
 
 
-def _summary(target: Target, written: int, kept: int) -> str:
+def _summary(target: Target, written: int, kept: int, left_out: int) -> str:
     text = f"wrote {written:,} level{'s' * (written != 1)} to {one_line(str(target.folder))}"
     if kept:
         text += f"; kept {kept:,}"
+    if left_out:
+        text += f"; left out {left_out:,}"
     splits = target.sizes()
     if splits:
         text += ": " + ", ".join(f"{size:,} in {name}" for name, size in splits.items())

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS, fail, note, wants_color, write
-from babyrobot_levels.cli.parallel import JobsOption, map_all
+from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
     FindingsFormat,
@@ -102,6 +102,8 @@ def lint(
         bool, typer.Option("--watch", help="Repeat whenever a file is saved.")
     ] = False,
     jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Check level files for errors, and valid ones for problems of play and style.
 
@@ -128,13 +130,14 @@ def lint(
         fail("--unsafe-fixes needs --fix or --diff")
     if watch and (diff or STANDARD_INPUT in (paths or [])):
         fail("--watch cannot be combined with --diff or standard input")
+    workers = Workers(jobs, ray, ray_address)
     try:
         if watch:
             from babyrobot_levels.cli.watching import each_change
 
             for files in each_change(lambda: level_paths(paths)):
-                _run(files, options, report_format, diff=False, jobs=jobs)
-        elif _run(level_paths(paths), options, report_format, diff=diff, jobs=jobs):
+                _run(files, options, report_format, diff=False, workers=workers)
+        elif _run(level_paths(paths), options, report_format, diff=diff, workers=workers):
             raise typer.Exit(FINDINGS)
     except UnknownRuleError as error:
         fail(str(error), "`babyrobot rule` lists all rules")
@@ -151,7 +154,7 @@ def _run(
     report_format: FindingsFormat,
     *,
     diff: bool,
-    jobs: int | None,
+    workers: Workers,
 ) -> bool:
     """Lint files once. Return whether there are findings, or with `diff` whether files change."""
     from babyrobot_levels.lint.runner import equivalent_levels, is_note
@@ -159,7 +162,7 @@ def _run(
 
     _note_renamed_rules(files, options)
     outcomes = dict(
-        zip(files, map_all(partial(lint_path, options), files, jobs, "linting"), strict=True)
+        zip(files, map_all(partial(lint_path, options), files, workers, "linting"), strict=True)
     )
     if diff:
         return _show_changes(outcomes)

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import os
+import platform
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from itertools import chain
-from typing import TYPE_CHECKING, Annotated, TypeVar
+from contextlib import closing, contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
+
+from babyrobot_levels.cli.reporting import STANDARD_INPUT
+from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel.executor import Executor, ExecutorError, Item, Result, results
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-Item = TypeVar("Item")
-Result = TypeVar("Result")
-
 WORTH_IT = 200
 """With fewer items, starting processes takes longer than it saves."""
-
-MAX_JOBS = 61
-"""The largest number of processes that Windows can wait for."""
 
 JobsOption = Annotated[
     int | None,
@@ -34,45 +35,85 @@ JobsOption = Annotated[
         show_default=False,
     ),
 ]
+RayOption = Annotated[
+    bool,
+    typer.Option(
+        "--ray",
+        help="Work on a Ray cluster: that of RAY_ADDRESS or of this machine, else a new local one.",
+    ),
+]
+RayAddressOption = Annotated[
+    str | None,
+    typer.Option(
+        "--ray-address",
+        metavar="HOST:PORT",
+        help="Work on the Ray cluster at this address.",
+        show_default=False,
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Workers:
+    """The options that say where work is done: --jobs, --ray and --ray-address."""
+
+    jobs: int | None = None
+    ray: bool = False
+    ray_address: str | None = None
+
+    @property
+    def are_elsewhere(self) -> bool:
+        """Whether the work may be done on other machines."""
+        return self.ray or self.ray_address is not None
+
+    def executor(self, count: int) -> Executor:
+        """Return the executor for a number of items."""
+        if self.are_elsewhere:
+            from babyrobot_levels.parallel.on_ray import OnRay
+
+            return OnRay(self.ray_address, self.jobs)
+        jobs = self.jobs
+        if jobs is None:
+            jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
+        return executor_for(jobs=max(1, min(jobs, count)))
 
 
 def map_all(
-    function: Callable[[Item], Result], items: Sequence[Item], jobs: int | None, label: str
+    function: Callable[[Item], Result], items: Sequence[Item], workers: Workers, label: str
 ) -> list[Result]:
     """Return the results of `function` for all items, in their order.
 
     Args:
-        function: a function at module level, so that other processes can import it.
+        function: a function at module level, so that other processes can import it. It may read
+            files.
         items: its arguments.
-        jobs: the number of processes; None chooses one.
+        workers: where it runs.
         label: the label of the progress bar.
     """
-    if jobs is None:
-        jobs = (os.cpu_count() or 1) if len(items) >= WORTH_IT else 1
-    jobs = min(jobs, len(items), MAX_JOBS)
-    if jobs <= 1:
-        return list(track(map(function, items), len(items), label))
-    return list(track(_spread(function, items, jobs), len(items), label))
+    if not items:
+        return []
+    if STANDARD_INPUT in items:
+        # Other processes have no standard input.
+        workers = Workers(1)
+    if workers.are_elsewhere:
+        function = partial(in_folder, str(Path.cwd()), function)
+    with closing(workers.executor(len(items)).map(function, items)) as outcomes:
+        return list(track(results(outcomes), len(items), label))
 
 
-def _spread(
-    function: Callable[[Item], Result], items: Sequence[Item], jobs: int
-) -> Iterator[Result]:
-    from concurrent.futures import ProcessPoolExecutor
-    from functools import partial
+def in_folder(folder: str, function: Callable[[Item], Result], item: Item) -> Result:
+    """Return the result of a function that is called in a folder.
 
-    size = max(1, min(50, len(items) // (4 * jobs)))
-    chunks = [items[first : first + size] for first in range(0, len(items), size)]
-    with ProcessPoolExecutor(jobs) as pool:
-        try:
-            yield from chain.from_iterable(pool.map(partial(_each, function), chunks))
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-
-
-def _each(function: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    return [function(item) for item in items]
+    Raises:
+        ExecutorError: this machine has no such folder.
+    """
+    try:
+        os.chdir(folder)
+    except OSError:
+        message = f"the node {platform.node()} has no folder {folder}"
+        help_text = "the files have to be in a folder that all nodes of the cluster share"
+        raise ExecutorError(message, help_text) from None
+    return function(item)
 
 
 PATIENCE = 1.0

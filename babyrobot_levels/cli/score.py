@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,6 +12,8 @@ import typer
 from babyrobot_levels.cli.console import (
     FINDINGS,
     ForceOption,
+    TableFormat,
+    TableOption,
     fact_lines,
     fail,
     save,
@@ -36,14 +37,6 @@ _MODEL = ".zip"
 _BEST, _RANDOM = "best", "random"
 _AGENTS = f"`{_RANDOM}`, `{_BEST}`, a policy (.json, .npy, .npz), or a model (.zip)"
 _PICTURES = (".svg", ".png")
-
-
-class TableFormat(StrEnum):
-    """The format of a table of scores."""
-
-    TEXT = "text"
-    CSV = "csv"
-    JSON = "json"
 
 
 def score(
@@ -110,9 +103,7 @@ def score(
             "trust.",
         ),
     ] = False,
-    table_format: Annotated[
-        TableFormat, typer.Option("--format", help="Output format.")
-    ] = TableFormat.TEXT,
+    table_format: TableOption = TableFormat.TEXT,
     output: Annotated[
         Path | None,
         typer.Option(

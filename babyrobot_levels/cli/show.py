@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,36 +12,63 @@ import typer
 
 from babyrobot_levels import __version__
 from babyrobot_levels.cli.console import (
-    FormatOption,
-    ReportFormat,
+    TableFormat,
+    TableOption,
     fact_lines,
     fail,
     note,
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, load_level
+from babyrobot_levels.cli.inputs import load_level
+from babyrobot_levels.cli.many import (
+    Columns,
+    KeepGoingOption,
+    LevelsArgument,
+    OverwriteOption,
+    ResumeOption,
+    RowOptions,
+    RowsOption,
+    SplitOption,
+    levels_for_rows,
+    number,
+    write_rows,
+)
+from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.cli.texts import text_picture
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
+    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
 
 
 def show(
-    level: LevelArgument,
+    levels: LevelsArgument,
     citation: Annotated[
         bool,
         typer.Option("--cite", help="Print one line to cite: name, versions and digest."),
     ] = False,
-    report_format: FormatOption = ReportFormat.TEXT,
+    split: SplitOption = None,
+    report_format: TableOption = TableFormat.TEXT,
+    output: RowsOption = None,
+    resume: ResumeOption = False,
+    force: OverwriteOption = False,
+    keep_going: KeepGoingOption = False,
+    jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Show the facts about a level: texts, numbers, digest, metrics and drawing; or a suite.
 
     The metrics are those of `brl.metrics` in Python. The ones that need the level to be solved are
     left out above 5,000 cells; with items, doors, switches or movers, above 5,000 states.
+
+    Several levels, folders and packs give a row with the metrics of each level; so do the levels
+    of a suite with --split, --output or --format csv. Rows do not depend on --jobs. After an error
+    the exit status is 1.
 
     Examples:
 
@@ -51,19 +79,53 @@ def show(
       babyrobot show final-maze --cite
 
       babyrobot show small-mazes
-    """
-    from babyrobot_levels.library.catalogue import suite_path
 
-    suite = None if level == str(STANDARD_INPUT) else suite_path(level)
-    if suite is not None:
-        _show_suite(suite, citation, report_format)
-        return
+      babyrobot show gallery --keep-going
+
+      babyrobot show small-mazes --format csv --jobs 4 > metrics.csv
+    """
+    options = RowOptions(
+        split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)
+    )
+    if len(levels) == 1 and not options.want_rows:
+        from babyrobot_levels.library.catalogue import suite_path
+
+        suite = None if levels[0] == str(STANDARD_INPUT) else suite_path(levels[0])
+        if suite is not None:
+            _show_suite(suite, citation, report_format)
+            return
+    many = levels_for_rows(levels, options)
+    if many is None:
+        _show_one(levels[0], citation, report_format)
+    elif citation:
+        fail("--cite is for one level")
+    else:
+        _show_many(many, options)
+
+
+def _show_many(levels: Suite | list[Any], options: RowOptions) -> None:
+    """Write the metrics of each level."""
+    from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
+    from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
+    from babyrobot_levels.scoring.many import metrics_many
+
+    names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
+    columns = Columns(
+        ("index", "name", "digest", "states", *SHAPE, *PATHS, *THINGS, *RETURNS, "error"),
+        (("states", "states", str), *((name, name, number) for name in names)),
+        "measuring",
+    )
+    write_rows(partial(metrics_many, max_states=MAX_SOLVED), levels, columns, options)
+
+
+def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
+    """Write the facts about one level."""
     loaded = load_level(level)
     if citation:
-        cite(loaded, level, as_json=report_format is ReportFormat.JSON)
+        cite(loaded, level, as_json=report_format is TableFormat.JSON)
         return
     facts = _facts(loaded)
-    if report_format is ReportFormat.JSON:
+    if report_format is TableFormat.JSON:
         write_json({**facts, "drawing": None if loaded.has_random_maze else loaded.draw()})
         return
     facts |= facts.pop("metrics") or {}
@@ -74,7 +136,7 @@ def show(
         write("\n" + text_picture(loaded))
 
 
-def _show_suite(path: Path, citation: bool, report_format: ReportFormat) -> None:
+def _show_suite(path: Path, citation: bool, report_format: TableFormat) -> None:
     from babyrobot_levels.generate.suites import load_suite
 
     suite = load_suite(path)
@@ -93,7 +155,7 @@ def _show_suite(path: Path, citation: bool, report_format: ReportFormat) -> None
         "largest": list(suite.largest),
         "max_steps": suite.max_steps,
     }
-    if report_format is ReportFormat.JSON:
+    if report_format is TableFormat.JSON:
         write_json(facts)
         return
     facts["splits"] = ", ".join(f"{name} {count:,}" for name, count in sizes.items())

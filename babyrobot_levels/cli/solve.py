@@ -4,21 +4,35 @@ from __future__ import annotations
 
 import math
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
 import typer
 
 from babyrobot_levels.cli.console import (
-    FormatOption,
-    ReportFormat,
+    TableFormat,
+    TableOption,
     fact_lines,
     fail,
     note,
     write,
     write_json,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, load_level
-from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.inputs import configuration_of, load_level
+from babyrobot_levels.cli.many import (
+    Columns,
+    KeepGoingOption,
+    LevelsArgument,
+    OverwriteOption,
+    ResumeOption,
+    RowOptions,
+    RowsOption,
+    SplitOption,
+    levels_for_rows,
+    number,
+    write_rows,
+)
+from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, working
 from babyrobot_levels.cli.pictures import (
     shown_configuration,
     solution_of,
@@ -29,6 +43,7 @@ from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Things
 
@@ -42,7 +57,7 @@ class ActionSet(StrEnum):
 
 
 def solve(
-    level: LevelArgument,
+    levels: LevelsArgument,
     discount: Annotated[
         float | None,
         typer.Option(
@@ -76,15 +91,27 @@ def solve(
             show_default=False,
         ),
     ] = None,
-    report_format: FormatOption = ReportFormat.TEXT,
+    split: SplitOption = None,
+    report_format: TableOption = TableFormat.TEXT,
+    output: RowsOption = None,
+    resume: ResumeOption = False,
+    force: OverwriteOption = False,
+    keep_going: KeepGoingOption = False,
+    jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
-    """Solve a level exactly: the optimal expected return, an optimal policy, the state values.
+    """Solve levels exactly: the optimal expected return, an optimal policy, the state values.
 
     The drawing shows the policy: an arrow in each cell. Without --within, the values are those of
     episodes without a time limit; where `max_steps` makes a difference, a note says so. Within a
     limit, the policy that is shown is that of the first step; JSON has that of each step. For a
     robot that turns, policy and values are those of the heading at the start: L left, R right, F
     forward. JSON has all headings, and all configurations of items, switches and movers.
+
+    Several levels, folders, packs and suites give a row for each level, without policies and
+    values; with --format json, a line of JSON. Rows do not depend on --jobs. After an error the
+    exit status is 1.
 
     Examples:
 
@@ -95,10 +122,59 @@ def solve(
       babyrobot solve frozen-lake --within max_steps
 
       babyrobot solve frozen-lake --discount 0.99 --format json
+
+      babyrobot solve levels/ --keep-going
+
+      babyrobot solve small-mazes --split test -o optimal.jsonl --jobs 4
     """
-    loaded = load_level(level)
+    options = RowOptions(
+        split, report_format, output, resume, force, keep_going, Workers(jobs, ray, ray_address)
+    )
+    many = levels_for_rows(levels, options)
+    if many is None:
+        _solve_one(levels[0], discount, actions, within, held, report_format)
+        return
+    if held is not None:
+        fail("--held is for one level")
+    _check_discount(discount)
+    steps = int(within) if within and within.isdecimal() else within
+    if steps not in (None, "max_steps") and not (isinstance(steps, int) and steps > 0):
+        _refuse_within(within)
+    _solve_many(many, options, within=steps, discount=discount, actions=str(actions))
+
+
+def _solve_many(levels: Suite | list[Any], options: RowOptions, **how: Any) -> None:
+    """Write what each level is worth."""
+    from dataclasses import fields
+
+    from babyrobot_levels.scoring.many import LevelValue, solve_many
+
+    shown = (
+        ("states", "states", str),
+        ("return", "expected_return", number),
+        ("steps", "steps", number),
+        ("reaches an exit", "success", lambda value: f"{100 * value:.4g} %"),
+    )
+    columns = Columns([field.name for field in fields(LevelValue)], shown, "solving")
+    write_rows(partial(solve_many, **how), levels, columns, options)
+
+
+def _check_discount(discount: float | None) -> None:
     if discount is not None and not 0 < discount <= 1:
         fail(f"--discount must be above 0 and at most 1, not {discount:g}")
+
+
+def _solve_one(
+    level: str,
+    discount: float | None,
+    actions: ActionSet,
+    within: str | None,
+    held: str | None,
+    report_format: TableFormat,
+) -> None:
+    """Write the solution of one level."""
+    loaded = load_level(level)
+    _check_discount(discount)
     if loaded.has_random_maze:
         fail(
             "the maze of this level is random",
@@ -107,7 +183,7 @@ def solve(
     configuration = None if held is None else configuration_of(loaded, held)
     with working("solving"):
         solution = solution_of(loaded, discount, actions, _limit(within, loaded))
-    if report_format is ReportFormat.JSON:
+    if report_format is TableFormat.JSON:
         if held is not None:
             note("--held has no effect on JSON, which has all configurations")
         write_json(_data(loaded, solution))
@@ -135,7 +211,11 @@ def _limit(within: str | None, level: Level) -> int | None:
     except ValueError:
         if within == "max_steps":
             fail("the level has no max_steps", "give a number of steps, such as --within 200")
-        fail(f"--within must be a number of steps from 1 on, or max_steps, not {within}")
+        _refuse_within(within)
+
+
+def _refuse_within(within: str | None) -> NoReturn:
+    fail(f"--within must be a number of steps from 1 on, or max_steps, not {within}")
 
 
 def _note_limit(level: Level, solution: Solution) -> None:

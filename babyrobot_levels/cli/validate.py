@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from babyrobot_levels.cli.console import FINDINGS
-from babyrobot_levels.cli.parallel import JobsOption, map_all
+from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
     FindingsFormat,
@@ -28,6 +28,8 @@ def validate(
     paths: PathsArgument = None,
     report_format: FindingsOption = FindingsFormat.TEXT,
     jobs: JobsOption = None,
+    ray: RayOption = False,
+    ray_address: RayAddressOption = None,
 ) -> None:
     """Check level files and report every error with its position and a suggestion.
 
@@ -39,8 +41,8 @@ def validate(
 
       babyrobot validate --format json levels/
     """
-    files = level_paths(paths)
-    found = [each for errors in map_all(errors_of, files, jobs, "checking") for each in errors]
+    files, workers = level_paths(paths), Workers(jobs, ray, ray_address)
+    found = [each for errors in map_all(errors_of, files, workers, "checking") for each in errors]
     write_report(report_format, found, files)
     if found:
         raise typer.Exit(FINDINGS)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.envs.engine.tables import NO_LIMIT, Part, info_dtype
-from babyrobot_levels.jax.observations import ObservationTables
+from babyrobot_levels.jax.observations import ObservationTables, joined
 from babyrobot_levels.jax.params import REACHED, SKIDDED, TERMINAL, UNLIMITED, EnvParams
 from babyrobot_levels.jax.room import Room
 from babyrobot_levels.jax.words import NEVER, thresholds
@@ -35,18 +35,18 @@ class LevelArrays:
         starts: int32 `[starts]`.
         limit: the time limit in steps.
         discount: the discount.
-        observations: the observations of all states; None if only the sizes matter.
+        observations: the observations of all states.
     """
 
-    next_state: NDArray[np.int32]
-    reward: NDArray[np.float64]
-    outcome: NDArray[np.uint8]
-    drawn: tuple[NDArray[Any], NDArray[Any], NDArray[Any]]
-    threshold: NDArray[np.uint32]
-    probability: NDArray[np.float64]
-    mask: NDArray[np.uint8]
-    held: NDArray[np.bool_]
-    starts: NDArray[np.int32]
+    next_state: NDArray[Any]
+    reward: NDArray[Any]
+    outcome: NDArray[Any]
+    drawn: tuple[NDArray[Any], ...]
+    threshold: NDArray[Any]
+    probability: NDArray[Any]
+    mask: NDArray[Any]
+    held: NDArray[Any]
+    starts: NDArray[Any]
     limit: int
     discount: float
     observations: ObservationTables
@@ -67,7 +67,7 @@ def arrays_of(
     is_drawn = part.count > 1
     last = part.count[is_drawn] - 1
     width = int(last.max(initial=0)) + 1
-    columns = (
+    columns: tuple[NDArray[Any], ...] = (
         part.columns["next_state"].astype(np.int32),
         part.columns["reward"],
         _outcomes(part.columns["outcome_info"], num_actions),
@@ -131,6 +131,7 @@ def build(
     next_state[:rows] = np.arange(rows) // num_actions
     reward = np.zeros(next_state.size)
     outcome = np.full(next_state.size, TERMINAL, np.uint8)
+    outcomes: tuple[NDArray[Any], ...] = next_state, reward, outcome
     threshold = np.full((branches, width - 1), NEVER)
     probability = np.zeros((branches, width))
     mask = np.zeros(states, np.uint8)
@@ -146,18 +147,14 @@ def build(
         next_state[here] = level.next_state + np.where(is_drawn, -branch, base)
         reward[here], outcome[here] = level.reward, level.outcome
         drawn = slice(rows + branch * width, rows + (branch + count) * width)
-        for array, column, shift in zip(
-            (next_state, reward, outcome), level.drawn, (base, 0, 0), strict=True
-        ):
-            array[drawn].reshape(count, width)[...] = (
-                np.pad(column, ((0, 0), (0, width - own)), "edge") + shift
-            )
+        for array, column in zip(outcomes, level.drawn, strict=True):
+            array[drawn] = np.pad(column, ((0, 0), (0, width - own)), "edge").reshape(-1)
+        next_state[drawn] += base
         threshold[branch : branch + count, : own - 1] = level.threshold
         probability[branch : branch + count, :own] = level.probability
         mask[base : base + level.mask.size] = level.mask
         held[base : base + level.mask.size, : level.held.shape[1]] = level.held
         starts[start : start + level.starts.size] = level.starts + base
-    parts = [level.observations for level in levels]
     floats = jnp.result_type(float)
     return EnvParams(
         next_state=jnp.asarray(next_state),
@@ -175,7 +172,7 @@ def build(
         discount=jnp.asarray([level.discount for level in levels], floats),
         number=jnp.arange(len(levels), dtype=jnp.int32),
         weights=None,
-        observations=type(parts[0]).join(parts, room),  # type: ignore[arg-type]
+        observations=joined([level.observations for level in levels], room),
         num_actions=num_actions,
         most_outcomes=width,
         sizes=(room.most.states, room.most.branches, room.most.starts),

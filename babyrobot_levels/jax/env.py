@@ -41,11 +41,20 @@ class LevelEnvironment(environment.Environment[EnvState, EnvParams]):
     """Levels as an environment of gymnax 1.0; made by `babyrobot_levels.jax.make`.
 
     Observations, actions, rewards and ends of episodes are those of `LevelEnv`. All that belongs to
-    the levels is in `EnvParams`, which every call takes. An action beyond the last one is taken as
-    the last one: compiled code cannot raise errors.
+    the levels is in `EnvParams`, which every call takes; without them, the levels with which it was
+    made become constants of the compiled code. An action below 0 is taken as 0, and one beyond the
+    last as the last: compiled code cannot raise errors.
     """
 
     def __init__(self, params: EnvParams, loader: Loader, room: Room, name: str) -> None:
+        """Make the environment.
+
+        Args:
+            params: the levels.
+            loader: puts other levels into tables.
+            room: the size of the tables.
+            name: the name of the environment.
+        """
         super().__init__()
         self._params, self._loader, self._room, self._name = params, loader, room, name
         self._observation_space = space_of(loader.observation, loader.extent)

@@ -1,7 +1,7 @@
 """The observations of all states as arrays, from which a compiled step reads them.
 
 They are those of the other environments, made by the same observers. The tables of one level have
-NumPy arrays; `join` puts those of many together.
+NumPy arrays; `joined` puts those of many together.
 """
 
 from __future__ import annotations
@@ -163,14 +163,17 @@ class DictTables:
     def join(cls, parts: Sequence[Self], room: Room) -> DictTables:
         """Return the tables of several levels as one, with this room."""
         return DictTables(
-            {
-                name: type(first).join([part.parts[name] for part in parts], room)
-                for name, first in parts[0].parts.items()
-            }
+            {name: joined([part.parts[name] for part in parts], room) for name in parts[0].parts}
         )
 
 
 ObservationTables = RowTable | PlaneTables | DictTables
+
+
+def joined(parts: Sequence[Any], room: Room) -> ObservationTables:
+    """Return tables of the same kind, of one level each, as one with this room."""
+    tables: ObservationTables = type(parts[0]).join(parts, room)
+    return tables
 
 
 def tables_of(

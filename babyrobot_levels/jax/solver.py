@@ -1,15 +1,17 @@
 """Solving levels in JAX: the optimum and the worth of policies, for all levels in one call.
 
 The states of all levels are swept together: the values with k + 1 steps left follow from those with
-k. So a time limit is exact; without one, sweeps go on until no value changes any more.
+k, so that time limits are exact. Without one, the optimum is swept until nothing changes any more,
+and policies are evaluated by solving linear systems: they may take millions of steps to end.
 """
 
 from __future__ import annotations
 
 import operator
+from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
+from functools import partial, reduce
 from typing import Any
 
 import jax
@@ -17,6 +19,7 @@ import jax.numpy as jnp
 from jax import Array, lax
 from jax.tree_util import register_dataclass
 
+from babyrobot_levels.jax import linear
 from babyrobot_levels.jax.params import TERMINAL, UNLIMITED, EnvParams
 
 MAX_SWEEPS = 10_000
@@ -61,18 +64,19 @@ def optimum(
 
     It is that of `babyrobot_levels.solve`, to rounding. Actions that the mask refuses can be taken,
     too; mostly, they leave the robot where it is. Without a limit, values that are infinite, or
-    that have not converged after 10,000 sweeps, are nan.
+    that have not converged after 10,000 sweeps, are nan; these sweeps go over all levels.
 
     Args:
         params: the levels.
         discount: above 0 and at most 1; by default, that of each level.
         within: the number of steps after which episodes are truncated, or `"max_steps"` for each
-            level's own limit; None for no limit.
+            level's own limit, by sweeps until they converge where it has none; None for no limit.
 
     Raises:
         ValueError: an argument has another value.
     """
-    return _optimum(params, _factors(params, discount), _limits(params, within))
+    found: Optimum = _optimum(params, _factors(params, discount), _limits(params, within))
+    return found
 
 
 def evaluate(
@@ -84,21 +88,25 @@ def evaluate(
 ) -> Worth:
     """Return what a policy is worth in all levels.
 
-    It is what `babyrobot_levels.evaluate` returns, to rounding, and nan as `optimum` tells.
+    It is what `babyrobot_levels.evaluate` returns, to rounding. In float32 and without a limit or a
+    discount, rounding grows with the length of episodes: to 3e-4 of the values where they take
+    thousands of steps. Values are inf or -inf where rewards or costs may go on for ever; nan where
+    both may, and in levels whose system does not converge.
 
     Args:
         params: the levels.
         policy: the action of each state, int `[states]`, or the probabilities of all actions,
-            float `[states, actions]`, which are scaled to add up to 1. Where the episode is over,
-            it does not matter.
+            float `[states, actions]`, which are scaled to add up to 1; if all are 0, all actions
+            are equally likely. Where the episode is over, it does not matter.
         discount: above 0 and at most 1; by default, that of each level.
         within: as in `optimum`.
 
     Raises:
         ValueError: an argument has another shape or value.
     """
-    policy = _checked(params, policy)
-    return _evaluate(params, policy, _factors(params, discount), _limits(params, within))
+    policy, factors = _checked(params, policy), _factors(params, discount)
+    worth: Worth = _evaluate(params, policy, factors, _limits(params, within))
+    return worth
 
 
 def regret(
@@ -151,15 +159,17 @@ def random_policy(params: EnvParams) -> Array:
 @register_dataclass
 @dataclass(frozen=True)
 class _Model:
-    """Levels as expectations: what an action gives at once, and where its value comes from.
+    """Levels as expectations: what a choice gives at once, and what it has ahead.
 
-    The values of states are followed by a 0, for the end, and by those of stochastic rows.
+    There are as many choices as actions; under a policy of one action for each state, one.
 
     Attributes:
-        reward: `[actions, states]`: the expected reward.
-        target: int32 `[actions, states]`: which value an action has ahead of it.
+        reward: `[choices, states]`: the expected reward.
+        target: int32 `[choices, states]`: the state that a choice leads to; `states` for the end,
+            and from `states + 1` on for stochastic rows.
         weight: `[outcomes, stochastic rows]`: the probabilities of a row.
-        outcome: int32 `[outcomes, stochastic rows]`: the values that it draws from.
+        outcome: int32 `[outcomes, stochastic rows]`: the state that an outcome leads to, or
+            `states`.
         level: int32 `[states]`: the level of each state.
     """
 
@@ -169,52 +179,88 @@ class _Model:
     outcome: Array
     level: Array
 
-    def ahead(self, values: Array, target: Array) -> Array:
-        """Return what is expected after some actions, as `target`."""
-        known = jnp.append(values, 0)
+    def ahead(self, values: Array, end: float = 0.0) -> list[Array]:
+        """Return the expected value after each choice, `[states]`, from values of states.
+
+        Args:
+            values: `[states]`.
+            end: the value of the end.
+        """
+        known = jnp.append(values, end)
         if self.weight.size:
-            drawn = (self.weight * _at(known, self.outcome)).sum(axis=0)
+            chances = zip(self.weight, self.outcome, strict=True)
+            drawn = sum(weight * _at(known, to) for weight, to in chances)
             known = jnp.concatenate([known, drawn])
-        return _at(known, target)
+        return [_at(known, self.target[choice]) for choice in range(self.target.shape[0])]
+
+    def largest_reward(self, params: EnvParams) -> Array:
+        """Return the largest reward or cost of each state's level, `[states]`."""
+        largest = jnp.abs(self.reward).max(axis=0)
+        return jax.ops.segment_max(largest, self.level, params.num_levels)[self.level]
+
+    def under(self, actions: Array) -> _Model:
+        """Return the model in which these actions, `[states]`, are the only choice."""
+        chosen = jnp.clip(actions, 0, self.target.shape[0] - 1)[None]
+        return replace(
+            self,
+            reward=jnp.take_along_axis(self.reward, chosen, axis=0),
+            target=jnp.take_along_axis(self.target, chosen, axis=0),
+        )
+
+
+def _mean(weights: Array, values: Sequence[Array]) -> Array:
+    """Return the mean of some arrays, whose weights add up to 1: the first has what others leave.
+
+    So rounded weights do not make values grow from step to step. Compilers make far faster code of
+    a few such operations than of one along a short axis.
+    """
+    first = values[0]
+    return sum(
+        (weights[number] * (values[number] - first) for number in range(1, len(values))), first
+    )
 
 
 def _at(array: Array, index: Array) -> Array:
     return array.at[index].get(mode="promise_in_bounds")
 
 
-def _model(params: EnvParams) -> _Model:
+def _model_of(params: EnvParams) -> _Model:
     states, actions, rows = params.num_states, params.num_actions, params.num_rows
-    here = jnp.arange(states)
-    ends = (params.outcome & TERMINAL) > 0
-    following = jnp.where(ends, states, params.next_state)
+    following = jnp.where((params.outcome & TERMINAL) > 0, states, params.next_state)
     row_next = params.next_state[:rows]
     is_drawn = row_next < 0
     target = jnp.where(is_drawn, states - row_next, following[:rows])
     reward = params.reward[:rows]
     shape = (params.probability.shape[0], params.most_outcomes)
-    weight, outcome = params.probability, following[rows:].reshape(shape)
     if params.draws_outcomes:
-        drawn = (weight * params.reward[rows:].reshape(shape)).sum(axis=1)
+        drawn = (params.probability * params.reward[rows:].reshape(shape)).sum(axis=1)
         reward = jnp.where(is_drawn, drawn[jnp.maximum(-1 - row_next, 0)], reward)
-    # A single level has the room of the largest one: beyond its own states, nothing happens.
-    exists = here < params.offset[-1]
     return _Model(
-        reward=jnp.where(exists, reward.reshape(states, actions).T, 0),
-        target=jnp.where(exists, target.reshape(states, actions).T, states),
-        weight=weight.T,
-        outcome=jnp.clip(outcome.T, 0, states),
-        level=jnp.searchsorted(params.offset[1:-1], here, side="right").astype(jnp.int32),
+        reward=reward.reshape(states, actions).T,
+        target=target.reshape(states, actions).T,
+        weight=params.probability.T,
+        # Outcomes that do not exist may lead anywhere.
+        outcome=jnp.clip(following[rows:].reshape(shape).T, 0, states),
+        level=_group(params.offset, states),
     )
+
+
+def _group(first: Array, count: int) -> Array:
+    """Return to which level each of some things belongs, int32 `[count]`.
+
+    Args:
+        first: `[levels + 1]`: where those of each level begin.
+        count: how many there are.
+    """
+    number = jnp.arange(count)
+    return jnp.searchsorted(first[1:-1], number, side="right").astype(jnp.int32)
 
 
 def _at_starts(params: EnvParams, values: Array) -> Array:
     """Return the expectation of values over each level's starts, `[levels]`."""
-    first = params.first_start
-    number = jnp.arange(params.starts.shape[0])
-    level = jnp.searchsorted(first[1:-1], number, side="right")
-    sums = jax.ops.segment_sum(
-        jnp.where(number < first[-1], values[params.starts], 0), level, params.num_levels
-    )
+    first, count = params.first_start, params.starts.shape[0]
+    of_starts = jnp.where(jnp.arange(count) < first[-1], values[params.starts], 0)
+    sums = jax.ops.segment_sum(of_starts, _group(first, count), params.num_levels)
     return sums / jnp.diff(first)
 
 
@@ -222,77 +268,137 @@ def _at_starts(params: EnvParams, values: Array) -> Array:
 
 
 @jax.jit
-def _optimum(params: EnvParams, discount: Array, limit: Array) -> Optimum:
-    model = _model(params)
-    factor, number = discount[model.level], jnp.arange(params.num_actions)[:, None]
+def _optimum(params: EnvParams, discount: Array, limit: Array | None) -> Optimum:
+    model = _model_of(params)
+    factor = discount[model.level]
     # Among actions whose values differ by rounding, the one stays that led to the value first: in
     # a loop without rewards, another one may go round for ever.
     tie = 8 * jnp.finfo(factor.dtype).eps
 
     def sweep(values: Array, actions: Array) -> tuple[Array, Array]:
-        found = model.reward + factor * model.ahead(values, model.target)
-        preferred = jnp.where(number == actions, found + tie * jnp.abs(found), found)
-        return found.max(axis=0), preferred.argmax(axis=0).astype(jnp.int32)
+        found = [
+            reward + factor * ahead
+            for reward, ahead in zip(model.reward, model.ahead(values), strict=True)
+        ]
+        kept = sum(jnp.where(actions == number, each, 0) for number, each in enumerate(found))
+        kept += tie * jnp.abs(kept)
+        for number, each in enumerate(found):
+            actions = jnp.where(each > kept, number, actions)
+            kept = jnp.maximum(each, kept)
+        return reduce(jnp.maximum, found), actions
 
     nothing = jnp.zeros(params.num_states, factor.dtype)
-    first = nothing.astype(jnp.int32)
-    values, actions = _swept(sweep, nothing, first, limit[model.level])
+    if limit is None:
+        limit = jnp.full_like(params.limit, UNLIMITED)
+    start = nothing, nothing.astype(jnp.int32)
+    values, actions = _swept(sweep, start, limit[model.level], model.largest_reward(params))
     return Optimum(values, _at_starts(params, values), actions)
 
 
 @jax.jit
-def _evaluate(params: EnvParams, policy: Array, discount: Array, limit: Array) -> Worth:
-    model = _model(params)
+def _evaluate(params: EnvParams, policy: Array, discount: Array, limit: Array | None) -> Worth:
+    model = _model_of(params)
     factor = discount[model.level]
     if policy.ndim == 1:
-        chosen = jnp.clip(policy, 0, params.num_actions - 1)[None]
-        reward = jnp.take_along_axis(model.reward, chosen, axis=0)[0]
-        target = jnp.take_along_axis(model.target, chosen, axis=0)[0]
-
-        def ahead(values: Array) -> Array:
-            return model.ahead(values, target)
+        model = model.under(policy)
+        weights = jnp.ones_like(model.reward)
     else:
         weights = policy.astype(factor.dtype).T
         total = weights.sum(axis=0)
-        weights = weights / jnp.where(total > 0, total, 1)
-        reward = (weights * model.reward).sum(axis=0)
+        weights = jnp.where(total > 0, weights / total, 1 / params.num_actions)
+    reward = (weights * model.reward).sum(axis=0)
+    if limit is None:
+        values = _in_the_long_run(model, weights, reward, factor, params.num_levels)
+    else:
 
-        def ahead(values: Array) -> Array:
-            return (weights * model.ahead(values, model.target)).sum(axis=0)
+        def sweep(values: Array, _: None) -> tuple[Array, None]:
+            return reward + factor * _mean(weights, model.ahead(values)), None
 
-    def sweep(values: Array, _: None) -> tuple[Array, None]:
-        return reward + factor * ahead(values), None
-
-    nothing = jnp.zeros(params.num_states, factor.dtype)
-    values, _ = _swept(sweep, nothing, None, limit[model.level])
+        start = jnp.zeros_like(reward), None
+        values, _ = _swept(sweep, start, limit[model.level], model.largest_reward(params))
     return Worth(values, _at_starts(params, values))
 
 
-def _swept(sweep: Any, values: Array, extra: Any, limit: Array) -> tuple[Array, Any]:
+def _swept(sweep: Any, start: tuple[Array, Any], limit: Array, largest: Array) -> tuple[Array, Any]:
     """Sweep until each state's limit, or until nothing changes; return values and more.
 
     Args:
-        sweep: from values `[states]` and more to the next ones.
-        values: the values with no steps left.
-        extra: what else there is of each state.
+        sweep: from values, `[states]`, and more of each state to the next ones.
+        start: what they are with no steps left.
         limit: int32 `[states]`: the number of sweeps.
+        largest: `[states]`: the largest reward of the state's level.
     """
-    last = jnp.where(limit == UNLIMITED, MAX_SWEEPS, limit)
+    is_limited = limit < UNLIMITED
+    last = jnp.where(is_limited, limit, MAX_SWEEPS)
+    rounding = jnp.finfo(largest.dtype).eps
+    slack = jnp.where(is_limited, 0, rounding * largest)
+
+    def is_rounding(values: Array, past: Array) -> Array:
+        most = 64 * rounding * (largest + jnp.abs(values))
+        return ~is_limited & (jnp.abs(values - past) <= most)
 
     def going(carry: Any) -> Any:
-        return carry[-1].any()
+        count, _, _, changed = carry
+        return (changed & (count < last)).any()
 
     def step(carry: Any) -> Any:
-        count, values, extra, _ = carry
-        due = count < last
-        swept, more = sweep(values, extra)
-        changed = due & ((swept > values) | (swept < values))
-        now, extra = jax.tree.map(partial(jnp.where, due), (swept, more), (values, extra))
-        return count + 1, now, extra, changed
+        count, before, past, _ = carry
+        found = jax.tree.map(partial(jnp.where, count < last), sweep(*past), past)
+        # Without a limit, rounding may change last digits back and forth for ever.
+        swings = (found[0] == before) & is_rounding(found[0], past[0])
+        changed = (jnp.abs(found[0] - past[0]) > slack) & ~swings
+        return count + 1, past[0], found, changed
 
-    start = jnp.int32(0), values, extra, jnp.ones(values.shape, bool)
-    _, values, extra, changed = lax.while_loop(going, step, start)
-    return jnp.where(changed & (limit == UNLIMITED), jnp.nan, values), extra
+    begin = jnp.int32(0), start[0], start, jnp.ones(limit.shape, bool)
+    _, before, (values, more), _ = lax.while_loop(going, step, begin)
+    return jnp.where(is_limited | is_rounding(values, before), values, jnp.nan), more
+
+
+# -- without a limit -------------------------------------------------------------------------
+
+
+def _in_the_long_run(
+    model: _Model, weights: Array, reward: Array, factor: Array, num_levels: int
+) -> Array:
+    """Return the values of a policy, `[states]`, in episodes without a limit.
+
+    Args:
+        model: the levels.
+        weights: `[choices, states]`: the probability of each choice.
+        reward: `[states]`: the expected reward of a step.
+        factor: `[states]`: the discount.
+        num_levels: how many levels there are.
+    """
+
+    def may_reach(goals: Array, end: float) -> Array:
+        def step(carry: Any) -> Any:
+            reached, _ = carry
+            ahead = model.ahead(reached.astype(factor.dtype), end)
+            more = reached | (sum(map(jnp.multiply, weights, ahead)) > 0)
+            return more, (more & ~reached).any()
+
+        reached: Array = lax.while_loop(lambda carry: carry[1], step, (goals, True))[0]
+        return reached
+
+    # Without a discount, what goes on for ever adds up to nothing or to infinity.
+    is_idle = ~may_reach((factor < 1) | (reward != 0), 1.0)
+    for_ever = ~may_reach((factor < 1) | is_idle, 1.0)
+    gains = may_reach(for_ever & (reward > 0), 0.0)
+    loses = may_reach(for_ever & (reward < 0), 0.0)
+    is_finite = ~(is_idle | gains | loses)
+
+    def apply(values: Array) -> Array:
+        # Differences first: what is almost equal cancels out without rounding.
+        ahead = model.ahead(values)
+        falls = sum(w * (values - factor * each) for w, each in zip(weights, ahead, strict=True))
+        return jnp.where(is_finite, falls, values)
+
+    values, converged = linear.solve(
+        apply, jnp.where(is_finite, reward, 0), model.level, num_levels
+    )
+    values = jnp.where(converged[model.level], values, jnp.nan)
+    values = jnp.where(gains, jnp.inf, jnp.where(loses, -jnp.inf, values))
+    return jnp.where(gains & loses, jnp.nan, values)
 
 
 # -- arguments -------------------------------------------------------------------------------
@@ -312,14 +418,14 @@ def _factors(params: EnvParams, discount: float | None) -> Array:
     raise ValueError(f"discount must be above 0 and at most 1, not {discount!r}")
 
 
-def _limits(params: EnvParams, within: int | str | None) -> Array:
-    """Return the number of steps in which episodes of each level end, int32 `[levels]`.
+def _limits(params: EnvParams, within: int | str | None) -> Array | None:
+    """Return after how many steps episodes of each level are truncated, int32 `[levels]`.
 
     Raises:
         ValueError: it is no such number.
     """
     if within is None:
-        return jnp.full(params.num_levels, UNLIMITED, jnp.int32)
+        return None
     if within == "max_steps":
         return params.limit
     with suppress(TypeError):

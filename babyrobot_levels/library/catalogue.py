@@ -128,15 +128,33 @@ def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:
         raise TypeError(
             f"a level is a name, a path, a mapping or a Level, not {type(level).__name__}"
         )
-    if not isinstance(level, str):
-        return _load_path(Path(level))
-    if is_code(level):
+    if isinstance(level, str) and is_code(level):
         return load_code(level)
-    if "\n" in level:
-        raise LevelError(message="this is the text of a level; `loads` reads it")
-    if looks_like_path(level):
-        return _load_path(Path(level))
-    return load_file(find(level))
+    return load_file(level_path(level))
+
+
+def level_path(level: str | os.PathLike[str]) -> Path:
+    """Return the file of a level.
+
+    Args:
+        level: a name, or the path of a file.
+
+    Raises:
+        LevelNotFoundError: nothing has that name; the error names the nearest ones.
+        LevelError: it is the text of a level.
+    """
+    if isinstance(level, str):
+        if "\n" in level:
+            raise LevelError(message="this is the text of a level; `loads` reads it")
+        if not looks_like_path(level):
+            return find(level)
+    path = Path(level)
+    # Without a home directory, `~` is a name like any other.
+    with suppress(RuntimeError):
+        path = path.expanduser()
+    if not _is_there(path):
+        raise LevelNotFoundError(str(path), nearest_files(path), is_file=True)
+    return path
 
 
 def find(name: str, first: Sequence[Place] = ()) -> Path:
@@ -279,15 +297,6 @@ def looks_like_path(text: str) -> bool:
         return True
     # `pack/name` looks like a path too; a file of that very name is meant where there is one.
     return len(path.parts) > 1 and is_file(path)
-
-
-def _load_path(path: Path) -> Level:
-    # Without a home directory, `~` is a name like any other.
-    with suppress(RuntimeError):
-        path = path.expanduser()
-    if not _is_there(path):
-        raise LevelNotFoundError(str(path), nearest_files(path), is_file=True)
-    return load_file(path)
 
 
 def _is_there(path: Path) -> bool:

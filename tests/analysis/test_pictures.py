@@ -169,7 +169,7 @@ def test_a_film_that_is_cut_and_a_page_without_a_solution_warn() -> None:
 
 @pytest.mark.parametrize("make", [pictures.to_png, pictures.to_gif])
 def test_progress_is_told_while_a_picture_is_made(make: Any) -> None:
-    level = brl.Level(version=1, size=(30, 30), maze={"seed": 1})
+    level = brl.Level(version=1, size=(15, 15), maze={"seed": 1})
     told: list[tuple[int, int]] = []
     made = make(level, values=True, scale=0.1, progress=lambda *each: told.append(each))
     assert made == make(level, values=True, scale=0.1)

@@ -14,6 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from PIL import Image
+from support.combinations import swept
 from support.sessions import Result, environment, prepared_folder, run_here
 
 from babyrobot_levels.cli.schema import schema_text
@@ -22,6 +23,10 @@ from babyrobot_levels.library.reading import load_file
 from babyrobot_levels.mdp.mazes import ALGORITHMS
 
 GALLERY = [info.name for info in levels() if not load(info.name).has_random_maze]
+
+SOME = ("bat-cave", "final-maze", "first-key", "four-corners", "frozen-lake", "glass-wall",
+        "gridworld-3-5", "teleport-pads", "windy-gridworld")  # fmt: skip
+"""Levels that differ in what there is to tell of them."""
 
 
 def babyrobot(*arguments: str, status: int = 0, given: bytes = b"", **variables: str) -> Result:
@@ -42,7 +47,7 @@ def test_preview_in_a_pipe_is_the_drawing(name: str) -> None:
     assert babyrobot("preview", name) == Result(load(name).draw(), "", 0)
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", swept(SOME, GALLERY))
 def test_show_tells_what_the_level_is(name: str) -> None:
     level, told = load(name), json.loads(babyrobot("show", name, "--format", "json").out)
     assert (told["name"], told["digest"], told["drawing"]) == (name, level.digest, level.draw())

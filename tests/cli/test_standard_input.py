@@ -104,3 +104,9 @@ def test_what_is_for_a_file_needs_its_name(command: tuple[str, ...], folder: Pat
     assert (result.status, result.out) == (2, "")
     assert "cannot be written to standard output" in result.err
     assert not (folder / "-").exists()
+
+
+def test_it_is_checked_beside_files_with_processes(folder: Path) -> None:
+    (folder / "good.yaml").write_bytes(LEVEL)
+    result = babyrobot("validate", "--jobs", "2", "-", "good.yaml", given=LEVEL)
+    assert result == Result("2 files checked, all valid\n", "", 0)

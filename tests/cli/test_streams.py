@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import concurrent.futures
 import ctypes
 import importlib.util
 import io
+import signal
 import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -18,6 +18,7 @@ from support.sessions import environment
 
 import babyrobot_levels.render.terminal
 from babyrobot_levels.cli import app, parallel
+from babyrobot_levels.parallel import processes
 from babyrobot_levels.render.terminal import Terminal
 
 TITLE = "Größe − ✓ │ 迷路 🤖"
@@ -183,10 +184,13 @@ def test_a_terminal_without_a_descriptor_gets_no_escapes(monkeypatch: pytest.Mon
 def test_no_more_processes_than_windows_can_wait_for(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
-    def pool(jobs: int) -> ThreadPoolExecutor:
+    def pool(jobs: int, **options: Any) -> ThreadPoolExecutor:
         asked.append(jobs)
-        return ThreadPoolExecutor(1)
+        return ThreadPoolExecutor(1, **options)
 
-    monkeypatch.setattr(concurrent.futures, "ProcessPoolExecutor", pool)
-    assert parallel.map_all(str, range(300), 128, "counting") == [*map(str, range(300))]
+    monkeypatch.setattr(processes, "ProcessPoolExecutor", pool)
+    monkeypatch.setattr(signal, "signal", lambda number, handler: None)
+    assert parallel.map_all(str, range(300), parallel.Workers(128), "counting") == [
+        *map(str, range(300))
+    ]
     assert asked == [61]

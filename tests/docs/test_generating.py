@@ -33,11 +33,16 @@ def test_the_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.Monk
     assert run(f"babyrobot lint {folder}")[0] == 0
 
 
-def test_the_python_examples_run(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_python_examples_run(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     scope: dict[str, object] = {}
     for code in blocks("python"):
         exec(compile(code, "example", "exec"), scope)
-    assert capsys.readouterr().out.startswith("8000 small-mazes-00000 [")
+    lines = capsys.readouterr().out.splitlines()
+    assert all(line.endswith(".yaml True") for line in lines[:20])
+    assert lines[20].startswith("8000 small-mazes-00000 [")
 
 
 def test_a_file_begins_as_it_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -96,7 +96,7 @@ def test_what_needs_numba_is_missing_without_it(monkeypatch: pytest.MonkeyPatch)
         made.append("compiled")
         return lambda: 2.0
 
-    measures = {"ours": timing.with_fast(make)}
+    measures = {"ours": timing.needing("numba", make)}
     assert timing.compare_in_turns("steps", measures, {}, 3).ours == {"ours": [2.0] * 3}
     assert made == ["compiled"]
     monkeypatch.setattr(timing, "find_spec", lambda _: None)
@@ -208,9 +208,7 @@ def test_each_name_is_a_script_that_compares() -> None:
     import run
 
     for name in run.BENCHMARKS:
-        assert "\ndef compare(count: int) -> Iterator[Comparison]:\n" in (
-            FOLDER / f"{name}.py"
-        ).read_text("utf-8")
+        assert "\ndef compare(count: int" in (FOLDER / f"{name}.py").read_text("utf-8")
 
 
 SCRIPTS = {

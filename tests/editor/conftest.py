@@ -1,4 +1,4 @@
-"""The editor in a real browser."""
+"""The editor in a real browser; sessions that are quick."""
 
 from __future__ import annotations
 
@@ -9,10 +9,23 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from babyrobot_levels.editor.session import Session
+from babyrobot_levels.editor.shown import answers, linting
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
     from support.editors import EditorPage, OpenEditor
+
+
+@pytest.fixture(scope="module")
+def put_off() -> Iterator[None]:
+    """Puts off the optimum and the findings of all levels, as otherwise of large ones only.
+
+    What a gesture does to the text and to the level does not depend on them.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(answers, "BUDGET", 0)
+        patch.setattr(linting, "LONG", -1)
+        yield
 
 
 @pytest.fixture

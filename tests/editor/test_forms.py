@@ -11,6 +11,8 @@ from babyrobot_levels.editor.entries.forms import LISTS, expanded, forms
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.fields import LevelFields
 
+pytestmark = pytest.mark.usefixtures("put_off")
+
 EVERYTHING = """\
 version: 1
 size: [6, 6]

@@ -6,6 +6,7 @@ from collections import Counter
 from random import Random
 from typing import Any
 
+import pytest
 from hypothesis import assume, event, given, note, settings
 from hypothesis import strategies as st
 from support.things import thing_worlds
@@ -17,6 +18,8 @@ from babyrobot_levels.editor.gestures import gesture_of
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.text.emitter import emit
+
+pytestmark = pytest.mark.usefixtures("put_off")
 
 texts = (
     worlds(6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,8 @@ from babyrobot_levels.language.walls import Opening, sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
+pytestmark = pytest.mark.usefixtures("put_off")
+
 GALLERY = [path for path in yaml_files(gallery_folder()) if "suites" not in path.parts]
 
 levels = pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
@@ -24,6 +27,10 @@ levels = pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
 
 def session_of(path: Path) -> Session:
     return Session(path.read_text("utf-8"))
+
+
+unchanged_session_of = cache(session_of)
+"""The same session each time, for what only looks."""
 
 
 def found(session: Session) -> list[dict[str, Any]]:
@@ -34,7 +41,7 @@ def found(session: Session) -> list[dict[str, Any]]:
 
 @levels
 def test_places_are_those_of_all_that_a_level_has(path: Path) -> None:
-    session = session_of(path)
+    session = unchanged_session_of(path)
     told = {
         (place["kind"], *where)
         for place in found(session)
@@ -74,7 +81,7 @@ def named(x: int, y: int, opening: Opening) -> tuple[int, int, str]:
 
 @levels
 def test_lines_of_a_place_hold_its_entry(path: Path) -> None:
-    session = session_of(path)
+    session = unchanged_session_of(path)
     lines = session.text.split("\n")
     data = yaml.safe_load(session.text)
     for place in found(session):

@@ -14,12 +14,11 @@ import pytest
 from gymnasium import error
 from gymnasium.envs.registration import EnvSpec, registry
 from gymnasium.wrappers import AddRenderObservation, HumanRendering, RecordVideo, TimeLimit
-from support.playing import GALLERY
+from support.combinations import swept
+from support.ids import FEW, IDS, LEVEL_ID, SUITE_ID
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.horizon import best_return_within
-
-LEVEL_ID, SUITE_ID = "babyrobot/Level-v0", "babyrobot/Suite-v0"
 
 UNLIMITED: dict[str, Any] = {"version": 1, "size": [5, 5]}
 SHORT = brl.Level(version=1, size=(5, 5), max_steps=7)
@@ -189,7 +188,7 @@ def copies(spec: EnvSpec) -> list[EnvSpec]:
     ]
 
 
-@pytest.mark.parametrize("env_id", [LEVEL_ID, SUITE_ID, *(f"babyrobot/{n}-v0" for n in GALLERY)])
+@pytest.mark.parametrize("env_id", swept(FEW, IDS))
 def test_the_spec_of_every_id_equals_its_copies(env_id: str) -> None:
     spec = gymnasium.spec(env_id)
     for same in copies(spec):

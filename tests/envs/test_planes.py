@@ -332,7 +332,7 @@ def test_a_table_that_is_full_paints_anew(monkeypatch: pytest.MonkeyPatch) -> No
     assert full._grounds.nbytes < free._grounds.nbytes
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @for_each("name", [*GALLERY])
 def test_planes_and_vectors_of_the_gallery_are_in_their_spaces(name: str) -> None:
     env = level_named(name).make(observation=("planes", "vector"))

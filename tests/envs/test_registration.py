@@ -9,6 +9,7 @@ import gymnasium
 import pytest
 from gymnasium import error
 from gymnasium.envs.registration import registry
+from support.combinations import swept
 from support.playing import GALLERY, level_named
 from support.subprocesses import python, run
 
@@ -76,9 +77,7 @@ FURTHER_IMPORTS = (
 )
 
 
-@pytest.mark.parametrize(
-    "imports", [*IMPORTS, *(pytest.param(each, marks=pytest.mark.slow) for each in FURTHER_IMPORTS)]
-)
+@pytest.mark.parametrize("imports", swept(IMPORTS, FURTHER_IMPORTS))
 def test_the_ids_are_known_after(imports: str, tmp_path: Path) -> None:
     known = run(imports + SHOW_IDS, tmp_path).split()
     assert known == sorted([*OWN_IDS, *(f"babyrobot/{n}-v0" for n in GALLERY)])

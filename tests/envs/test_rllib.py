@@ -16,6 +16,7 @@ from babyrobot_levels.envs.observations import OBSERVATIONS
 pytestmark = [pytest.mark.libraries, pytest.mark.filterwarnings("ignore")]
 
 PREFIX = "babyrobot_levels:babyrobot/"
+SEVERAL = ("position", "walls")
 
 
 def sampled(env_id: str, mode: str = "vector_entry_point", steps: int = 60, **kwargs: Any) -> Any:
@@ -43,9 +44,17 @@ def sampled(env_id: str, mode: str = "vector_entry_point", steps: int = 60, **kw
         runner.stop()
 
 
-@pytest.mark.parametrize("observation", [*OBSERVATIONS, ("position", "walls")], ids=str)
-@pytest.mark.parametrize("env_id", ["final-maze-v0", "first-key-v0"])
-@pytest.mark.parametrize("mode", ["vector_entry_point", "sync"])
+# The connectors see the observations alone: which level and mode they are from is no cause.
+@pytest.mark.parametrize(
+    ("mode", "env_id", "observation"),
+    [
+        *(("vector_entry_point", "first-key-v0", each) for each in [*OBSERVATIONS, SEVERAL]),
+        ("vector_entry_point", "final-maze-v0", SEVERAL),
+        ("sync", "first-key-v0", SEVERAL),
+        ("sync", "final-maze-v0", "position"),
+    ],
+    ids=str,
+)
 def test_it_samples_episodes(mode: str, env_id: str, observation: Any) -> None:
     episodes = sampled(env_id, mode, observation=observation, max_episode_steps=20)
     assert sum(len(episode) for episode in episodes) >= 60

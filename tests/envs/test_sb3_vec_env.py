@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +54,13 @@ GUARDED: dict[str, Any] = {
 }
 """Items are taken and the guard is met within a few steps, but no episode ends before the limit."""
 
+LEVELS: dict[str, Any] = {"traps": TRAPS, "guarded": GUARDED, "teleport-pads": "teleport-pads"}
+CASES = [
+    *(("guarded", observation, "valid") for observation in OBSERVATIONS),
+    *(("traps", observation, "turns") for observation in OBSERVATIONS),
+    *product(LEVELS, [("vector", "planes", "index")], ["valid", "all", "moves", "turns"]),
+]
+
 
 def many(level: Any = "final-maze", num_envs: int = 5, **kwargs: Any) -> LevelVecEnv:
     from babyrobot_levels.envs.sb3 import LevelVecEnv
@@ -100,12 +108,9 @@ except ImportError as error:
 
 
 @needs_sb3
-@pytest.mark.parametrize("actions", ["valid", "all", "moves", "turns"])
-@pytest.mark.parametrize("observation", [*OBSERVATIONS, ("vector", "planes", "index")])
-@pytest.mark.parametrize(
-    "level", [TRAPS, "teleport-pads", GUARDED], ids=["traps", "teleport-pads", "guarded"]
-)
-def test_it_walks_as_single_environments_do(level: Any, observation: Any, actions: str) -> None:
+@pytest.mark.parametrize(("name", "observation", "actions"), CASES, ids=str)
+def test_it_walks_as_single_environments_do(name: str, observation: Any, actions: str) -> None:
+    level = LEVELS[name]
     kwargs: dict[str, Any] = {"observation": observation, "actions": actions}
     kwargs["max_episode_steps"] = 6
     ours, theirs = many(level, **kwargs), one_by_one(level, **kwargs)
@@ -127,7 +132,7 @@ def test_it_walks_as_single_environments_do(level: Any, observation: Any, action
             assert noted(info) == noted(other)
         ends |= {info["TimeLimit.truncated"] for info in infos if "terminal_observation" in info}
     # Traps and guards end episodes before the limit does.
-    assert ends == ({True} if level == "teleport-pads" else {True, False})
+    assert ends == ({True} if name == "teleport-pads" else {True, False})
 
 
 @needs_sb3

@@ -35,6 +35,18 @@ FIELDS: dict[str, Any] = {
     "splits": {"train": 0.5, "test": 0.5},
 }
 
+LOCKED: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "seed": 3,
+    "count": 60,
+    "size": {"min": [4, 4], "max": [5, 5]},
+    "exit": "farthest",
+    "keys": {"max": 2},
+    "coins": {"max": 2},
+    "guards": {"max": 1},
+}
+
 each_observation = pytest.mark.parametrize("observation", OBSERVATIONS)
 
 
@@ -76,7 +88,7 @@ def test_spaces_are_those_of_the_largest_level() -> None:
 @pytest.mark.parametrize("actions", ["all", "turns"])
 @pytest.mark.parametrize("observation", OBSERVATIONS)
 def test_levels_with_different_things_share_a_space(observation: str, actions: str) -> None:
-    env = make(suite="locked-mazes", observation=observation, actions=actions)
+    env = make(suite=LOCKED, observation=observation, actions=actions)
     space, seen = env.observation_space, set()
     for seed in range(8):
         shown, info = env.reset(seed=seed)
@@ -88,7 +100,7 @@ def test_levels_with_different_things_share_a_space(observation: str, actions: s
             # Whatever the level has, there is room for what any of the suite can have.
             assert [*info] == keys
             assert keys[3:] == ["held", "hit", "level_index"]
-            assert info["held"].shape == (load_suite("locked-mazes").most_items,)
+            assert info["held"].shape == (load_suite(LOCKED).most_items,)
             assert not info["held"][len(level.items) :].any()
             shown, *_, info = env.step(env.action_space.sample())
         assert env.observation_space == space

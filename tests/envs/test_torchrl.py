@@ -17,6 +17,11 @@ pytestmark = [pytest.mark.libraries, pytest.mark.filterwarnings("ignore")]
 
 IDS = ["final-maze", "frozen-lake", "random-maze", "first-key", "Suite"]
 KINDS = [*OBSERVATIONS, ("position", "walls", "planes")]
+# Every observation, every environment, and both sets of actions; not all with all.
+CASES = [
+    *(("first-key", observation, "all") for observation in KINDS),
+    *((name, ("position", "walls", "planes"), "turns") for name in IDS),
+]
 
 
 def settings(name: str) -> dict[str, Any]:
@@ -45,9 +50,7 @@ def batch(name: str, num_envs: int = 3, **kwargs: Any) -> EnvBase:
     return GymWrapper(envs, categorical_action_encoding=True).auto_register_info_dict()
 
 
-@pytest.mark.parametrize("actions", ["all", "turns"])
-@pytest.mark.parametrize("observation", KINDS, ids=str)
-@pytest.mark.parametrize("name", IDS)
+@pytest.mark.parametrize(("name", "observation", "actions"), CASES, ids=str)
 @pytest.mark.parametrize("make", [single, batch])
 def test_its_checker_is_content(make: Any, name: str, observation: Any, actions: str) -> None:
     from torchrl.envs.utils import check_env_specs

@@ -190,11 +190,26 @@ def test_what_starves_is_told(order: list[str], said: str, babyrobot: Babyrobot)
     done = babyrobot("generate", "--count", "3", *order, "-o", "out")
     assert done.status == 1
     first, second, *hint = done.err.splitlines()
-    assert re.match(said, first)
+    assert re.match("level 0: " + said, first)
     # A larger size helps where all values are too small, and only there.
     assert bool(hint) == ("largest" in first and "difficulty" not in first)
     assert second == "  0 of 3 levels are in out"
     assert contents(Path()) == {}
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_levels_that_cannot_be_made_can_be_left_out(jobs: str, babyrobot: Babyrobot) -> None:
+    order = ["--count", "7", "--size", "3x3", "--loops", "0", "--path-length", "8"]
+    done = babyrobot("generate", *order, "--keep-going", "--jobs", jobs, "-o", "out")
+    left_out = re.findall(
+        r"^level (\d): --count 7: .* duplicates of earlier levels$", done.err, re.M
+    )
+    names = {f"level-{number:05}.yaml" for number in range(7)}
+    assert 0 < len(left_out) == len(done.err.splitlines()) < 7
+    assert set(contents(Path("out"))) == names - {f"level-0000{number}.yaml" for number in left_out}
+    made = 7 - len(left_out)
+    assert done.status == 1
+    assert done.out == f"wrote {made} levels to out; left out {len(left_out)}\n"
 
 
 @pytest.mark.slow
@@ -204,7 +219,7 @@ def test_what_was_made_before_is_there(jobs: str, babyrobot: Babyrobot) -> None:
     done = babyrobot("generate", "--count", "1000", *order, "-o", "out")
     assert done.status == 1
     first, second, hint = done.err.splitlines()
-    assert first.startswith("--count 1000: ")
+    assert re.match(r"level \d+: --count 1000: ", first)
     assert first.endswith("duplicates of earlier levels")
     assert hint == "  help: use a larger size, for example 5x5"
     found = levels_in(Path("out"))

@@ -22,7 +22,6 @@ def test_a_level_that_is_taken_alone_is_as_it_is_among_others() -> None:
     # Each in an environment of its own, and the indices are not known when it is compiled.
     each = jax.jit(params.take)(number)
 
-    @jax.jit
     def walk(params: Any, key: Any, level: Any) -> Any:
         def one(state: Any, key: Any) -> Any:
             action = env.sample_action(key, state, params)
@@ -33,8 +32,8 @@ def test_a_level_that_is_taken_alone_is_as_it_is_among_others() -> None:
         return state.state, jax.lax.scan(one, state, jax.random.split(key, 300))[1]
 
     keys = jax.random.split(jax.random.key(3), len(POOL))
-    together = jax.vmap(walk, (None, 0, 0))(params, keys, number)
-    alone = jax.vmap(walk, (0, 0, None))(each, keys, 0)
+    together = jax.jit(jax.vmap(walk, (None, 0, 0)))(params, keys, number)
+    alone = jax.jit(jax.vmap(walk, (0, 0, None)))(each, keys, 0)
     base = np.asarray(params.offset[:-1])
     assert np.array_equal(together[0] - base, alone[0])
     assert np.array_equal(together[1][0] - base[:, None], alone[1][0])
@@ -59,7 +58,6 @@ def test_levels_are_drawn_by_their_weights() -> None:
     env, params = brl_jax.make(["default", "walls", "puddles", "maze"])
     keys = jax.random.split(jax.random.key(1), 4000)
 
-    @jax.jit
     def drawn(params: Any) -> Any:
         return jax.vmap(env.reset, (0, None))(keys, params)[1].level
 
@@ -91,21 +89,22 @@ def test_other_levels_are_played_without_compiling_anew() -> None:
     env, params = brl_jax.make(SUITE[:5], observation="planes", room_for=SUITE[5:10])
     traced = []
 
-    @jax.jit
     def played(params: Any, key: Any) -> Any:
         traced.append(key)
         _, state = env.reset_to_level(key, 4, params)
         return env.step(key, state, 1, params), params.take(4)
 
     key = jax.random.key(0)
-    before = played(params, key)
-    after = played(env.load(SUITE[5:10]), key)
+    compiled = jax.jit(played)
+    before = compiled(params, key)
+    after = compiled(env.load(SUITE[5:10]), key)
     assert len(traced) == 1
     _, own = brl_jax.make(SUITE[5:10], observation="planes")
     (found, *_), alone = after
     base = own.offset[4]
     start = own.starts[own.first_start[4]]
-    assert np.array_equal(found, own.observations.at(own.next_state[start * 5 + 1]))
+    shown: Any = own.observations.at(own.next_state[start * 5 + 1])
+    assert np.array_equal(found, shown)
     assert not np.array_equal(found, before[0][0])
     size = int(own.offset[5] - base)
     assert np.array_equal(

@@ -287,6 +287,7 @@ def many(entry: str, count: int) -> str:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

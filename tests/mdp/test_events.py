@@ -53,7 +53,7 @@ def test_movers_hit_those_whose_cell_they_enter_or_that_they_pass() -> None:
 
 
 @pytest.mark.slow
-@for_each("seed", range(100))
+@for_each("seed", range(50))
 def test_hits_are_those_of_the_reference(seed: int) -> None:
     fields = random_level(Random(seed))
     level, reference = brl.Level.from_fields(fields), Reference(fields)

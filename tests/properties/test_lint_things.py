@@ -32,7 +32,11 @@ RULES = [rule for rule in all_rules() if rule.code < "BR6"]
 SLOW = [HealthCheck.too_slow, HealthCheck.filter_too_much]
 pytestmark = pytest.mark.slow
 
-untimed = settings(deadline=None, suppress_health_check=SLOW)
+untimed = settings(
+    max_examples=min(settings().max_examples, 50), deadline=None, suppress_health_check=SLOW
+)
+"""The reference takes long: thorough runs have as many examples as the others."""
+
 worlds = st.integers(0, 10**9).map(lambda seed: random_level(Random(seed)))
 
 

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from functools import cache
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
@@ -52,7 +53,7 @@ EACH = (
     "teleport-pads",
     "treasure-chests",
 )
-"""Levels that have everything there is to see: the others are slow."""
+"""Levels that have everything there is to see."""
 
 OVERLAID = ("bat-cave", "final-maze", "frozen-lake", "teleport-pads")
 MORE_OVERLAID = (
@@ -86,10 +87,26 @@ def solved(name: str) -> Any:
 # -- the gallery ---------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("theme", BUILTIN_THEMES)
-@pytest.mark.parametrize(
-    "name", [*EACH, *(pytest.param(n, marks=pytest.mark.slow) for n in GALLERY if n not in EACH)]
-)
+def in_turn(names: Iterable[str], count: int) -> list[tuple[str, str]]:
+    """Return each level with so many of the themes, which take turns."""
+    themes = cycle(BUILTIN_THEMES)
+    return [(name, next(themes)) for name in names for _ in range(count)]
+
+
+def first_and_others(
+    first: Collection[str], count: int, others: Iterable[str]
+) -> pytest.MarkDecorator:
+    """Parametrise a test by levels and themes: all of the first ones, and two of each other.
+
+    Only so many themes of each of the first levels are fast.
+    """
+    fast = in_turn(first, count)
+    slow = [each for each in product(first, BUILTIN_THEMES) if each not in fast]
+    sweep = [pytest.param(*each, marks=pytest.mark.sweep) for each in slow + in_turn(others, 2)]
+    return pytest.mark.parametrize(("name", "theme"), [*fast, *sweep])
+
+
+@first_and_others(EACH, 3, [name for name in GALLERY if name not in EACH])
 def test_what_a_level_shows_stands_out(name: str, theme: str) -> None:
     assert faint_parts(resolved(name).replace(theme=theme)) == []
 
@@ -115,11 +132,7 @@ ANSWERS = (
 """What a picture shows, and whether it shows coordinates as well."""
 
 
-@pytest.mark.parametrize("theme", BUILTIN_THEMES)
-@pytest.mark.parametrize(
-    "name",
-    [*OVERLAID, *(pytest.param(name, marks=pytest.mark.slow) for name in MORE_OVERLAID)],
-)
+@first_and_others(OVERLAID, 2, MORE_OVERLAID)
 def test_answers_stand_out(name: str, theme: str) -> None:
     shown = resolved(name).replace(theme=theme)
     solution = solved(name)

@@ -211,7 +211,8 @@ def test_labels_are_shown() -> None:
 
 def all_pieces(world: Any) -> Iterator[Piece]:
     layout = layout_of(world)
-    for number in (None, *range(world.compile().num_configurations)):
+    # No thing has a multiple of 7 values: each has all of them in every seventh configuration.
+    for number in (None, *range(0, world.compile().num_configurations, 7)):
         situation = situation_of(world, number)
         yield from pieces(world, layout, situation)
         for robot in (None, (2, 4), (5, 0)):

@@ -1,16 +1,24 @@
-"""Combinations of parameters: few of them in the fast set of tests, all of them in the slow one."""
+"""Combinations of parameters: few of them in the fast set of tests, all of them in the sweep."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from itertools import combinations, product
 from typing import Any
 
 import pytest
 
 
+def swept(first: Iterable[Any], everything: Iterable[Any]) -> list[Any]:
+    """Return values for `parametrize`: some with every cause, then the rest as a sweep."""
+    some = list(first)
+    return some + [
+        pytest.param(each, marks=pytest.mark.sweep) for each in everything if each not in some
+    ]
+
+
 def combined(strength: int, **parameters: Collection[Any]) -> pytest.MarkDecorator:
-    """Parametrise a test by the product of parameters, all but a covering part marked as slow.
+    """Parametrise a test by the product of parameters, all but a covering part marked as a sweep.
 
     Args:
         strength: every choice of values for so many parameters comes up in the fast part: with 1,
@@ -20,7 +28,7 @@ def combined(strength: int, **parameters: Collection[Any]) -> pytest.MarkDecorat
     names = tuple(parameters)
     fast = covering([list(values) for values in parameters.values()], strength)
     cases = [
-        pytest.param(*case, marks=[] if case in fast else pytest.mark.slow)
+        pytest.param(*case, marks=[] if case in fast else pytest.mark.sweep)
         for case in product(*parameters.values())
     ]
     return pytest.mark.parametrize(names, cases)

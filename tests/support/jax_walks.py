@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
+import jax
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,6 +28,17 @@ SEVERAL_STARTS = brl.Level.from_fields(
 """A level with several starts, and no time limit."""
 
 POOL = [*GALLERY, SEVERAL_STARTS]
+
+
+@contextmanager
+def bits_64() -> Iterator[None]:
+    """Let JAX have numbers of 64 bits."""
+    before = jax.config.read("jax_enable_x64")
+    jax.config.update("jax_enable_x64", True)
+    try:
+        yield
+    finally:
+        jax.config.update("jax_enable_x64", before)
 
 
 class WordDraws:

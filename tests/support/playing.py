@@ -113,7 +113,7 @@ def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorat
     """Parametrise a test by `name` and parameters, so that no cross product of all is needed.
 
     Every level of `FEATURES` is combined with values of the parameters, and every combination of
-    values comes up in the end. The other levels of the gallery follow, once each, marked as slow.
+    values comes up in the end. The other levels of the gallery are a sweep, once each.
     """
     combinations = list(product(*(values for _, values in parameters)))
     count = max(len(FEATURES), len(combinations))
@@ -123,7 +123,7 @@ def each_level_and(*parameters: tuple[str, Sequence[Any]]) -> pytest.MarkDecorat
         for _, name, values in zip(range(count), cycle(FEATURES), cycle(combinations), strict=False)
     ]
     cases += [
-        pytest.param(name, *values, marks=pytest.mark.slow)
+        pytest.param(name, *values, marks=pytest.mark.sweep)
         for name, values in zip(rest, cycle(combinations), strict=False)
     ]
     return pytest.mark.parametrize(("name", *(name for name, _ in parameters)), cases)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 from babyrobot_levels.library.level import Level
@@ -21,6 +22,7 @@ LINT_GOOD = sorted(RULES.glob("*/good-*.yaml"))
 LINT_BAD = sorted(RULES.glob("*/bad-*.yaml"))
 
 
+@cache
 def read(path: Path) -> tuple[Level | None, list[Diagnostic]]:
     """Read a level file under its bare name, so that reports do not speak of this machine."""
     try:

@@ -144,8 +144,7 @@ def check_totals(world: World, actions: str) -> None:
     assert_sound(level, solution)
 
 
-@pytest.mark.parametrize("discount", [1.0, 0.95])
-@pytest.mark.parametrize("actions", ["all", "moves"])
+@pytest.mark.parametrize(("actions", "discount"), [("all", 1.0), ("moves", 0.95)])
 @for_each("name", sorted(GALLERY))
 def test_the_gallery_can_be_solved(name: str, actions: str, discount: float) -> None:
     level = load(GALLERY[name])

@@ -35,10 +35,14 @@ def many(env_id: str, mode: str = "vector_entry_point", **kwargs: Any) -> Any:
 def test_the_entry_point_is_the_default(env_id: str) -> None:
     assert isinstance(gymnasium.make_vec(env_id, **IDS[env_id]), LevelVectorEnv)
     for mode, kind in MODES.items():
+        assert isinstance(many(env_id, mode), kind)
+
+
+@few_ids
+def test_there_are_as_many_as_asked_for(env_id: str) -> None:
+    for mode in MODES:
         for num_envs in (1, SIZE):
-            envs = many(env_id, mode, num_envs=num_envs)
-            assert isinstance(envs, kind)
-            assert envs.num_envs == num_envs
+            assert many(env_id, mode, num_envs=num_envs).num_envs == num_envs
 
 
 @few_ids

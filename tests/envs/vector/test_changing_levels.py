@@ -604,9 +604,9 @@ def living_levels() -> int:
 @combined(1, family=["wet", "mazes"], observation=["position", "image"])
 def test_memory_is_bounded(family: str, observation: str, monkeypatch: pytest.MonkeyPatch) -> None:
     given: dict[str, Any] = {"observation": observation}
-    num_slots, steps = 12 if family == "wet" else 4, 200
+    num_slots, steps = 12 if family == "wet" else 4, 60
     if observation == "image":
-        given["image_size"], steps = (10, 10), 30
+        given["image_size"], steps = (10, 10), 20
     # As many as twelve of the largest levels of the suite have.
     monkeypatch.setattr(level_slots, "KEPT_STATES", 240)
     if family == "wet":

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from random import Random
 from typing import Any
 
@@ -115,9 +116,9 @@ def test_random_levels_are_walked_the_same_way_everywhere(seed: int, mode: Autor
     assert_same_everywhere(random_named(seed), ACTIONS[seed % 3], mode, 15)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("mode", MODES)
-@for_each("seed", range(20, 300))
+@for_each("seed", range(20, 120))
 def test_many_random_levels_are_walked_the_same_way_everywhere(
     seed: int, mode: AutoresetMode
 ) -> None:
@@ -272,8 +273,8 @@ def test_a_start_that_is_asked_for_leaves_what_is_drawn_to_chance(
     ("observation", "actions"),
     [
         ("walls", "all"),
-        pytest.param("index", "turns", marks=pytest.mark.slow),
-        pytest.param("view", "turns", marks=pytest.mark.slow),
+        pytest.param("index", "turns", marks=pytest.mark.sweep),
+        pytest.param("view", "turns", marks=pytest.mark.sweep),
     ],
 )
 @pytest.mark.parametrize("engine", ENGINES)
@@ -283,7 +284,7 @@ def test_levels_of_a_suite_with_different_things_are_walked_as_alone(
     given: dict[str, Any] = {"actions": actions, "observation": observation}
     envs: Any = SuiteVectorEnv(SUITE, num_envs=SIZE, engine=engine, **given)
     assert_same_walks(
-        envs, lambda _: gymnasium.make("babyrobot/Suite-v0", suite=SUITE, **given), SEEDS, 100
+        envs, lambda _: gymnasium.make("babyrobot/Suite-v0", suite=SUITE, **given), SEEDS, 50
     )
     configurations = {level.compile().num_configurations for level in envs._slots.levels if level}
     assert len(configurations) > 5
@@ -293,12 +294,18 @@ def test_levels_of_a_suite_with_different_things_are_walked_as_alone(
         assert len(radices) <= len(envs.suite.radices)
 
 
+@cache
+def two_small_and_a_large() -> tuple[int, int, int]:
+    """Return the numbers of levels in the suite: two without configurations, one with many."""
+    size = [level.compile().num_configurations for level in brl.load_suite(SUITE)[:60]]
+    first, second, *_ = (number for number, count in enumerate(size) if count == 1)
+    return first, second, int(np.argmax(size))
+
+
 @pytest.mark.parametrize("engine", ENGINES)
 def test_an_episode_goes_on_while_the_tables_grow_for_a_larger_level(engine: str) -> None:
     suite = brl.load_suite(SUITE)
-    size = [level.compile().num_configurations for level in suite[:60]]
-    small, other = (number for number, count in enumerate(size) if count == 1), np.argmax(size)
-    first, second = next(small), next(small)
+    first, second, other = two_small_and_a_large()
     given: dict[str, Any] = {"max_episode_steps": -1}
     envs: Any = SuiteVectorEnv(
         suite[first:60], num_envs=2, autoreset_mode="Disabled", engine=engine, **given
@@ -310,7 +317,7 @@ def test_an_episode_goes_on_while_the_tables_grow_for_a_larger_level(engine: str
     for step, action in enumerate([2, 3, 1, 4] * 5):
         if step == 2:
             mask = np.array([True, False])
-            envs.reset(options={"reset_mask": mask, "index": int(other) - first})
+            envs.reset(options={"reset_mask": mask, "index": other - first})
             assert envs._slots._room.states > room
         told, _, terminated, *_ = envs.step([0, action])
         wanted = alone.step(action)
@@ -326,7 +333,7 @@ def test_random_mazes_with_things_are_walked_as_alone(engine: str, actions: str)
     assert_same_walks(envs, single([level], actions=actions), SEEDS, 150)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("mode", MODES)
 def test_both_engines_walk_suites_with_things_the_same_way(mode: AutoresetMode) -> None:
     ways = [

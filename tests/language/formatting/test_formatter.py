@@ -142,6 +142,7 @@ def test_small_files_are_formatted_quickly() -> None:
     assert work.calls < 40_000, work
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "text",
     [

@@ -202,7 +202,7 @@ def test_an_episode_with_things_is_painted_as_the_picture(
     _ = view.widget
     random = np.random.default_rng(2)
     state, seen = int(np.flatnonzero(tables.start)[0]), set()
-    for _ in range(60):
+    for _ in range(25):
         if tables.is_terminal[state]:
             state = int(np.flatnonzero(tables.start)[0])
         action = int(random.integers(tables.num_actions))

@@ -1,0 +1,399 @@
+"""Many levels in commands: folders, packs and suites, and a row for each level."""
+
+from __future__ import annotations
+
+import csv
+import json
+import sys
+from collections.abc import Callable, Generator, Iterator, Sequence
+from contextlib import closing
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Protocol
+
+import typer
+
+from babyrobot_levels.cli.app import INTERRUPTED
+from babyrobot_levels.cli.console import (
+    FINDINGS,
+    STANDARD_OUTPUT,
+    TableFormat,
+    fail,
+    note,
+    write,
+    write_table,
+)
+from babyrobot_levels.cli.inputs import load_level
+from babyrobot_levels.cli.parallel import Workers, track
+from babyrobot_levels.cli.reporting import STANDARD_INPUT
+from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.source import printable
+
+if TYPE_CHECKING:
+    from babyrobot_levels.generate.suites import Suite
+    from babyrobot_levels.scoring.many import LevelMetrics, LevelValue
+
+    Row = LevelValue | LevelMetrics
+    Rows = Callable[..., Generator[Row]]
+
+LevelsArgument = Annotated[
+    list[str],
+    typer.Argument(
+        metavar="LEVEL...",
+        help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input; "
+        "several of these; folders of level files and packs; or one suite.",
+    ),
+]
+SplitOption = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", help="Only this split of a suite.", show_default=False),
+]
+RowsOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="FILE",
+        help="Write a row for each level to this file, as lines of JSON.",
+        show_default=False,
+    ),
+]
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume", help="Keep the rows of the same call in the file, and append the others."
+    ),
+]
+OverwriteOption = Annotated[bool, typer.Option("--force", help="Overwrite the file.")]
+KeepGoingOption = Annotated[
+    bool,
+    typer.Option(
+        "--keep-going", help="Go on after a level with an error, which then stands in its row."
+    ),
+]
+
+
+@dataclass(frozen=True, slots=True)
+class RowOptions:
+    """The options of commands that write a row for each level."""
+
+    split: str | None
+    kind: TableFormat
+    output: Path | None
+    resume: bool
+    force: bool
+    keep_going: bool
+    workers: Workers
+
+    @property
+    def want_rows(self) -> bool:
+        """Whether the options ask for rows, even of a single level."""
+        rows_only = self.kind is TableFormat.CSV or self.resume
+        return rows_only or self.split is not None or self.output is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Columns:
+    """What is written of rows.
+
+    Attributes:
+        names: the columns of CSV: the keys of rows as plain data.
+        shown: the columns of a table for people: heading, key, and how a value is written.
+        verb: what is done, for the progress bar.
+    """
+
+    names: Sequence[str]
+    shown: Sequence[tuple[str, str, Callable[[Any], str]]]
+    verb: str
+
+
+def number(value: float | str) -> str:
+    """Return a number of plain data, where infinities are texts, as people read it."""
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+# -- which levels --------------------------------------------------------------------------
+
+
+def levels_for_rows(words: list[str], options: RowOptions) -> Suite | list[Any] | None:
+    """Return the levels that arguments name; None for one level that is shown as a whole."""
+    from babyrobot_levels.generate.suites import load_suite
+    from babyrobot_levels.library.catalogue import suite_path
+
+    suites = {word: path for word in words if (path := _unless_input(suite_path, word))}
+    if suites:
+        if len(words) > 1:
+            first = next(iter(suites))
+            fail(f"{first} is a suite, which stands alone", "leave out the other arguments")
+        suite = load_suite(suites[words[0]])
+        try:
+            return suite if options.split is None else suite.split(options.split)
+        except ValueError as error:
+            fail(str(error))
+    if options.split is not None:
+        fail("--split is a part of a suite, and this is none")
+    if len(words) == 1 and not options.want_rows and _unless_input(_folder, words[0]) is None:
+        return None
+    return [level for word in words for level in _levels(word)]
+
+
+def _unless_input(function: Callable[[str], Path | None], word: str) -> Path | None:
+    return None if word == str(STANDARD_INPUT) else function(word)
+
+
+def _levels(word: str) -> Iterator[Any]:
+    """Yield what `load` takes for each level that an argument names."""
+    from babyrobot_levels.language.share_code import is_code
+    from babyrobot_levels.library.catalogue import is_suite_file, level_path
+    from babyrobot_levels.library.search_path import yaml_files
+
+    folder = _unless_input(_folder, word)
+    if folder is not None:
+        files = [path for path in yaml_files(folder, all_of_them=True) if not is_suite_file(path)]
+        if not files:
+            fail(f"no level files (.yaml) in {word}")
+        yield from files
+    elif word == str(STANDARD_INPUT) or "\n" in word:
+        yield load_level(word)
+    else:
+        yield word if is_code(word) else level_path(word)
+
+
+def _folder(word: str) -> Path | None:
+    """Return the folder of levels that an argument names, None if it names none.
+
+    A level of that name comes before a folder, and a folder before a pack.
+    """
+    from babyrobot_levels.language.share_code import is_code
+    from babyrobot_levels.library.catalogue import level_path
+    from babyrobot_levels.library.search_path import GALLERY, gallery_place, pack_places
+    from babyrobot_levels.text.errors import LevelNotFoundError
+    from babyrobot_levels.text.files import is_folder
+
+    if is_code(word) or "\n" in word:
+        return None
+    try:
+        path = level_path(word)
+    except LevelNotFoundError:
+        if is_folder(Path(word)):
+            return Path(word)
+        packs = (gallery_place(), *pack_places())
+        return next((each.folder for each in packs if word == (each.pack or GALLERY)), None)
+    return path if is_folder(path) else None
+
+
+# -- rows ----------------------------------------------------------------------------------
+
+
+def write_rows(
+    make: Rows, levels: Suite | list[Any], columns: Columns, options: RowOptions
+) -> None:
+    """Write a row for each level; end the command with status 1 if a level has an error.
+
+    Args:
+        make: `solve_many` or one like it, with its options.
+        levels: the levels.
+        columns: what is written.
+        options: how, and where to.
+    """
+    from babyrobot_levels.scoring.many import reason
+
+    target = _target(columns, options, len(levels))
+    first, errors = target.first, 0
+    part = levels[first:]
+    executor = options.workers.executor(len(part))
+    try:
+        with closing(make(part, executor=executor, keep_going=True)) as rows:
+            for found in track(rows, len(part), columns.verb):
+                row = replace(found, index=first + found.index)
+                if row.error is not None:
+                    errors += 1
+                    name = f" ({one_line(row.name)})" if row.name else ""
+                    note(f"level {row.index}{name}: {one_line(reason(row.error))}")
+                    if not options.keep_going:
+                        break
+                target.put(_plain(row))
+    except KeyboardInterrupt:
+        target.interrupt()
+        raise
+    target.close()
+    if errors:
+        raise typer.Exit(FINDINGS)
+
+
+def _plain(row: Row) -> dict[str, Any]:
+    """Return a row as plain data."""
+    # Nine digits are the same on every machine; the last ones are not.
+    return {
+        name: float(f"{value:.9g}") if isinstance(value, float) else value
+        for name, value in row.to_dict().items()
+    }
+
+
+class _Target(Protocol):
+    """Where rows are written."""
+
+    first: int
+    """The index of the first row that is needed."""
+
+    def put(self, row: dict[str, Any]) -> None:
+        """Write a row."""
+
+    def interrupt(self) -> None:
+        """Write what there is to say after Ctrl-C."""
+
+    def close(self) -> None:
+        """Write what comes after the last row."""
+
+
+def _target(columns: Columns, options: RowOptions, count: int) -> _Target:
+    if options.output is not None:
+        if options.kind is TableFormat.CSV:
+            fail("--output writes lines of JSON", "leave out --format csv, or redirect the output")
+        return _File.opened(options.output, count, resume=options.resume, force=options.force)
+    if options.resume:
+        fail("--resume continues a file", "name it with --output")
+    if options.kind is TableFormat.JSON:
+        return _Lines()
+    return _Csv(columns) if options.kind is TableFormat.CSV else _Table(columns)
+
+
+def _line(row: dict[str, Any]) -> str:
+    return json.dumps(row, allow_nan=False)
+
+
+class _Lines:
+    """Lines of JSON on standard output."""
+
+    first = 0
+
+    def put(self, row: dict[str, Any]) -> None:
+        write(_line(row) + "\n")
+
+    def interrupt(self) -> None:
+        """Leave the lines that there are."""
+
+    def close(self) -> None:
+        """Add nothing."""
+
+
+class _Csv(_Lines):
+    """CSV on standard output."""
+
+    def __init__(self, columns: Columns):
+        self._rows = csv.DictWriter(sys.stdout, columns.names, lineterminator="\n")
+        self._rows.writeheader()
+
+    def put(self, row: dict[str, Any]) -> None:
+        self._rows.writerow(row)
+
+
+class _Table(_Lines):
+    """A table for people."""
+
+    def __init__(self, columns: Columns):
+        self._columns = columns.shown
+        self._cells: list[list[str]] = []
+
+    def put(self, row: dict[str, Any]) -> None:
+        name = row["name"] or row["digest"] or f"level {row['index']}"
+        values = [(row.get(key), text) for _, key, text in self._columns]
+        cells = ("-" if value is None else text(value) for value, text in values)
+        self._cells.append([printable(name), *cells])
+
+    def close(self) -> None:
+        if self._cells:
+            write_table(("level", *(heading for heading, _, _ in self._columns)), self._cells)
+
+
+MAX_LINE = 1 << 20
+"""The most bytes of a row."""
+
+
+@dataclass(slots=True)
+class _File:
+    """Lines of JSON in a file, which grows line by line: what is done stays, whatever happens.
+
+    Attributes:
+        path: the file.
+        count: the number of levels.
+        kept: the number of rows that it has.
+        last: the last of them. It is made again, to see that it is of the same call.
+        size: the length of these rows, without what may follow of a row that was cut off.
+        written: the number of new rows.
+    """
+
+    path: Path
+    count: int
+    kept: int = 0
+    last: bytes = b""
+    size: int = 0
+    written: int = field(default=0, init=False)
+
+    @classmethod
+    def opened(cls, path: Path, count: int, *, resume: bool, force: bool) -> _File:
+        """Return a file to which rows can be written; end the command if it must not be."""
+        from babyrobot_levels.text.files import write_bytes
+
+        if path == STANDARD_OUTPUT:
+            fail("--output is the path of a file", "use --format json for standard output")
+        if path.is_dir() or (path.exists() and not path.is_file()):
+            fail(f"{path} is not a regular file")
+        if not path.exists() or (force and not resume):
+            write_bytes(path, b"")
+        elif not resume:
+            fail(f"{path} already exists", "use --resume to continue it, or --force to overwrite")
+        file = cls(path, count)
+        file._read()
+        return file
+
+    def _read(self) -> None:
+        """Read which rows there are."""
+        with self.path.open("rb") as file:
+            while line := file.readline(MAX_LINE):
+                begins = b'{"index": %d,' % self.kept
+                if self.kept == self.count or not line.startswith(begins[: len(line)]):
+                    self._refuse()
+                if not line.endswith(b"\n"):
+                    return
+                self.kept, self.last, self.size = self.kept + 1, line, self.size + len(line)
+
+    def _refuse(self) -> None:
+        fail(
+            f"{self.path} was written for other levels or with other options",
+            "choose another file, or use --force without --resume to overwrite this one",
+        )
+
+    @property
+    def first(self) -> int:
+        """The index of the first row that is needed."""
+        return max(0, self.kept - 1)
+
+    def put(self, row: dict[str, Any]) -> None:
+        """Append a row, or compare it with the last one that was there."""
+        from babyrobot_levels.text.files import append_line
+
+        line = _line(row).encode("ascii")
+        if self.last:
+            if line + b"\n" != self.last:
+                self._refuse()
+            self.last = b""
+            return
+        if not self.written:
+            with self.path.open("rb+") as file:
+                file.truncate(self.size)
+        append_line(self.path, line)
+        self.written += 1
+
+    def interrupt(self) -> None:
+        """Say how many rows there are."""
+        there = self.kept + self.written
+        note(f"stopped: {there:,} of {self.count:,} rows are in {self.path}")
+        note("  help: continue with the same call and --resume")
+        raise typer.Exit(INTERRUPTED) from None
+
+    def close(self) -> None:
+        """Say what was written."""
+        kept = f"; kept {self.kept:,}" if self.kept else ""
+        rows = f"{self.written:,} row{'s' * (self.written != 1)}"
+        write(f"wrote {rows} to {one_line(str(self.path))}{kept}\n")

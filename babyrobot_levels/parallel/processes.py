@@ -1,0 +1,95 @@
+"""The executor that runs functions in processes of this machine."""
+
+from __future__ import annotations
+
+import multiprocessing
+import signal
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import Future, ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing.synchronize import Event
+from typing import Any
+
+from babyrobot_levels.parallel.chunks import Chunk, Done, stream, work_on
+from babyrobot_levels.parallel.executor import Failure, Item, Result, WorkerDiedError
+
+MAX_JOBS = 61
+"""The largest number of processes that Windows can wait for."""
+
+
+@dataclass(frozen=True)
+class Processes:
+    """Runs functions in processes that are started for the purpose.
+
+    Attributes:
+        jobs: the number of processes; at most 61 are started.
+    """
+
+    jobs: int
+
+    def map(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Generator[Result | Failure]:
+        """Yield the result of a function for each item; see `Executor.map`."""
+        return stream(_Pool(min(self.jobs, MAX_JOBS)), function, items)
+
+
+@dataclass(frozen=True, slots=True)
+class _Ticket:
+    function: Callable[[Any], Any]
+    chunk: Chunk[Any]
+    future: Future[Done[Any]]
+
+
+class _Pool:
+    """A pool of processes, which is replaced if one of them ends."""
+
+    def __init__(self, count: int):
+        self.count = count
+        self._stop = multiprocessing.Event()
+        self._pool = self._make(count)
+
+    def _make(self, count: int) -> ProcessPoolExecutor:
+        return ProcessPoolExecutor(count, initializer=_begin, initargs=(self._stop,))
+
+    def send(self, function: Callable[[Any], Any], chunk: Chunk[Any]) -> _Ticket:
+        try:
+            future = self._pool.submit(_work, function, chunk)
+        except BrokenProcessPool:
+            self._pool = self._make(self.count)
+            future = self._pool.submit(_work, function, chunk)
+        return _Ticket(function, chunk, future)
+
+    def wait_for(self, ticket: _Ticket) -> Done[Any]:
+        try:
+            return ticket.future.result()
+        except BrokenProcessPool:
+            return self._repeat(ticket)
+
+    def _repeat(self, ticket: _Ticket) -> Done[Any]:
+        """Do a chunk again, alone: when a process ends, all chunks that were sent are lost."""
+        with self._make(1) as pool:
+            try:
+                return pool.submit(_work, ticket.function, ticket.chunk).result()
+            except BrokenProcessPool:
+                raise WorkerDiedError("the process that worked on it ended twice") from None
+
+    def close(self, tickets: Iterable[_Ticket]) -> None:
+        self._stop.set()
+        self._pool.shutdown(cancel_futures=True)
+
+
+_stop: Event
+"""Of a worker process: whether the results are no longer wanted."""
+
+
+def _begin(stop: Event) -> None:
+    global _stop
+    # Ctrl-C is for the process that takes the results; it stops the others by the event.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _stop = stop
+
+
+def _work(function: Callable[[Any], Any], chunk: Chunk[Any]) -> Done[Any]:
+    return work_on(function, chunk, _stop.is_set)

@@ -1,0 +1,124 @@
+"""The examples in JAX, run as users run them: they learn, and report exact returns."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+import pytest
+from support.places import EXAMPLES
+from support.subprocesses import python
+
+import babyrobot_levels as brl
+
+SUITE = """
+version: 1
+kind: suite
+name: three-by-three
+seed: 2
+count: 120
+splits: {train: 0.8, test: 0.2}
+size: [3, 3]
+maze: {algorithm: wilson, loops: {max: 0.5}}
+rewards: {step: -1, exit: 100}
+max_steps: 30
+"""
+
+
+@pytest.fixture
+def suite(tmp_path: Path) -> Path:
+    file = tmp_path / "suite.yaml"
+    file.write_text(SUITE, encoding="utf-8")
+    return file
+
+
+def printed_by(example: str, *arguments: object, cwd: Path) -> str:
+    done = python(EXAMPLES / f"{example}.py", *map(str, arguments), cwd=cwd, timeout=300)
+    assert (done.returncode, done.stderr) == (0, "")
+    return done.stdout
+
+
+def rows_of(text: str) -> list[list[float]]:
+    """The lines of numbers, without separators and signs of per cent."""
+    lines = [line.replace(",", "").replace("%", "") for line in text.splitlines()]
+    return [list(map(float, line.split())) for line in lines if re.fullmatch(r"[-\d. ]+", line)]
+
+
+def test_ppo_learns_mazes_that_it_has_not_seen(suite: Path, tmp_path: Path) -> None:
+    text = printed_by("ppo_jax", "--suite", suite, "--steps", 163_840, "--every", 10,
+                      "--seeds", 1, cwd=tmp_path)  # fmt: skip
+    rows = rows_of(text)
+    assert [row[:2] for row in rows] == [[10, 81_920], [20, 163_840]]
+    *_, in_train, in_test, quotient, regret = rows[-1]
+    assert 0.9 < in_test <= 1
+    assert 0.9 < in_train <= 1
+    assert f"seeds 0: share in test {in_test:.3f}, of the optimum {quotient:.3f}\n" in text
+    # What is lost is measured from the exact optimum.
+    levels = brl.load_suite(suite).split("test")
+    best = [
+        brl.solve(level, actions="moves", within=level.max_steps).expected_return
+        for level in levels
+    ]
+    mean = sum(best) / len(best)
+    assert 1 - regret / mean == pytest.approx(quotient, abs=0.003)
+
+
+def test_q_learning_finds_an_optimal_policy_in_each_level(suite: Path, tmp_path: Path) -> None:
+    # 120 levels with 16 environments each.
+    text = printed_by("q_learning_jax", "--suite", suite, "--steps", 76_800,
+                      "--every", 4, cwd=tmp_path)  # fmt: skip
+    states = sum(level.compile().num_states for level in brl.load_suite(suite))
+    assert text.startswith(f"120 levels, {states:,} states\n")
+    rows = rows_of(text)
+    assert [row[0] for row in rows] == [4 * 120 * 16 * stage for stage in range(1, 11)]
+    assert rows[0][1] < 0.9
+    _, mean, least, optimal, regret = rows[-1]
+    assert mean > 0.99
+    assert least > 0.9
+    assert optimal > 95
+    assert 0 <= regret < 1
+
+
+def test_levels_are_replayed_by_their_regret(suite: Path, tmp_path: Path) -> None:
+    text = printed_by("level_replay_jax", "--suite", suite, "--steps", 65_536, "--every", 4,
+                      "--seeds", 2, cwd=tmp_path)  # fmt: skip
+    rows = rows_of(text)
+    assert [row[0] for row in rows] == [32_768, 65_536]
+    for _, *shares in rows:
+        assert all(-1 < share <= 1 for share in shares)
+    # The same seeds, drawn in two ways: each learns, and not the same.
+    assert rows[0][1:4] != rows[0][4:]
+    assert all(last > first for first, last in zip(rows[0][1::3], rows[1][1::3], strict=True))
+    found = re.findall(r"share in test (\S+)  (\S+)$", text, re.MULTILINE)
+    for seeds, column in zip(found, (2, 5), strict=True):
+        assert sum(map(float, seeds)) / 2 == pytest.approx(rows[-1][column], abs=0.001)
+
+
+def test_priorities_are_those_of_the_sampler(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import jax.numpy as jnp
+    import level_replay_jax
+
+    # Ranks 2, 1, 3; the first one was played just now, the others one and three updates ago.
+    found = level_replay_jax.priorities(jnp.array([5.0, 9.0, 1.0]), jnp.array([0.0, 1.0, 3.0]))
+    total = 1 / 2 + 1 + 1 / 3
+    expected = [0.7 / 2 / total, 0.7 / total + 0.3 / 4, 0.7 / 3 / total + 0.9 / 4]
+    assert found.tolist() == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("name", "splits", "message"),
+    [
+        ("no-suite", (), "no-suite"),
+        ("small-mazes", ("train", "exam"), "there is no split 'exam'"),
+    ],
+)
+def test_what_cannot_be_is_refused(
+    name: str, splits: tuple[str, ...], message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.syspath_prepend(EXAMPLES)
+    import arguments
+
+    with pytest.raises(argparse.ArgumentTypeError, match=message):
+        arguments.suite_of(name, splits)

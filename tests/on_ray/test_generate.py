@@ -1,0 +1,190 @@
+"""Generating levels on a cluster: the same files as in one process, whatever happens to nodes."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Generator, Iterable
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.sessions import environment
+
+import babyrobot_levels as brl
+from babyrobot_levels.parallel.executor import Executor, Failure, Item, Result
+from babyrobot_levels.parallel.on_ray import OnRay
+
+pytestmark = pytest.mark.usefixtures("cluster", "here")
+
+SUITE = {
+    "version": 1,
+    "kind": "suite",
+    "name": "small",
+    "count": 2000,
+    "size": {"min": [4, 4], "max": [7, 7]},
+    "splits": {"train": 0.9, "test": 0.1},
+    "puddles": {"max": 2},
+}
+
+
+def contents(folder: str) -> dict[str, bytes]:
+    paths = sorted(path for path in Path(folder).rglob("*") if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in paths}
+
+
+def generate(folder: str, **options: Any) -> list[brl.Generated]:
+    return list(brl.generate_levels(SUITE, folder, **options))
+
+
+def said_by(process: subprocess.Popen[bytes]) -> tuple[int, str, str]:
+    """Wait for a command, and return its status and what it wrote."""
+    out, err = (text.decode() for text in process.communicate(timeout=120))
+    return process.returncode, out, err
+
+
+def babyrobot(*arguments: str) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, "-m", "babyrobot_levels", *arguments],
+        env=environment(Path.cwd()),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+    )
+
+
+@dataclass(frozen=True)
+class Wrapped:
+    """An executor that runs functions inside another one, which is given the index as well."""
+
+    executor: Executor
+    wrapper: Callable[..., Any]
+
+    def map(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Generator[Result | Failure]:
+        return self.executor.map(partial(self.wrapper, function), enumerate(items))
+
+
+def noted(folder: str, function: Callable[[Any], Any], numbered: tuple[int, Any]) -> Any:
+    """Take some time, and note the index in a file of the node's."""
+    import ray
+
+    file = f"{ray.get_runtime_context().get_node_id()}-{os.getpid()}"
+    with Path(folder, file).open("a", encoding="utf-8") as notes:
+        notes.write(f"{numbered[0]}\n")
+    time.sleep(0.003)
+    return function(numbered[1])
+
+
+def test_a_node_that_is_removed_costs_nothing(cluster: Any, here: Path) -> None:
+    import ray
+
+    notes = here / "notes"
+    notes.mkdir()
+    others = {each["NodeID"] for each in ray.nodes()}
+    node: Any = cluster.add_node(num_cpus=2)
+    cluster.wait_for_nodes()
+    (node_id,) = {each["NodeID"] for each in ray.nodes()} - others
+    seen = []
+    executor = Wrapped(OnRay(), partial(noted, str(notes)))
+    with closing(brl.generate_levels(SUITE, "ray", executor=executor)) as levels:
+        for level in levels:
+            seen.append(level.index)
+            if node is not None and level.index > 300 and list(notes.glob(f"{node_id}-*")):
+                cluster.remove_node(node, allow_graceful=False)
+                node = None
+    assert node is None
+    assert seen == [*range(2000)]
+    generate("alone")
+    assert contents("ray") == contents("alone")
+    begun = [line for path in notes.iterdir() for line in path.read_text("utf-8").splitlines()]
+    # What was being done on the node was done again.
+    assert len(set(begun)) == 2000 < len(begun)
+
+
+def fail_at(index: int, function: Callable[[Any], Any], numbered: tuple[int, Any]) -> Any:
+    if numbered[0] == index:
+        raise MemoryError("too large")
+    return function(numbered[1])
+
+
+def test_a_poisoned_level_is_told_by_its_index() -> None:
+    levels = brl.generate_levels(
+        SUITE, "out", count=60, executor=Wrapped(OnRay(), partial(fail_at, 37))
+    )
+    made: list[brl.Generated] = []
+    with pytest.raises(MemoryError, match="too large"):
+        made.extend(levels)
+    assert [level.index for level in made] == [*range(37)]
+
+
+def test_a_poisoned_level_can_be_left_out() -> None:
+    poisoned = Wrapped(OnRay(), partial(fail_at, 37))
+    levels = generate("out", count=60, executor=poisoned, keep_going=True)
+    assert [(each.index, str(each.error)) for each in levels if each.error] == [(37, "too large")]
+    generate("alone", count=60)
+    whole = contents("alone")
+    del whole["train/small-00037.yaml"]
+    assert contents("out") == whole
+    # What is missing can be made later, elsewhere.
+    assert sum(each.is_new for each in generate("out", count=60, resume=True)) == 1
+    assert contents("out") == contents("alone")
+
+
+def test_an_interrupted_call_goes_on_elsewhere(cluster: Any) -> None:
+    order = ("generate", "--count", "400", "--size", "20x20", "--path-length", "60..", "-o", "out")
+    process = babyrobot(*order, "--ray-address", cluster.address)
+    while len(list(Path("out").glob("*.yaml"))) < 20 and process.poll() is None:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    status, out, err = said_by(process)
+    made = contents("out")
+    assert (status, out) == (130, ""), err
+    assert 20 <= len(made) < 400
+    assert err == (
+        f"stopped: {len(made)} of 400 levels are in out\n"
+        "  help: continue with the same call and --resume\n"
+    )
+    assert said_by(babyrobot(*order, "--resume", "--jobs", "2"))[0] == 0
+    whole = contents("out")
+    assert len(whole) == 400
+    assert made == {name: whole[name] for name in made}
+
+
+def test_a_wrong_address_is_one_message_within_seconds() -> None:
+    began = time.monotonic()
+    said = said_by(babyrobot("generate", "--count", "3", "--ray-address", "127.0.0.1:9"))
+    assert time.monotonic() - began < 10
+    assert said == (
+        2,
+        "",
+        "error: no Ray cluster can be reached at 127.0.0.1:9: Connection refused\n"
+        "  help: check the address, HOST:PORT as `ray start --head` tells it\n",
+    )
+
+
+def test_the_cpus_of_a_cluster_cannot_be_chosen(cluster: Any) -> None:
+    call = ("generate", "--count", "3", "--jobs", "4", "--ray-address", cluster.address)
+    assert said_by(babyrobot(*call)) == (
+        2,
+        "",
+        "error: the Ray cluster runs already, so its number of CPUs cannot be chosen\n"
+        "  help: leave out the number of jobs\n",
+    )
+
+
+def test_a_new_local_instance_says_nothing() -> None:
+    order = ("generate", "--count", "20", "-o")
+    assert said_by(babyrobot(*order, "out", "--ray-address", "local", "--jobs", "1")) == (
+        0,
+        "wrote 20 levels to out\n",
+        "",
+    )
+    assert said_by(babyrobot(*order, "alone"))[0] == 0
+    assert contents("out") == contents("alone")

@@ -1,0 +1,124 @@
+"""The executors: what they yield does not depend on which one it is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from contextlib import closing
+from functools import partial
+from typing import Any
+
+import pytest
+from support import tasks
+
+from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.parallel.executor import Executor, Failure, WorkerDiedError, results
+from babyrobot_levels.parallel.in_process import InProcess
+from babyrobot_levels.parallel.processes import Processes
+
+EXECUTORS: list[Executor] = [InProcess(), Processes(2)]
+BOTH = pytest.mark.parametrize("executor", EXECUTORS, ids=["in process", "processes"])
+
+
+def told(outcomes: list[Any]) -> list[Any]:
+    """Return outcomes that can be compared: failures as index, class and message."""
+    return [
+        (each.index, type(each.error), str(each.error)) if isinstance(each, Failure) else each
+        for each in outcomes
+    ]
+
+
+@BOTH
+@pytest.mark.parametrize("items", [range(0), range(1), [3, 1, 2], range(5000)])
+def test_results_are_in_the_order_of_the_items(executor: Executor, items: Any) -> None:
+    assert list(executor.map(tasks.square, items)) == [number**2 for number in items]
+
+
+@BOTH
+def test_items_may_come_from_a_generator(executor: Executor) -> None:
+    items = (number for number in range(500))
+    assert list(executor.map(tasks.slow, items)) == [*range(500)]
+
+
+@BOTH
+def test_a_failure_is_told_with_its_index_and_the_others_go_on(executor: Executor) -> None:
+    outcomes = told(list(executor.map(tasks.no_sevens, range(1, 30))))
+    expected: list[Any] = list(range(1, 30))
+    for number in (7, 14, 21, 28):
+        expected[number - 1] = (number - 1, ValueError, f"{number} is a multiple of 7")
+    assert outcomes == expected
+
+
+@BOTH
+def test_results_raises_the_error_of_the_first_failure(executor: Executor) -> None:
+    taken: list[int] = []
+    with pytest.raises(ValueError, match=r"^7 is a multiple of 7$"):
+        taken.extend(results(executor.map(tasks.no_sevens, range(1, 30))))
+    # `extend` has taken what came before.
+    assert taken == [1, 2, 3, 4, 5, 6]
+
+
+def test_an_error_that_cannot_be_sent_is_told_by_its_text() -> None:
+    (failure,) = Processes(2).map(tasks.unreadable, [5])
+    assert isinstance(failure, Failure)
+    assert str(failure.error) == "UnreadableError: 5 and 5"
+
+
+@BOTH
+def test_few_items_are_taken_ahead_of_what_is_yielded(executor: Executor) -> None:
+    items = tasks.Counted(100_000)
+    ahead = 0
+    with closing(executor.map(tasks.square, items)) as outcomes:
+        for index, _ in enumerate(outcomes):
+            ahead = max(ahead, items.taken - index)
+    assert items.taken == 100_000
+    # Of two workers: the chunks that were sent, and the one that is being yielded.
+    assert ahead <= (2 * 4 + 1) * 1000
+
+
+def test_work_is_done_by_several_processes() -> None:
+    assert len(set(Processes(2).map(tasks.process_of, range(60)))) == 2
+
+
+def test_closing_cancels_what_has_not_been_done() -> None:
+    items = tasks.Counted(100_000)
+    with closing(Processes(2).map(tasks.slow, items)) as outcomes:
+        assert [next(outcomes) for _ in range(50)] == [*range(50)]
+        began = time.perf_counter()
+    assert time.perf_counter() - began < 5
+    assert items.taken < 1000
+
+
+def test_a_process_that_dies_costs_no_results_but_its_own() -> None:
+    outcomes = told(list(Processes(2).map(partial(tasks.deadly, (150, 151)), range(300))))
+    message = "the process that worked on it ended twice"
+    expected: list[Any] = list(range(300))
+    expected[150] = (150, WorkerDiedError, message)
+    expected[151] = (151, WorkerDiedError, message)
+    assert outcomes == expected
+
+
+@pytest.mark.parametrize(
+    ("call", "kind"),
+    [
+        (lambda: executor_for(), InProcess),
+        (lambda: executor_for(jobs=1), InProcess),
+        (lambda: executor_for(jobs=2), Processes),
+        (lambda: executor_for("processes"), Processes),
+        (lambda: executor_for(EXECUTORS[1], jobs=5), Processes),
+    ],
+)
+def test_executors_are_chosen_by_name(call: Callable[[], Executor], kind: type) -> None:
+    assert type(call()) is kind
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"executor": "threads"}, "no executor 'threads'; use 'processes' or 'ray'"),
+        ({"jobs": 0}, "jobs must be at least 1, not 0"),
+    ],
+)
+def test_a_wrong_choice_is_told(arguments: dict[str, Any], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        executor_for(**arguments)
