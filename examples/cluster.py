@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import logging
-import os
-from typing import Any
+import sys
 
-os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")  # is read when Ray is imported
-
-import ray
+from babyrobot_levels.parallel import on_ray
+from babyrobot_levels.parallel.executor import ExecutorError
 
 
 def add_address(parser: argparse.ArgumentParser) -> None:
@@ -17,22 +14,19 @@ def add_address(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--address",
         default="local",
-        help="of a Ray cluster: HOST:PORT, or auto for the one of this machine; "
-        "by default, Ray is started here",
+        help="of a Ray cluster: HOST:PORT, or auto for the one of this machine; by default, "
+        "Ray is started here",
     )
 
 
 def connect(address: str, cpus: int) -> None:
-    """Connect to a cluster, or start Ray on this machine.
+    """Connect to a cluster, or start Ray on this machine; exit if there is no such cluster.
 
     Args:
         address: as `--address` takes it.
         cpus: the number of CPUs, if Ray is started.
     """
-    new: dict[str, Any] = {"num_cpus": cpus, "include_dashboard": False}
-    ray.init(
-        address,
-        log_to_driver=False,  # what workers print is in Ray's own files
-        logging_level=logging.ERROR,
-        **(new if address == "local" else {}),
-    )
+    try:
+        on_ray.connect(address, cpus if address == "local" else None)
+    except ExecutorError as error:
+        sys.exit(f"{error}: {error.help}")

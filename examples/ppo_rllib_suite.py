@@ -71,7 +71,7 @@ def main() -> None:
         .rl_module(
             rl_module_spec=RLModuleSpec(
                 module_class=ActionMaskingTorchRLModule,
-                model_config={"vf_share_layers": False},
+                model_config={"fcnet_activation": "relu", "vf_share_layers": False},
             )
         )
         # By default, values that are off by more than the square root of 10 are not learned. With
@@ -96,11 +96,11 @@ def main() -> None:
         brl.score(learner.get_module(), args.suite, split="test", deterministic=each, **SHOWN)
         for each in (False, True)
     )
-    print("\nlevel         random   learned    greedy   optimum    share")
+    print(f"\n{'level':18}    random   learned    greedy   optimum    share")
     for each, likeliest in zip(explores, greedy, strict=True):
         returns = each.random, each.expected_return, likeliest.expected_return, each.optimum
         columns = " ".join(f"{value:9.2f}" for value in returns)
-        print(f"{each.level:10} {columns} {each.share:8.1%}")
+        print(f"{each.level:18} {columns} {each.share:8.1%}")
     print(f"mean share of the optimum in {len(greedy)} unseen mazes:", end=" ")
     print(f"{explores.summary.mean:.1%}, greedy {greedy.summary.mean:.1%}")
 

@@ -309,7 +309,7 @@ def test_ppo_is_scored_in_each_maze_of_the_other_split(address: str, tmp_path: P
     arguments = ["--steps", "4000", "--env-runners", "1", "--address", address]
     done = python(script, *arguments, cwd=tmp_path, timeout=600, warnings="ignore")
     assert done.returncode == 0, done.stderr
-    rows = re.findall(r"^(level-\d+)((?: +\S+){4}) +(\S+)%$", done.stdout, re.MULTILINE)
+    rows = re.findall(r"^(tiny-mazes-\d+)((?: +\S+){4}) +(\S+)%$", done.stdout, re.MULTILINE)
     shares = []
     scores = brl.score(
         "random", brl.load_suite(EXAMPLES / "tiny-mazes.yaml"), split="test", actions="moves"
@@ -325,6 +325,15 @@ def test_ppo_is_scored_in_each_maze_of_the_other_split(address: str, tmp_path: P
     assert float(found[1]) == pytest.approx(np.mean(shares), abs=0.15)
     # One update is too few to learn the mazes, but its moves are those that the masks allow.
     assert float(found[1]) > -50
+
+
+@pytest.mark.libraries
+def test_where_there_is_no_cluster_it_is_said(tmp_path: Path) -> None:
+    script = EXAMPLES / "sweep_tune.py"
+    done = python(script, "--address", "localhost:1", cwd=tmp_path, warnings="ignore")
+    assert (done.returncode, done.stdout) == (1, "")
+    assert "no Ray cluster can be reached at localhost:1" in done.stderr
+    assert "Traceback" not in done.stderr
 
 
 @pytest.mark.libraries
