@@ -25,17 +25,17 @@ import babyrobot_levels.jax as brl_jax
 MAZES = {
     "version": 1,
     "kind": "suite",
-    "name": "small-and-larger-mazes",
+    "name": "tiny-mazes-with-loops",
     "seed": 3,
     "count": 2000,
     "splits": {"train": 0.75, "test": 0.25},
-    "size": {"min": [3, 3], "max": [7, 7]},
+    "size": {"min": [3, 3], "max": [5, 5]},
     "maze": {"algorithm": ["wilson", "depth-first"], "loops": {"max": 1}},
     "rewards": {"step": -1, "exit": 100},
     "max_steps": 80,
 }
-VIEW: dict[str, Any] = {"observation": "view", "view_radius": 3, "see_through": True}
-TEMPERATURE, STALENESS = 1.0, 0.3
+VIEW: dict[str, Any] = {"observation": "view", "view_radius": 4, "see_through": True}
+TEMPERATURE, STALENESS = 3.0, 0.1
 
 
 class Figures(NamedTuple):

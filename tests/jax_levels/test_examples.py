@@ -102,8 +102,11 @@ def test_priorities_are_those_of_the_sampler(monkeypatch: pytest.MonkeyPatch) ->
 
     # Ranks 2, 1, 3; the first one was played just now, the others one and three updates ago.
     found = level_replay_jax.priorities(jnp.array([5.0, 9.0, 1.0]), jnp.array([0.0, 1.0, 3.0]))
-    total = 1 / 2 + 1 + 1 / 3
-    expected = [0.7 / 2 / total, 0.7 / total + 0.3 / 4, 0.7 / 3 / total + 0.9 / 4]
+    by_rank = [rank ** (-1 / 3) for rank in (2, 1, 3)]
+    by_age = [0, 1 / 4, 3 / 4]
+    expected = [
+        0.9 * one / sum(by_rank) + 0.1 * other for one, other in zip(by_rank, by_age, strict=True)
+    ]
     assert found.tolist() == pytest.approx(expected)
 
 
