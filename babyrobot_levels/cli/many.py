@@ -334,18 +334,15 @@ class _File:
     @classmethod
     def opened(cls, path: Path, count: int, *, resume: bool, force: bool) -> _File:
         """Return a file to which rows can be written; end the command if it must not be."""
-        from babyrobot_levels.text.files import write_bytes
-
         if path == STANDARD_OUTPUT:
             fail("--output is the path of a file", "use --format json for standard output")
         if path.is_dir() or (path.exists() and not path.is_file()):
             fail(f"{path} is not a regular file")
-        if not path.exists() or (force and not resume):
-            write_bytes(path, b"")
-        elif not resume:
+        if path.exists() and not (resume or force):
             fail(f"{path} already exists", "use --resume to continue it, or --force to overwrite")
         file = cls(path, count)
-        file._read()
+        if resume and path.exists():
+            file._read()
         return file
 
     def _read(self) -> None:
@@ -372,19 +369,23 @@ class _File:
 
     def put(self, row: dict[str, Any]) -> None:
         """Append a row, or compare it with the last one that was there."""
-        from babyrobot_levels.text.files import append_line
-
         line = _line(row).encode("ascii")
         if self.last:
             if line + b"\n" != self.last:
                 self._refuse()
             self.last = b""
             return
-        if not self.written:
+        self._append(line)
+        self.written += 1
+
+    def _append(self, line: bytes) -> None:
+        """Append a line, the first one behind the rows that are kept."""
+        from babyrobot_levels.text.files import append_line
+
+        if not self.written and self.path.exists():
             with self.path.open("rb+") as file:
                 file.truncate(self.size)
         append_line(self.path, line)
-        self.written += 1
 
     def interrupt(self) -> None:
         """Say how many rows there are."""
@@ -395,6 +396,9 @@ class _File:
 
     def close(self) -> None:
         """Say what was written."""
+        if not self.written:
+            # There is a file in any case, and nothing of a row that was cut off.
+            self._append(b"")
         kept = f"; kept {self.kept:,}" if self.kept else ""
         rows = f"{self.written:,} row{'s' * (self.written != 1)}"
         write(f"wrote {rows} to {one_line(str(self.path))}{kept}\n")

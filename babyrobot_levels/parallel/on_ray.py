@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import os
-import pickle
 import re
 import socket
 from collections.abc import Callable, Generator, Iterable
@@ -77,7 +76,10 @@ class _Cluster:
         return self._count
 
     def send(self, function: Callable[[Any], Any], chunk: Chunk[Any]) -> Any:
-        return self._work.remote(pickle.dumps((function, chunk)))
+        from ray import cloudpickle
+
+        # It sends functions of a script or a notebook by value, since workers cannot import those.
+        return self._work.remote(cloudpickle.dumps((function, chunk)))
 
     def wait_for(self, ticket: Any) -> Done[Any]:
         import ray

@@ -227,3 +227,15 @@ def test_wrong_calls_are_told(call: str, said: str) -> None:
     done = babyrobot(*call.split())
     assert (done.status, done.out) == (2, "")
     assert said in done.err
+
+
+@pytest.mark.usefixtures("here")
+def test_a_call_that_cannot_begin_leaves_files_as_they_are() -> None:
+    for before in (None, "mine\n"):
+        if before:
+            written("rows.jsonl", before)
+        call = ("solve", "few.yaml", "-o", "rows.jsonl", "--force", "--ray-address", "nowhere")
+        written("few.yaml", SUITE)
+        assert babyrobot(*call).status == 2
+        assert (Path("rows.jsonl").read_text() if before else None) == before
+        assert Path("rows.jsonl").exists() is bool(before)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -83,3 +85,22 @@ def test_a_call_is_continued_on_a_cluster(cluster: Any, here: Path) -> None:
     whole = written("--jobs", "1")
     Path("rows.jsonl").write_bytes(whole[: len(whole) // 2])
     assert written("--resume", "--ray-address", cluster.address) == whole
+
+
+def test_a_policy_of_a_script_is_sent(cluster: Any, here: Path) -> None:
+    script = """
+import babyrobot_levels as brl
+
+def optimal(level):
+    return brl.solve(level)
+
+suite = brl.load_suite("small-mazes")[:3]
+rows = list(brl.evaluate_many(suite, optimal, executor="ray"))
+assert [row.states for row in rows] == [row.states for row in brl.solve_many(suite)]
+"""
+    (here / "script.py").write_text(script, encoding="utf-8")
+    variables = {**environment(here), "RAY_ADDRESS": cluster.address}
+    done = subprocess.run(
+        [sys.executable, "script.py"], env=variables, capture_output=True, timeout=100, check=False
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
