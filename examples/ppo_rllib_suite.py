@@ -26,7 +26,7 @@ from ray.rllib.examples.rl_modules.classes.action_masking_rlm import ActionMaski
 import babyrobot_levels as brl
 
 TINY = str(Path(__file__).with_name("tiny-mazes.yaml"))
-SHOWN = {"observation": "planes", "actions": "moves"}  # the whole maze, as a network reads it
+SHOWN: dict[str, Any] = {"observation": "planes", "actions": "moves"}  # the whole maze
 BATCH = 4096  # steps of all environments between two updates
 
 
