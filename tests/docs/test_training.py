@@ -95,4 +95,4 @@ def test_each_piece_stands_alone(code: str) -> None:
 def test_the_page_names_all_examples() -> None:
     examples = {path.name for path in (EXAMPLES).glob("*.py")}
     named = set(re.findall(r"\.\./examples/(\w+\.py)", PAGE))
-    assert named == examples - {"play.py", "arguments.py", "comparison.py"}
+    assert named == examples - {"arguments.py", "cluster.py", "comparison.py", "play.py"}

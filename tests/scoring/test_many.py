@@ -105,7 +105,9 @@ def test_a_suite_without_a_name_is_called_as_its_file(here: Path) -> None:
 
 
 @BOTH
-@pytest.mark.parametrize("policy", ["random", "uniform", policies.optimal], ids=str)
+@pytest.mark.parametrize(
+    "policy", ["random", "uniform", policies.optimal], ids=["random", "uniform", "function"]
+)
 def test_a_policy_is_evaluated(executor: Executor, policy: Any) -> None:
     suite = brl.load_suite("small-mazes")[:8]
     rows = list(brl.evaluate_many(suite, policy, within=50, executor=executor))
