@@ -43,6 +43,13 @@ settings.register_profile("thorough", max_examples=300, deadline=None)
 settings.load_profile("fast")
 
 
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave out folders whose libraries may be missing, as these are imported with the tests."""
+    left_out = "not libraries" in config.getoption("markexpr")
+    is_one = collection_path.parent == TESTS and collection_path.name in LIBRARIES
+    return True if left_out and is_one else None
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is slow, and what needs libraries, by its place."""
     for item in items:
