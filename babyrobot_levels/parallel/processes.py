@@ -13,6 +13,7 @@ from typing import Any
 
 from babyrobot_levels.parallel.chunks import Chunk, Done, stream, work_on
 from babyrobot_levels.parallel.executor import Failure, Item, Result, WorkerDiedError
+from babyrobot_levels.text.files import uninterrupted
 
 MAX_JOBS = 61
 """The largest number of processes that Windows can wait for."""
@@ -76,8 +77,10 @@ class _Pool:
                 raise WorkerDiedError("the process that worked on it ended twice") from None
 
     def close(self, tickets: Iterable[_Ticket]) -> None:
-        self._stop.set()
-        self._pool.shutdown(cancel_futures=True)
+        # Interrupted again, the pool could wait for ever for processes that nobody tells to end.
+        with uninterrupted():
+            self._stop.set()
+            self._pool.shutdown(cancel_futures=True)
 
 
 _stop: Event

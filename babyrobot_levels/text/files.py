@@ -167,7 +167,7 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
         mode = stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
         mode = 0o666 & ~_umask()
-    with _uninterrupted():
+    with uninterrupted():
         # A name may be as long as names can be; the temporary one is longer.
         prefix = f".{path.name[:_MAX_PREFIX]}."
         descriptor, name = tempfile.mkstemp(prefix=prefix, dir=path.parent)
@@ -201,7 +201,7 @@ def append_line(path: Path, line: bytes) -> bool:
         OSError: the file cannot be written. It is then as it was before.
     """
     path.parent.mkdir(parents=True, exist_ok=True)
-    with _uninterrupted(), path.open("ab+", buffering=0) as file:
+    with uninterrupted(), path.open("ab+", buffering=0) as file:
         size = file.seek(0, os.SEEK_END)
         if size:
             file.seek(size - 1)
@@ -218,7 +218,7 @@ def append_line(path: Path, line: bytes) -> bool:
 
 
 @contextmanager
-def _uninterrupted() -> Iterator[None]:
+def uninterrupted() -> Iterator[None]:
     """Delay Ctrl-C until the block is done, so that no temporary file is left behind."""
     if threading.current_thread() is not threading.main_thread():
         # Others are not interrupted.
