@@ -14,6 +14,9 @@ import pytest
 from support.places import ROOT, TESTS
 
 NOTEBOOKS = sorted((TESTS.parent / "notebooks").glob("*.ipynb"))
+RUN = [path for path in NOTEBOOKS if path.stem != "jax"]
+"""Those that need no library that learns; tests/jax_levels/test_docs.py runs the other."""
+
 MAX_BYTES = 1_000_000
 """Of a larger notebook, some sites show nothing."""
 
@@ -38,7 +41,7 @@ def test_there_is_a_tour() -> None:
     assert "tour" in [path.stem for path in NOTEBOOKS]
 
 
-@each_notebook
+@pytest.mark.parametrize("path", RUN, ids=lambda path: path.stem)
 def test_a_notebook_runs_and_puts_out_what_is_stored(path: Path, tmp_path: Path) -> None:
     """Renew what is stored with `PYTHONPATH=tests python -m renew.notebooks`."""
     # In a process of its own: kernels leave sockets open, of which this one would be warned.

@@ -2,7 +2,8 @@
 
 Usage: PYTHONPATH=tests python -m renew.notebooks [NOTEBOOK…] [--into FOLDER]
 
-Without a name, all of `notebooks/` are run; without a folder, each is written where it was.
+Without a name, all of `notebooks/` are run; without a folder, each is written where it was. The
+one on JAX needs the extra `jax` in the environment.
 """
 
 from __future__ import annotations
