@@ -30,6 +30,9 @@ RETRIES = 3
 PATIENCE = 3.0
 """Seconds in which a cluster has to accept a connection."""
 
+GREETING = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" + bytes((0, 0, 0, 4, 0, 0, 0, 0, 0))
+"""What a client of gRPC, by which Ray is reached, begins with; the answer is of the same type 4."""
+
 REFRESH = 5.0
 """Seconds after which the number of CPUs is asked for again: clusters grow and shrink."""
 
@@ -182,16 +185,22 @@ def connect(address: str | None = None, cpus: int | None = None) -> None:
 
 
 def _check(address: str | None) -> None:
-    """Check that something answers at an address, where Ray would try for minutes."""
+    """Check that Ray may be at an address: where it is not, it would try for minutes."""
     if address in (None, "auto", "local"):
         return
     match = re.fullmatch(r"(?:ray://)?(\[[^]]+\]|[^:/]+):([0-9]{1,5})", address)
     if not match:
         raise _unreachable(address, "it is not HOST:PORT")
     try:
-        socket.create_connection((match[1].strip("[]"), int(match[2])), PATIENCE).close()
+        with socket.create_connection((match[1].strip("[]"), int(match[2])), PATIENCE) as peer:
+            if os.environ.get("RAY_USE_TLS") == "1":
+                return
+            peer.sendall(GREETING)
+            answer = peer.recv(len(GREETING))
     except (OSError, OverflowError, UnicodeError) as error:
         raise _unreachable(address, getattr(error, "strerror", None) or str(error)) from None
+    if answer[3:4] != GREETING[-6:-5]:
+        raise _unreachable(address, "what answers there is not Ray")
 
 
 def _unreachable(address: str | None, reason: str) -> ExecutorError:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -12,6 +13,7 @@ from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
 import pytest
@@ -166,6 +168,30 @@ def test_a_wrong_address_is_one_message_within_seconds() -> None:
         "",
         "error: no Ray cluster can be reached at 127.0.0.1:9: Connection refused\n"
         "  help: check the address, HOST:PORT as `ray start --head` tells it\n",
+    )
+
+
+@pytest.mark.parametrize("answer", [b"SSH-2.0-OpenSSH_9.9\r\n", b""], ids=["another", "silent"])
+def test_what_answers_may_not_be_ray(answer: bytes) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+
+        def serve() -> None:
+            peer, _ = server.accept()
+            with peer:
+                peer.sendall(answer)
+                # Until the other side hangs up.
+                while peer.recv(1024):
+                    pass
+
+        Thread(target=serve, daemon=True).start()
+        address = f"127.0.0.1:{server.getsockname()[1]}"
+        began = time.monotonic()
+        status, _, errors = said_by(babyrobot("generate", "--count", "3", "--ray-address", address))
+    assert time.monotonic() - began < 10
+    reason = "what answers there is not Ray" if answer else "timed out"
+    assert (status, errors.splitlines()[0]) == (
+        2,
+        f"error: no Ray cluster can be reached at {address}: {reason}",
     )
 
 
