@@ -74,13 +74,16 @@ class Wrapped:
 
 
 def noted(folder: str, function: Callable[[Any], Any], numbered: tuple[int, Any]) -> Any:
-    """Take some time, and note the index in a file of the node's."""
+    """Note the index in a file of the node's, and take some time: a minute on a slow node."""
     import ray
 
-    file = f"{ray.get_runtime_context().get_node_id()}-{os.getpid()}"
-    with Path(folder, file).open("a", encoding="utf-8") as notes:
+    node = ray.get_runtime_context().get_node_id()
+    with Path(folder, f"{node}-{os.getpid()}").open("a", encoding="utf-8") as notes:
         notes.write(f"{numbered[0]}\n")
-    time.sleep(0.003)
+    if Path(f"{folder}-slow").read_text("utf-8") == node:
+        Path(f"{folder}-waits").touch()
+        time.sleep(60)
+    time.sleep(0.001)
     return function(numbered[1])
 
 
@@ -93,15 +96,25 @@ def test_a_node_that_is_removed_costs_nothing(cluster: Any, here: Path) -> None:
     node: Any = cluster.add_node(num_cpus=2)
     cluster.wait_for_nodes()
     (node_id,) = {each["NodeID"] for each in ray.nodes()} - others
-    seen = []
+    slow, waits = Path(f"{notes}-slow"), Path(f"{notes}-waits")
+    slow.write_text("", "utf-8")
+
+    def remove() -> None:
+        while not waits.exists():
+            time.sleep(0.05)
+        cluster.remove_node(node, allow_graceful=False)
+
+    removing = Thread(target=remove, daemon=True)
+    removing.start()
     executor = Wrapped(OnRay(), partial(noted, str(notes)))
     with closing(brl.generate_levels(SUITE, "ray", executor=executor)) as levels:
+        seen = []
         for level in levels:
             seen.append(level.index)
-            if node is not None and level.index > 300 and list(notes.glob(f"{node_id}-*")):
-                cluster.remove_node(node, allow_graceful=False)
-                node = None
-    assert node is None
+            if level.index == 300:
+                # From now on, the node is at work on a level until it is removed.
+                slow.write_text(node_id, "utf-8")
+    removing.join(60)
     assert seen == [*range(2000)]
     generate("alone")
     assert contents("ray") == contents("alone")
