@@ -25,12 +25,7 @@ extensions = [
 ]
 
 root_doc = "docs/index"
-include_patterns = [
-    "*.md",
-    "benchmarks/*.md",
-    "docs/**.md",
-    "notebooks/*.ipynb",
-]
+include_patterns = ["*.md", "benchmarks/*.md", "docs/**.md", "notebooks/*.ipynb"]
 
 myst_enable_extensions = ["html_image"]
 # Headings get the anchors that they have on GitHub.
@@ -52,6 +47,7 @@ html_title = "babyrobot-levels"
 html_static_path = ["style"]
 html_css_files = ["site.css"]
 html_copy_source = False
+html_show_copyright = False
 html_show_sourcelink = False
 
 pygments_style = "friendly"
@@ -67,7 +63,7 @@ def list_rules(_app: Sphinx, name: str, source: list[str]) -> None:
 
 
 def as_restructured_text(
-    _app: Sphinx, _kind: str, _name: str, _object: object, _options: object, lines: list[str]
+    _app: Sphinx, kind: str, _name: str, _object: object, _options: object, lines: list[str]
 ) -> None:
     """Turn the inline code of a docstring, `as here`, into code or a link to a public name."""
 
@@ -81,6 +77,9 @@ def as_restructured_text(
 
     text = "\n".join(lines)
     lines[:] = re.sub(r"(?<!`)`([^`]+)`(?!`)(\w*)", converted, text).split("\n")
+    if kind in {"attribute", "property"}:
+        # Napoleon takes what precedes a colon in the first line for the type: put a comment there.
+        lines[:0] = ["..", ""]
 
 
 def setup(app: Sphinx) -> None:
