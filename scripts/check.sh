@@ -27,7 +27,7 @@ libraries)
 jax)
     make_venv .venv-jax
     .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hypothesis jaxued==0.0.1 pytest pytest-xdist
-    exec .venv-jax/bin/python -m pytest -m libraries -n 2 tests/jax_levels
+    exec .venv-jax/bin/python -m pytest -m libraries -rs "${workers[@]}" tests/jax_levels
     ;;
 ray)
     make_venv .venv-ray

@@ -140,7 +140,7 @@ def imported_packages() -> set[str]:
 
 def test_the_dependencies_are_what_the_code_imports(wheel: Path) -> None:
     lines = email.message_from_string(info(wheel, "METADATA")).get_all("Requires-Dist") or []
-    extras = ("editor", "fast", "minari", "sb3")
+    extras = ("editor", "fast", "jax", "minari", "ray", "sb3")
     declared = {
         each.name.lower()
         for each in map(Requirement, lines)

@@ -13,11 +13,7 @@ import pytest
 
 import babyrobot_levels as brl
 
-pytestmark = [
-    pytest.mark.libraries,
-    # Ray imports JAX, which warns of each fork from then on; the forked environments use none.
-    pytest.mark.filterwarnings(r"ignore:os\.fork\(\) was called:RuntimeWarning"),
-]
+pytestmark = pytest.mark.libraries
 
 KINDS = ["position", "index", "walls", "vector", "planes", "view"]
 DICT = ("vector", "planes")
