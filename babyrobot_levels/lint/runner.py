@@ -68,7 +68,7 @@ class Report:
 def check(path_or_text: str | Path, *, lint: bool = False) -> list[Diagnostic]:
     """Return the errors of a level or a suite, given as a path or a text; empty if it is valid.
 
-    A `str` is a text if it contains a line break or `: `, otherwise a path.
+    A `str` is a text if it contains a line break or a colon and a space, otherwise a path.
 
     Args:
         path_or_text: the level or the suite.

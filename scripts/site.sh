@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# Builds the documentation as a web site that needs no server and no network, and as a zip beside it.
+# Usage: bash scripts/site.sh [OUTPUT]       the folder; build/site if it is not given
+set -euo pipefail
+output="$(realpath --canonicalize-missing "${1:-"$(dirname "$0")/../build/site"}")"
+cd "$(dirname "$0")/.."
+source scripts/venv.sh
+make_venv .venv-site
+.venv-site/bin/pip install --quiet --disable-pip-version-check --editable ".[site]"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+.venv-site/bin/sphinx-build --quiet --fail-on-warning --keep-going --builder html \
+    --conf-dir docs --doctree-dir "$work/doctrees" . "$work/site"
+echo '<!doctype html><title>babyrobot-levels</title><meta http-equiv="refresh" content="0; url=docs/index.html">' \
+    >"$work/site/index.html"
+mkdir -p "$output"
+cp -r "$work/site/." "$output"
+.venv-site/bin/python -c 'import shutil, sys; shutil.make_archive(sys.argv[2], "zip", sys.argv[1])' "$work/site" "$output"
+echo "$output/index.html"
