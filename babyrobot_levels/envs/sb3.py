@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.rendering import LEVEL_ATTRIBUTES
+from babyrobot_levels.text.extras import how_to_install
 
 try:
     from stable_baselines3.common.vec_env import VecEnv
 except ImportError as fault:
     raise ImportError(
-        "babyrobot_levels.envs.sb3 needs Stable-Baselines3: "
-        "install babyrobot-levels with the extra `sb3`"
+        f"babyrobot_levels.envs.sb3 needs Stable-Baselines3: {how_to_install('sb3')}"
     ) from fault
 
 if TYPE_CHECKING:

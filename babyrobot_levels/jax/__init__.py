@@ -13,9 +13,10 @@ try:
     import gymnax as _gymnax
     import jax as _jax
 except ImportError as fault:
+    from babyrobot_levels.text.extras import how_to_install
+
     raise ImportError(
-        "babyrobot_levels.jax needs JAX and gymnax 1.0 or later: "
-        "install babyrobot-levels with the extra `jax`"
+        f"babyrobot_levels.jax needs JAX and gymnax 1.0 or later: {how_to_install('jax')}"
     ) from fault
 
 from babyrobot_levels.jax.adapters import UnderspecifiedEnv as UnderspecifiedEnv

@@ -21,8 +21,7 @@ from babyrobot_levels.parallel.executor import (
     Result,
     WorkerDiedError,
 )
-
-DISTRIBUTION = "babyrobot-levels"
+from babyrobot_levels.text.extras import DISTRIBUTION, how_to_install
 
 RETRIES = 3
 """How often Ray repeats a chunk whose worker or node died."""
@@ -158,8 +157,7 @@ def connect(address: str | None = None, cpus: int | None = None) -> None:
             is given for a cluster that exists.
     """
     if find_spec("ray") is None:
-        message = f"Ray is not installed; it comes with the extra `ray` of {DISTRIBUTION}"
-        raise ExecutorError(message, f'pip install "{DISTRIBUTION}[ray]"')
+        raise ExecutorError("Ray is not installed", how_to_install("ray"))
     address = address or os.environ.get("RAY_ADDRESS") or None
     _check(address)
     # Ray reads these when it is imported: no report of usage, fewer attempts at what is no cluster.

@@ -101,7 +101,7 @@ try:
 except ImportError as error:
     print(error)
 """
-    assert "install babyrobot-levels with the extra `sb3`" in run(code, tmp_path)
+    assert "install the extra `sb3`: pip install" in run(code, tmp_path)
 
 
 # -- the contract ----------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.extras import how_to_install
 
 if TYPE_CHECKING:
     from babyrobot_levels.editor.hosts.widget import Editor
@@ -35,8 +36,7 @@ def edit(
         if error.name != "anywidget":
             raise
         raise ImportError(
-            "the editor needs the package `anywidget`: install babyrobot-levels with the extra "
-            "`editor`",
+            f"the editor needs the package `anywidget`: {how_to_install('editor')}",
             name="anywidget",
         ) from None
     from babyrobot_levels.editor.sources import session_of

@@ -13,6 +13,7 @@ from babyrobot_levels.envs.engine.plain import PlainEngine
 from babyrobot_levels.envs.engine.state import Engine
 from babyrobot_levels.envs.engine.tables import NO_LIMIT, Tables
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.extras import how_to_install
 from babyrobot_levels.text.words import did_you_mean
 
 ENGINES = ("numpy", "compiled", "jax")
@@ -41,9 +42,7 @@ def make_engine(
         try:
             from babyrobot_levels.envs.engine.jitted import JittedEngine
         except ImportError as reason:
-            raise ImportError(
-                "engine='jax' needs JAX: install babyrobot-levels with the extra `jax`"
-            ) from reason
+            raise ImportError(f"engine='jax' needs JAX: {how_to_install('jax')}") from reason
         return JittedEngine(tables, observations, num_envs)
     if name != "numpy":
         try:
@@ -53,7 +52,7 @@ def make_engine(
             if name == "compiled":
                 raise ImportError(
                     "engine='compiled' needs Numba, with compiling enabled and a cache folder: "
-                    "install babyrobot-levels with the extra `fast`"
+                    + how_to_install("fast")
                 ) from reason
         else:
             return CompiledEngine(tables, observations, num_envs)
