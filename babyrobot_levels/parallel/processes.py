@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import multiprocessing
+import os
 import signal
+import threading
 from collections.abc import Callable, Generator, Iterable
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -92,6 +94,15 @@ def _begin(stop: Event) -> None:
     # Ctrl-C is for the process that takes the results; it stops the others by the event.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     _stop = stop
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    """End when the process that takes the results is killed: nobody would tell this one to."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)  # noqa: TID251  (this process is ours, and `sys.exit` ends its thread only)
 
 
 def _work(function: Callable[[Any], Any], chunk: Chunk[Any]) -> Done[Any]:

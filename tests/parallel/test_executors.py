@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from contextlib import closing
@@ -34,6 +38,7 @@ def test_results_are_in_the_order_of_the_items(executor: Executor, items: Any) -
     assert list(executor.map(tasks.square, items)) == [number**2 for number in items]
 
 
+@pytest.mark.slow
 @BOTH
 def test_items_may_come_from_a_generator(executor: Executor) -> None:
     items = (number for number in range(500))
@@ -122,3 +127,24 @@ def test_executors_are_chosen_by_name(call: Callable[[], Executor], kind: type) 
 def test_a_wrong_choice_is_told(arguments: dict[str, Any], said: str) -> None:
     with pytest.raises(ValueError, match=said):
         executor_for(**arguments)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="pipes show which processes are there")
+def test_no_process_stays_when_the_one_that_started_it_is_killed() -> None:
+    program = """
+from babyrobot_levels.parallel.processes import Processes
+for _ in Processes(2).map(abs, range(10**9)):
+    print(flush=True)
+"""
+    with subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, start_new_session=True
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        process.kill()
+        try:
+            # The workers have the other end of the pipe, too: it is closed when they have ended.
+            process.communicate(timeout=30)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            raise
