@@ -60,6 +60,14 @@ def to_svg(level: Level, *, scale: float | None = None, **shown: Any) -> str:
     return paint(still(level, **shown), times or 1.0)
 
 
+def to_pdf(level: Level, *, scale: float | None = None, **shown: Any) -> bytes:
+    """Return a picture as a PDF file; args and errors are those of `to_svg`."""
+    from babyrobot_levels.render.pdf import to_pdf as paint
+
+    times = _checked(scale)
+    return paint([still(level, **shown)], times or 1.0)
+
+
 def to_png(
     level: Level, *, scale: float | None = None, progress: Progress | None = None, **shown: Any
 ) -> bytes:
@@ -395,11 +403,12 @@ def to_html(
     return paint(level, guide=guide, policy=watched, seed=seed, values=values, arrows=arrows)
 
 
-def guide_of(level: Level, *, turns: bool = False) -> Guide:
+def guide_of(level: Level, solution: Solution | None = None, *, turns: bool = False) -> Guide:
     """Return what a page shows of the solution.
 
     Args:
         level: the level; a maze needs a seed.
+        solution: its solution for a robot that moves, if it is known already.
         turns: whether the robot of the page turns; it can, too, if the level sets a heading.
 
     Raises:
@@ -407,7 +416,7 @@ def guide_of(level: Level, *, turns: bool = False) -> Guide:
     """
     from babyrobot_levels.analysis.solver.optimum import solve
 
-    solution = solve(level)
+    solution = solve(level) if solution is None else solution
     turning = _turning_guide(level) if turns or "heading" in level.model_fields_set else None
     return replace(solution_guide(level, solution), turning=turning, **_luck(level, solution))
 

@@ -183,6 +183,38 @@ class Level(GridWorld):
         )
         return _saved(picture, path)
 
+    def to_pdf(
+        self,
+        path: str | os.PathLike[str] | None = None,
+        *,
+        values: Any = None,
+        policy: Any = None,
+        action_values: Any = None,
+        visits: Any = None,
+        coordinates: bool | None = None,
+        theme: Any = None,
+        held: str | Iterable[str] | None = None,
+        rules: bool = False,
+        scale: float | None = None,
+    ) -> bytes:
+        """Return the level's picture as a PDF file of one page, as `babyrobot preview` makes it.
+
+        Args and errors are those of `to_svg`; a `scale` of 1 is 48 points per cell.
+        """
+        picture: bytes = later("pictures").to_pdf(
+            self,
+            values=values,
+            policy=policy,
+            action_values=action_values,
+            visits=visits,
+            coordinates=coordinates,
+            theme=theme,
+            held=held,
+            rules=rules,
+            scale=scale,
+        )
+        return _saved(picture, path)
+
     def to_png(
         self,
         path: str | os.PathLike[str] | None = None,

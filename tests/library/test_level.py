@@ -350,6 +350,7 @@ def test_good_files_are_saved_as_the_same_level(path: Path, tmp_path: Path) -> N
     assert again.to_dict() == level.to_dict()
 
 
+@pytest.mark.slow
 @for_each("path", GOOD)
 @pytest.mark.parametrize(
     "fields",
