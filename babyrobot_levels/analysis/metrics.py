@@ -226,12 +226,12 @@ class Metrics(Shown):
     @cached_property
     def best_return(self) -> float | None:
         """The optimal expected return, as `brl.solve` has it."""
-        return None if self._optimal is None else self._optimal.expected_return
+        return None if self.solution is None else self.solution.expected_return
 
     @cached_property
     def best_steps(self) -> float | None:
         """The expected length of an episode under the optimal policy; inf if it may never end."""
-        return None if self._optimal is None else self._optimal.expected_steps
+        return None if self.solution is None else self.solution.expected_steps
 
     @cached_property
     def random_return(self) -> float | None:
@@ -250,7 +250,7 @@ class Metrics(Shown):
         It is the trajectory from each start without skids and other chance, until the episode is
         over or a cell repeats.
         """
-        if self._optimal is None:
+        if self.solution is None:
             return None
         wet = {y * self.level.size[0] + x for x, y in (puddle.at for puddle in self.level.puddles)}
         cells = [state % self._cells for start in self._starts for state in self._trajectory(start)]
@@ -273,13 +273,14 @@ class Metrics(Shown):
         if not self._lengths:
             return None
         least = sum(self._lengths) / len(self._lengths)
-        optimal, at_random = _steps_to_exit(self._optimal), _steps_to_exit(self._random)
+        optimal, at_random = _steps_to_exit(self.solution), _steps_to_exit(self._random)
         if optimal is None or at_random is None or math.isinf(optimal):
             return None
         return math.log2(at_random / least) + math.log2(optimal / least)
 
     @cached_property
-    def _optimal(self) -> Solution | None:
+    def solution(self) -> Solution | None:
+        """The solution of the level, from which the returns are; None if it is undefined."""
         from babyrobot_levels.analysis.solver.optimum import solve
         from babyrobot_levels.analysis.solver.results import (
             EpisodeTooLongError,
@@ -306,8 +307,8 @@ class Metrics(Shown):
 
     def _trajectory(self, start: int) -> list[int]:
         """Return the states to which the optimal policy leads from a start without chance."""
-        assert self._optimal is not None
-        mdp, policy = self.level.compile(), self._optimal.policy.ravel()
+        assert self.solution is not None
+        mdp, policy = self.level.compile(), self.solution.policy.ravel()
         states: dict[int, None] = {}
         state = start
         # The number of states stands for the starts, one of which has come already.
@@ -315,7 +316,7 @@ class Metrics(Shown):
             states[state] = None
             if policy[state] < 0:
                 break
-            action = policy[state] + self._optimal.first_action
+            action = policy[state] + self.solution.first_action
             following = int(mdp.intended_next_state[state, action])
             state = _arrived(mdp, state, action, following) if self.level.has_things else following
         return list(states)

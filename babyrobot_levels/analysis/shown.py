@@ -141,7 +141,9 @@ def _(result: Sweep) -> str:
         ]
         rows.append(("Discount", _number(run.discount)))
     rows.append(("Actions", result.actions))
-    curve = Picture(svg.encode(), "image/svg+xml", 460, 260) if (svg := _curve(result)) else None
+    svg = _curve(result)
+    title = "Return of each episode" if isinstance(result, Trials) else "Return from the start"
+    curve = Picture(svg.encode(), "image/svg+xml", 460, 260, title) if svg else None
     return beside(_image(state_picture(result)), _image(curve) + facts(rows))
 
 

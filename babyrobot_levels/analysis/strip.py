@@ -6,7 +6,8 @@ import os
 import re
 import struct
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from html import unescape
 from pathlib import Path
 from typing import Any
 
@@ -59,10 +60,12 @@ def strip(
         raise ValueError(f"{len(given)} pictures need as many labels, not {len(labels)}")
     if columns is not None and columns < 1:
         raise ValueError(f"columns must be at least 1, not {columns!r}")
-    texts = map(_label, given) if labels is None else map(str, labels)
+    texts = [*map(_label, given)] if labels is None else [*map(str, labels)]
     extent = extent_of([each for each in given if isinstance(each, StateResult)])
-    made = (_picture(each, extent) for each in given)
-    return Strip(tuple(zip(made, texts, strict=True)), columns)
+    made = [_picture(each, extent) for each in given]
+    # What a picture does not say of itself, its label does.
+    told = [replace(each, title=each.title or text) for each, text in zip(made, texts, strict=True)]
+    return Strip(tuple(zip(told, texts, strict=True)), columns)
 
 
 @dataclass(frozen=True, repr=False)
@@ -174,4 +177,5 @@ def _of_svg(text: str) -> Picture | None:
         size = float(box[1]), float(box[2])
     else:
         return None
-    return Picture(text.encode("utf-8"), "image/svg+xml", *size)
+    title = re.search(r"<title\b[^>]*>([^<]*)</title>", text)
+    return Picture(text.encode(), "image/svg+xml", *size, unescape(title[1]) if title else "")

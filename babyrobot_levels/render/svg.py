@@ -160,3 +160,8 @@ def _paint(what: str, color: str | None) -> Iterator[tuple[str, str]]:
 def escaped(text: str) -> str:
     """Return a text escaped for XML; characters that XML cannot contain are replaced."""
     return escape(_NOT_XML.sub("\ufffd", text))
+
+
+def quoted(text: str) -> str:
+    """Return a text escaped for an attribute in double quotes."""
+    return escaped(text).replace('"', "&quot;")

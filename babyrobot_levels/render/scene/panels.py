@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.looks import Colors, Panel
 from babyrobot_levels.mdp.actions import DELTAS
@@ -38,6 +38,7 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
     shifted,
 )
+from babyrobot_levels.render.scene.tones import toned
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -89,7 +90,6 @@ def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
     if room is None:
         return
     # Most pictures have no room for rules, and the first frame does without the time to import.
-    from babyrobot_levels.render.scene.samples import sample_shapes
     from babyrobot_levels.render.words.rules import rules_of
 
     display, colors = level.display, level.resolved_theme.colors
@@ -99,12 +99,37 @@ def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
     else:
         panel = display.side_panel if room.where == "side" else display.bottom_panel
         ink = _text_color(panel, colors)
-    rules = rules_of(level)
-    for row in rows_in([rule.text for rule in rules], room.width, room.height):
-        left, top = room.left + row.left, room.top + row.top
+    rows = [SampledRule(level, rule.sample, rule.text) for rule in rules_of(level)]
+    yield from shifted(rule_shapes(rows, room.width, room.height, ink), room.left, room.top)
+
+
+class SampledRule(NamedTuple):
+    """A rule in a box.
+
+    Attributes:
+        level: the level whose sample is drawn beside it.
+        sample: the name of the sample, as in `Rule`.
+        text: the rule in words.
+    """
+
+    level: GridWorld
+    sample: str
+    text: str
+
+
+def rule_shapes(
+    rules: Sequence[SampledRule], width: float, height: float, ink: str
+) -> Iterator[Shape]:
+    """Yield rules in a box whose upper left corner is (0, 0), each with its sample."""
+    from babyrobot_levels.render.scene.samples import sample_shapes
+
+    for row in rows_in([rule.text for rule in rules], width, height):
+        left, top = row.left, row.top
         if row.rule is not None:
-            sample = sample_shapes(level, rules[row.rule].sample, SAMPLE)
-            yield from shifted(sample, left, top)
+            sample = sample_shapes(rules[row.rule].level, rules[row.rule].sample, SAMPLE)
+            yield from toned(
+                shifted(sample, left, top), rules[row.rule].level.resolved_theme.colors
+            )
             if sample:
                 # A sample may have the colour of the panel.
                 frame = rounded(left, top, SAMPLE, SAMPLE, 0)
@@ -113,6 +138,8 @@ def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
         top += max(0.0, (SAMPLE - RULE_LINE * len(row.lines)) / 2)
         for number, line in enumerate(row.lines):
             baseline = top + RULE_LINE * (number + 0.76)
+            # Not every font has a no-break space.
+            line = line.replace("\N{NO-BREAK SPACE}", " ")
             yield Text(left + TEXT_LEFT, baseline, line, RULE_SIZE, ink, "start")
 
 
