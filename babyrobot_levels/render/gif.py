@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-import io
 import math
+import struct
 from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
+from PIL.GifImagePlugin import getdata
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.grounds import Grounds
@@ -31,6 +33,7 @@ from babyrobot_levels.render.svg import number
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from babyrobot_levels.language.looks import Theme
     from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.raster import Progress, Translucent
 
@@ -58,8 +61,11 @@ _SHORTEST = 20
 _NUDGE = 0.13
 """The distance that the robot moves into a wall, as a share of a cell."""
 
-_COLORS, _EXACT = 256, 160
+_COLORS, _EXACT = 255, 160
 """The size of the palette, and how many of the most frequent colours it keeps exactly."""
+
+_TRANSPARENT = 255
+"""The number in an image of a pixel that stays as it was; it comes after those of colours."""
 
 Place = tuple[float, float]
 
@@ -267,18 +273,16 @@ class _Painter:
 
     def _robot(self, pose: Pose) -> Translucent:
         if pose not in self._robots:
-            theme = self._level.resolved_theme
             # In the film of a large level, a robot as small as its cell could not be found.
             size = max(1.0, _LEAST_ROBOT / (self._scale * CELL))
-            shapes = robot_shapes(theme, 0.0, 0.0, pose, small=self._small and size == 1)
-            self._robots[pose] = self._picture(tuple(scaled(shapes, size)), size)
+            small = self._small and size == 1
+            # Films of many levels have the same robot; a large one would take too much memory.
+            paint = _robot if size * self._scale <= 1 else _robot.__wrapped__
+            self._robots[pose] = paint(self._level.resolved_theme, pose, self._scale, size, small)
         return self._robots[pose]
 
-    def _picture(self, shapes: tuple[Shape, ...], cells: float = 1.0) -> Translucent:
-        """Return shapes as a picture that is so many cells wide and high."""
-        side = max(1, round(cells * self._scale * CELL))
-        scene = Scene(cells * CELL, cells * CELL, toned(shapes, self._level.resolved_theme.colors))
-        return translucent(lambda ground: to_rgb(scene, (side, side), ground))
+    def _picture(self, shapes: tuple[Shape, ...]) -> Translucent:
+        return _picture(shapes, self._level.resolved_theme, self._scale)
 
     def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Place) -> Patch:
         """Return the part of a picture around a place, with a figure in its middle."""
@@ -331,6 +335,22 @@ class _Painter:
         yield Patch(right - width, 0 if top == 0.0 else foot - height, pixels)
 
 
+@lru_cache(maxsize=256)
+def _robot(theme: Theme, pose: Pose, scale: float, size: float, small: bool) -> Translucent:
+    """Return a picture of the robot that is `size` cells wide and high."""
+    shapes = robot_shapes(theme, 0.0, 0.0, pose, small=small)
+    return _picture(tuple(scaled(shapes, size)), theme, scale, size)
+
+
+def _picture(
+    shapes: tuple[Shape, ...], theme: Theme, scale: float, cells: float = 1.0
+) -> Translucent:
+    """Return shapes as a picture that is so many cells wide and high."""
+    side = max(1, round(cells * scale * CELL))
+    scene = Scene(cells * CELL, cells * CELL, toned(shapes, theme.colors))
+    return translucent(lambda ground: to_rgb(scene, (side, side), ground))
+
+
 def _difference(ground: NDArray[np.uint8], other: NDArray[np.uint8]) -> Iterator[Patch]:
     """Yield the part of a picture that differs from the ground, if any."""
     changed = (ground != other).any(axis=2)
@@ -379,29 +399,56 @@ def encoded(ground: NDArray[np.uint8], frames: Sequence[Frame]) -> bytes:
 
     base = indexed(_packed(ground))
     parts = {key: indexed(pixels) for key, pixels in packed.items()}
-    images = []
-    for frame in frames:
-        pixels = base.copy()
-        for patch in frame.patches:
-            part = parts[id(patch)]
-            height, width = part.shape
-            pixels[patch.top : patch.top + height, patch.left : patch.left + width] = part
-        image = Image.fromarray(pixels)
-        image.putpalette(_unpacked(palette).astype(np.uint8).tobytes())
-        images.append(image)
-    buffer = io.BytesIO()
-    times = [frame.time for frame in frames]
-    images[0].save(
-        buffer,
-        "GIF",
-        save_all=True,
-        append_images=images[1:],
-        duration=times,
-        loop=0,
+
+    def pictures() -> Iterator[tuple[NDArray[np.uint8], int]]:
+        for frame in frames:
+            pixels = base.copy()
+            for patch in frame.patches:
+                part = parts[id(patch)]
+                height, width = part.shape
+                pixels[patch.top : patch.top + height, patch.left : patch.left + width] = part
+            yield pixels, frame.time
+
+    return b"".join(_file(base.shape, _unpacked(palette).astype(np.uint8), pictures()))
+
+
+def _file(
+    shape: tuple[int, ...],
+    palette: NDArray[np.uint8],
+    pictures: Iterator[tuple[NDArray[np.uint8], int]],
+) -> Iterator[bytes]:
+    """Yield the parts of a GIF file: of each picture only what differs from the one before."""
+    height, width = shape
+    table = palette.tobytes().ljust(3 * 256, b"\0")
+    yield b"GIF89a" + struct.pack("<HHBBB", width, height, 0xF7, 0, 0) + table
+    yield b"!\xff\x0bNETSCAPE2.0\x03\x01\0\0\0"
+    last, time = next(pictures)
+    left, top, image = 0, 0, last
+    for pixels, next_time in pictures:
+        changed = pixels != last
+        rows, columns = changed.any(axis=1).nonzero()[0], changed.any(axis=0).nonzero()[0]
+        if not rows.size:
+            time += next_time
+            continue
+        yield _image(image, left, top, time)
+        box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        image = np.where(changed[box], pixels[box], np.uint8(_TRANSPARENT))
+        left, top, last, time = int(columns[0]), int(rows[0]), pixels, next_time
+    yield _image(image, left, top, time)
+    yield b";"
+
+
+def _image(pixels: NDArray[np.uint8], left: int, top: int, time: int) -> bytes:
+    """Return an image of a GIF file, which is laid on those before."""
+    parts = getdata(
+        Image.fromarray(pixels),
+        (left, top),
+        duration=time,
         disposal=1,
-        optimize=True,
+        transparency=_TRANSPARENT,
+        interlace=0,
     )
-    return buffer.getvalue()
+    return b"".join(parts)
 
 
 def _packed(pixels: NDArray[np.uint8]) -> NDArray[np.int32]:

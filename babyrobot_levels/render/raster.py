@@ -114,6 +114,21 @@ def pixels_to_png(pixels: NDArray[np.uint8]) -> bytes:
     return buffer.getvalue()
 
 
+def reduced(png: bytes, side: int, colors: int = 64) -> bytes:
+    """Return a picture with fewer pixels and colours as a PNG file.
+
+    Args:
+        png: the picture, a PNG file.
+        side: the largest width and height in pixels.
+        colors: the largest number of colours.
+    """
+    buffer = io.BytesIO()
+    with Image.open(io.BytesIO(png)) as image:
+        image.thumbnail((side, side), Image.Resampling.BOX)
+        image.quantize(colors, dither=Image.Dither.NONE).save(buffer, "PNG", compress_level=9)
+    return buffer.getvalue()
+
+
 def _texts(scene: Scene) -> PngInfo:
     """Return the scene's title and description as texts of a PNG file."""
     # Arrays of pixels do without the plugin.
