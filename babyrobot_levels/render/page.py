@@ -59,11 +59,9 @@ from babyrobot_levels.text.errors import LevelError
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-SCRIPTS = (
-    "common.js",
+PLAYER = (
     "random.js",
     "checks.js",
-    "link.js",
     "things.js",
     "game.js",
     "result.js",
@@ -75,12 +73,15 @@ SCRIPTS = (
     "trail.js",
     "legend.js",
     "speech.js",
-    "page.js",
+    "player.js",
 )
+"""The scripts that play a level in the elements of `player_html`; they need `COMMON`."""
+
+SCRIPTS = ("common.js", *PLAYER, "link.js", "page.js")
 """The parts of the page's script, in the order of their dependencies."""
 
-STYLES = ("picture.css", "page.css")
-"""Its style sheets: what the editor shares, and the page's own."""
+STYLES = ("picture.css", "player.css", "page.css")
+"""Its style sheets: what the editor shares, those of the player, and the page's own."""
 
 PLAY_VERSIONS = (1, 2)
 """The versions of play parts that a page reads: 2 is for levels with things or a heading."""
@@ -139,19 +140,34 @@ def to_html(
     style = code_of(STYLES)
     script = f'"use strict";\n{code_of(SCRIPTS)}'
     theme = level.resolved_theme
+    title = escaped(title_of(level))
+    header = Template(_static("header.html")).substitute(
+        title=title, description=escaped(data["description"])
+    )
     icon = to_svg(Scene(CELL, CELL, toned(robot_shapes(theme, 0, 0), theme.colors)))
     return Template(_static("page.html")).substitute(
-        title=escaped(title_of(level)),
-        description=escaped(data["description"]),
+        title=title,
         policy=_security_policy(style, script),
         icon="data:image/svg+xml;base64," + base64.b64encode(icon.encode()).decode(),
         style=style,
         script=script,
-        picture=_picture(level, guide, data["shown"]),
+        player=player_html(_picture(level, guide, data["shown"]), header),
         facts="\n".join(_fact_rows(level)),
         common=embedded_json(common),
         data=embedded_json(data),
     )
+
+
+def player_html(picture: str, header: str = "") -> str:
+    """Return the elements in which `PLAYER` plays a level.
+
+    A page has them once, in an element of the class `player` and beside an element `title`.
+
+    Args:
+        picture: what is shown without JavaScript, as HTML.
+        header: what stands above the picture, as HTML.
+    """
+    return Template(_static("player.html")).substitute(picture=picture, header=header)
 
 
 def embedded_json(data: Any) -> str:

@@ -7,12 +7,12 @@ import hashlib
 import json
 import re
 from dataclasses import replace
-from html.parser import HTMLParser
 from importlib.resources import files
 from typing import Any
 
 import numpy as np
 import pytest
+from support.markup import Reader
 
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
@@ -24,7 +24,6 @@ from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 
-VOID = {"meta", "link", "input"}
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
 
 
@@ -49,45 +48,6 @@ def test_the_facts_of_a_level_are_told_with_their_names() -> None:
         ("Digest", lair.digest),
     ]
     assert [name for name, _ in facts(ROW)] == ["Size", "Digest"]
-
-
-class Reader(HTMLParser):
-    """Reads a page: its elements with their attributes, and their texts by element."""
-
-    def __init__(self, page: str) -> None:
-        super().__init__(convert_charrefs=True)
-        self.open: list[str] = []
-        self.elements: list[tuple[str, dict[str, str | None]]] = []
-        self.texts: dict[str, list[str]] = {}
-        self.comments: list[str] = []
-        self.feed(page)
-        self.close()
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.elements.append((tag, dict(attrs)))
-        self.texts.setdefault(tag, []).append("")
-        if tag not in VOID:
-            self.open.append(tag)
-
-    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.elements.append((tag, dict(attrs)))
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self.open:
-            self.texts[self.open[-1]][-1] += data
-
-    def handle_comment(self, data: str) -> None:
-        self.comments.append(data)
-
-    def find(self, tag: str, **wanted: str) -> list[dict[str, str | None]]:
-        return [
-            attributes
-            for name, attributes in self.elements
-            if name == tag and wanted.items() <= attributes.items()
-        ]
 
 
 def common_of(page: str) -> Any:

@@ -62,16 +62,6 @@ function bytesOf(body) {
   return Uint8Array.from(letters, (letter) => letter.charCodeAt(0));
 }
 
-/** Return the CRC-32 of bytes; `before` is that of the bytes before them. */
-function checksum(bytes, before = 0) {
-  let rest = ~before;
-  for (const byte of bytes) {
-    rest ^= byte;
-    for (let bit = 0; bit < 8; bit++) rest = (rest >>> 1) ^ (rest & 1 ? 0xedb88320 : 0);
-  }
-  return ~rest >>> 0;
-}
-
 /** Return decompressed bytes; the dictionary goes before them as a stored block. */
 async function unpacked(packed) {
   if (typeof DecompressionStream === "undefined") {

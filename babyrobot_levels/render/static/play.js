@@ -41,3 +41,13 @@ function downloadPlay(game) {
   link.click();
   URL.revokeObjectURL(link.href);
 }
+
+/** Return the CRC-32 of bytes; `before` is that of the bytes before them. */
+function checksum(bytes, before = 0) {
+  let rest = ~before;
+  for (const byte of bytes) {
+    rest ^= byte;
+    for (let bit = 0; bit < 8; bit++) rest = (rest >>> 1) ^ (rest & 1 ? 0xedb88320 : 0);
+  }
+  return ~rest >>> 0;
+}

@@ -207,6 +207,8 @@ def test_the_card_tells_how_good_and_how_lucky_an_episode_was(ground: Playground
             assert abs((int(found[1]) if found else 0) - 100 * share) <= 1
         assert stars(ground) == ("3 of 3 stars" if total >= best.mean else "2 of 3 stars")
         seen.add(stars(ground))
+        if seed >= 2 and len(seen) == 2:
+            break
     assert len(seen) == 2
 
 

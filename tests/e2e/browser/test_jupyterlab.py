@@ -185,7 +185,7 @@ def test_the_pictures_of_a_saved_notebook_are_still_there(served: Served, page: 
         at_rest_in(start, still(notebook, 2))
 
 
-@pytest.mark.parametrize("width", [700, 1300])
+@pytest.mark.parametrize("width", [700, pytest.param(1300, marks=pytest.mark.sweep)])
 def test_pictures_fit_the_width_of_their_cell(served: Served, page: Page, width: int) -> None:
     page.set_viewport_size({"width": width, "height": 900})
     served.write("wide.ipynb", *WIDE)

@@ -1,0 +1,320 @@
+// The player: a level in the elements of `board.html` and `panel.html`, and how it is controlled.
+const find = (id) => document.getElementById(id);
+const GOAL = "Move the robot to an exit."; // Of links that do not say it.
+const view = new View(find("stage"), find("map"));
+const legend = new Legend(view, find("rules"), find("cell"));
+
+let game = null;
+let picture = null;
+let trail = null;
+let isWatching = false;
+let timer = null;
+
+/** Show a level and start to play it; nothing changes if that fails. */
+function showLevel(data) {
+  const svg = levelPicture(data);
+  watch(false);
+  picture?.stop();
+  game = new Game(data, data.turns?.on ?? false);
+  picture = new Picture(game, svg, view);
+  trail = new Trail(game, svg);
+  legend.show(game);
+  find("watched").textContent =
+    data.walker === "best" ? "Watch the optimal policy" : "Watch the random policy";
+  for (const name of ["values", "policy"]) {
+    find(`show-${name}`).setAttribute("aria-pressed", data.shown.includes(name));
+  }
+  find("turning").hidden = data.turns === undefined;
+  const { discount = 1, goal } = data;
+  find("return-name").textContent = discount < 1 ? `Return, discount ${discount}` : "Return";
+  showActions();
+  showTrail();
+  begin(data.seed, goal ?? GOAL + game.things.needs(game.configuration));
+}
+
+/** Show the controls of the robot's actions, and what is known about them. */
+function showActions() {
+  const { data, isTurning, known } = game;
+  find("turning").setAttribute("aria-pressed", isTurning);
+  for (const place of document.querySelectorAll("[data-mode]")) {
+    place.hidden = (place.dataset.mode === "turns") !== isTurning;
+  }
+  const { walker } = data;
+  find("watch").hidden = walker === null || (walker === "best" && known.policy === null);
+  find("best").textContent = known.best;
+  find("best").parentElement.hidden = known.best === "";
+  find("hint").hidden = known.policy === null;
+  find("show-values").hidden = known.policy === null;
+  find("show-policy").hidden = known.policy === null || isTurning;
+}
+
+function factElements([name, value]) {
+  const [term, detail, text] = ["dt", "dd", "bdi"].map((tag) => document.createElement(tag));
+  term.textContent = name;
+  text.textContent = value;
+  detail.append(text);
+  return [term, detail];
+}
+
+/** Show the numbers of the episode, a message, and the result at the end. */
+function show(message, kind = "") {
+  find("steps").textContent = game.steps;
+  find("return").textContent = formatted(game.total);
+  const line = find("message");
+  line.textContent = message;
+  line.dataset.kind = kind;
+  speak(message);
+  showHeld();
+  showResult();
+  showHint(-1);
+  for (const button of document.querySelectorAll("[data-action]")) showButton(button);
+}
+
+/** Show on the button of an action whether that side is closed. */
+function showButton(button) {
+  if (button.closest("[hidden]")) return;
+  const isShut = game.end === null && !game.isPossible(Number(button.dataset.action));
+  const [name] = button.getAttribute("aria-label").split(",");
+  button.classList.toggle("shut", isShut);
+  button.setAttribute("aria-label", isShut ? `${name}, closed` : name);
+  button.setAttribute("aria-disabled", game.end !== null);
+}
+
+/** Tell screen readers what happened, and which sides are closed now. */
+function speak(message) {
+  const line = find("spoken");
+  const text = game.end === null ? `${message.replace(/[^.!?]$/, "$&.")} ${closedSides(game)}` : message;
+  // The same text again is only read out if it differs.
+  line.textContent = line.textContent === text ? `${text}\u00a0` : text;
+}
+
+/** Tell where the robot is, what is around it, and where the exits lie. */
+function lookAround() {
+  const text = surroundings(game);
+  find("message").textContent = find("spoken").textContent = text;
+  find("message").dataset.kind = "";
+}
+
+/** Show the card of the episode's result if it has ended. */
+function showResult() {
+  find("result").hidden = game.end === null;
+  if (game.end === null) return;
+  // The card does not cover the robot.
+  find("result").classList.toggle("high", 2 * game.place(game.state)[1] >= game.data.height);
+  const stars = starsOf(game);
+  find("result-title").textContent = titleOf(game);
+  find("stars").hidden = find("result-help").parentElement.hidden = stars === null;
+  find("stars").textContent = "\u2605".repeat(stars ?? 0).padEnd(3, "\u2606");
+  find("stars").setAttribute("aria-label", `${stars} of 3 stars`);
+  find("result-help").textContent = stars === null ? "" : ruleOf(game);
+  find("download").hidden = playLine(game) === null;
+  find("result-facts").replaceChildren(...resultFacts(game).flatMap(factElements));
+}
+
+/** Highlight an action in the picture and among the buttons; a negative one highlights none. */
+function showHint(action) {
+  trail.point(action);
+  for (const button of document.querySelectorAll("[data-action]")) {
+    const isMeant = button.dataset.action === String(action) && !button.closest("[hidden]");
+    button.classList.toggle("hinted", isMeant);
+  }
+}
+
+/** Show or hide the trail, as its switch says. */
+function showTrail() {
+  trail.group.classList.toggle("hidden", !find("trail").checked);
+}
+
+/** Show what is held, and which switches are on. */
+function showHeld() {
+  const { things, configuration } = game;
+  const groups = [["Held", "item", things.held(configuration)],
+    ["On", "switch", things.on(configuration)]];
+  find("held").replaceChildren(...groups.flatMap(([title, kind, found]) =>
+    (things.of(kind).length === 0 ? [] : [heldElement(title, found)])));
+  find("held").hidden = !find("held").hasChildNodes();
+}
+
+function heldElement(title, found) {
+  const [group, name] = ["div", "dt"].map((tag) => document.createElement(tag));
+  name.textContent = title;
+  group.append(name, ...(found.length === 0 ? [null] : found).map((thing) => {
+    const detail = document.createElement("dd");
+    if (thing === null) {
+      detail.textContent = "nothing";
+      detail.className = "none";
+      return detail;
+    }
+    const [look, left, top, side] = thing.icon;
+    const box = [left, top, side, side].map(pixels).join(" ");
+    const icon = element("svg", { viewBox: box, "aria-hidden": true }, lookElement(look));
+    detail.append(icon, thing.name);
+    return detail;
+  }));
+  return group;
+}
+
+function watch(wanted) {
+  isWatching = wanted;
+  clearTimeout(timer);
+  find("watch").setAttribute("aria-pressed", wanted);
+  if (!wanted) return;
+  if (game.end !== null) begin(game.nextSeed);
+  takeAdvice();
+}
+
+function takeAdvice() {
+  if (!isWatching) return;
+  const action = game.end === null ? game.advice() : -1;
+  if (action < 0) {
+    watch(false);
+    return;
+  }
+  game.watched += 1;
+  take(action);
+}
+
+function take(action) {
+  if (game.end !== null) {
+    show(`${game.describeEnd()} Retry or take new luck to play again.`, game.end);
+    return;
+  }
+  trail.stand();
+  const step = game.step(action);
+  const isEnd = game.end !== null;
+  show(isEnd ? `${game.describeStep(step)}. ${game.describeEnd()}` : game.describeStep(step),
+    isEnd ? game.end : step.event);
+  if (isEnd) document.dispatchEvent(new CustomEvent("episodeend", { detail: game }));
+  picture.go(step, () => {
+    trail.stand();
+    if (isWatching) timer = setTimeout(takeAdvice, picture.calm.matches ? 400 : 90);
+  });
+}
+
+/** Begin the episode of a seed. */
+function begin(seed, message = `An episode begins with seed ${seed}.`) {
+  game.begin(seed);
+  find("seed").value = seed;
+  stand(message);
+}
+
+/** Show the state of the game without a move. */
+function stand(message) {
+  picture.stand();
+  trail.stand();
+  show(message);
+}
+
+function undo() {
+  watch(false);
+  if (game.past.length === 0) {
+    show("There is no action to undo.");
+    return;
+  }
+  game.undo();
+  stand(`Undone: back at [${game.place(game.state).join(", ")}] after ` +
+    `${game.steps} step${game.steps === 1 ? "" : "s"}.`);
+}
+
+function hint() {
+  if (find("hint").hidden) return;
+  watch(false);
+  const action = game.hint();
+  show(action < 0 ? "There is no hint: the episode has ended." : game.describeHint(action));
+  showHint(action);
+}
+
+function toggle(name) {
+  const button = find(`show-${name}`);
+  if (button.hidden) return;
+  const isShown = button.getAttribute("aria-pressed") !== "true";
+  button.setAttribute("aria-pressed", isShown);
+  for (const layer of name === "values" ? ["heat", name] : [name]) {
+    find(layer).classList.toggle("hidden", !isShown);
+  }
+  picture.showAnswers();
+}
+
+/** Let the robot turn, or move to all sides again: from the start. */
+function turn() {
+  if (find("turning").hidden) return;
+  watch(false);
+  game.isTurning = !game.isTurning;
+  showActions();
+  begin(game.seed);
+}
+
+function byHand(action) {
+  if (isWatching) watch(false);
+  take(action);
+}
+
+function restart(seed) {
+  watch(false);
+  begin(seed);
+}
+
+const MOVES = ["stay", ...SIDES.slice(1)];
+const TURNS = ["left", "right", "forward"];
+const CONTROLS = {
+  ...Object.fromEntries([MOVES, TURNS].flatMap((names) =>
+    names.map((name, action) => [name, () => byHand(action)]))),
+  undo,
+  hint,
+  retry: () => restart(game.seed),
+  "new-luck": () => restart(game.nextSeed),
+  watch: () => find("watch").hidden || watch(!isWatching),
+  values: () => toggle("values"),
+  policy: () => toggle("policy"),
+  turning: turn,
+  look: lookAround,
+  download: () => downloadPlay(game),
+  close: () => {
+    find("result").hidden = true;
+    find("stage").focus();
+  },
+  fit: () => view.fit(),
+  larger: () => view.zoomTo(view.zoom * ZOOM_STEP),
+  smaller: () => view.zoomTo(view.zoom / ZOOM_STEP),
+};
+
+const KEYS = {
+  arrowup: "north", arrowright: "east", arrowdown: "south", arrowleft: "west",
+  w: "north", d: "east", s: "south", a: "west", " ": "stay",
+  z: "undo", h: "hint", r: "retry", n: "new-luck",
+  p: "watch", v: "values", b: "policy", t: "turning",
+  l: "look", 0: "fit", "+": "larger", "=": "larger", "-": "smaller",
+};
+
+/** What the keys and swipes of moves do while the robot turns; the others do nothing. */
+const TURN_KEYS = { north: "forward", east: "right", west: "left" };
+
+function move(name) {
+  CONTROLS[game.isTurning ? TURN_KEYS[name] : name]?.();
+}
+
+document.addEventListener("keydown", (event) => {
+  if (game === null || event.ctrlKey || event.metaKey || event.altKey) return;
+  if (view.stage.closest("[hidden]") !== null) return;
+  const { target } = event;
+  if (target.matches("[type=text]")) return;
+  if (event.key === " " && target.matches("button, input, summary")) return;
+  if (event.key.length === 1 && !find("shortcuts").checked) return;
+  const control = KEYS[event.key.toLowerCase()];
+  if (control === undefined) return;
+  event.preventDefault();
+  const isMove = MOVES.includes(control);
+  // A key that is held down waits until the robot has arrived.
+  if (event.repeat && (picture.running !== null || !isMove || control === "stay")) return;
+  if (isMove) move(control);
+  else CONTROLS[control]();
+});
+listenToGestures(view, (side) => game !== null && move(SIDES[side]));
+for (const button of document.querySelectorAll("[data-control]")) {
+  button.addEventListener("click", () => CONTROLS[button.dataset.control]());
+}
+find("seed").addEventListener("change", ({ target }) => {
+  if (!target.checkValidity() || target.value === "") return;
+  restart(target.value);
+});
+find("trail").addEventListener("change", showTrail);
