@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -23,7 +22,7 @@ from babyrobot_levels.library.search_path import gallery_folder
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.reader import read
-from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.source import SourceFile, with_schema
 
 EMPTY = """\
 version: 1
@@ -36,10 +35,6 @@ exit: [7, 4]
 
 NAME = "untitled"
 """What a level without a name is called."""
-
-_RELATIVE_SCHEMA = re.compile(
-    r"^# yaml-language-server: *\$schema=(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*\n", re.M
-)
 
 
 def session_of(level: str | os.PathLike[str] | Level | None) -> Session:
@@ -81,7 +76,7 @@ def text_of(level: Level) -> str:
     """
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
         level = level.replace(theme=level.resolved_theme)
-    return _RELATIVE_SCHEMA.sub("", level.to_yaml(comments=True), count=1)
+    return with_schema(level.to_yaml(comments=True))
 
 
 def _copied(name: str, path: Path) -> str:

@@ -9,16 +9,11 @@ from pydantic import StrictStr, StringConstraints, model_validator
 from babyrobot_levels.language.base import Model, Slug, Text
 from babyrobot_levels.text.diagnostics import Issue
 from babyrobot_levels.text.errors import InvalidDocument
+from babyrobot_levels.text.files import RESERVED
 
 _NUMBER = r"(0|[1-9][0-9]{0,8})"
 VERSION = rf"^{_NUMBER}\.{_NUMBER}\.{_NUMBER}$"
 Version = Annotated[StrictStr, StringConstraints(pattern=VERSION)]
-
-RESERVED = {
-    *("con", "prn", "aux", "nul"),
-    *(f"{device}{number}" for device in ("com", "lpt") for number in range(10)),
-}
-"""Names that no file can have on Windows, whatever stands behind a dot."""
 
 
 class PackFields(Model):

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, user_folder
+from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, is_gallery, user_folder
 
 PATH_VARIABLE = "BABYROBOT_LEVELS"
 GALLERY = "gallery"
@@ -103,6 +103,8 @@ def gallery_folder() -> Path:
 def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
     """Yield the YAML files below a folder, sorted; not those of themes, nor hidden ones.
 
+    The copies in galleries of web pages are left out, unless the folder is itself in one.
+
     Args:
         folder: the folder.
         all_of_them: whether none may be left out. Otherwise, what lies too deep and what may not
@@ -116,7 +118,10 @@ def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
         folders[:] = sorted(
             name
             for name in folders
-            if name != "themes" and not name.startswith(".") and (all_of_them or depth < MAX_DEPTH)
+            if name != "themes"
+            and not name.startswith(".")
+            and (all_of_them or depth < MAX_DEPTH)
+            and not is_gallery(Path(here, name))
         )
         for name in sorted(names):
             path = Path(here, name)

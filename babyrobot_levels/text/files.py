@@ -22,8 +22,15 @@ from babyrobot_levels.text.source import MAX_BYTES, START, Position, SourceFile
 SUFFIXES = (".yaml", ".yml")
 PACK_FILE = "pack.yaml"
 """The file that makes a folder a pack."""
+GALLERY_FILES = ("gallery.json", "index.html")
+"""The files that make a folder a gallery of web pages: its list, and its first page."""
 MAX_DEPTH = 6
 """So many folders deep are levels looked for."""
+RESERVED = {
+    *("con", "prn", "aux", "nul"),
+    *(f"{device}{number}" for device in ("com", "lpt") for number in range(10)),
+}
+"""Names that no file can have on Windows, whatever stands behind a dot."""
 
 _MAX_PREFIX = 40
 """So many characters of a file's name does its temporary name begin with."""
@@ -103,6 +110,11 @@ def is_file(path: Path) -> bool:
 def is_folder(path: Path) -> bool:
     """Tell whether a path is a folder; one that cannot be asked is none."""
     return os.path.isdir(path)  # noqa: PTH112
+
+
+def is_gallery(path: Path) -> bool:
+    """Tell whether a folder is a gallery of web pages, in which levels are copies."""
+    return all(is_file(path / name) for name in GALLERY_FILES)
 
 
 def user_folder() -> Path:
@@ -215,6 +227,38 @@ def append_line(path: Path, line: bytes) -> bool:
             file.truncate(size)
             raise
     return True
+
+
+@contextmanager
+def written_folder(path: Path) -> Iterator[Path]:
+    """Yield a new folder beside a path, which takes its place there at the end of the block.
+
+    What was there before is replaced. If the block raises an error, it stays as it was.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    import shutil
+    import tempfile
+
+    path = path.resolve()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = Path(tempfile.mkdtemp(prefix=f".{path.name[:_MAX_PREFIX]}.", dir=path.parent))
+    try:
+        folder = temporary / "new"
+        folder.mkdir()
+        yield folder
+        with uninterrupted():
+            if is_folder(path):
+                path.rename(temporary / "old")
+            try:
+                folder.rename(path)
+            except OSError:
+                if is_folder(temporary / "old"):
+                    (temporary / "old").rename(path)
+                raise
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
 
 
 @contextmanager

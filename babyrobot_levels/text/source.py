@@ -35,6 +35,10 @@ START = Position(1, 1)
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
+_RELATIVE_SCHEMA = re.compile(
+    r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*(?:\n|\Z)", re.M
+)
+
 
 @dataclass(frozen=True)
 class SourceFile:
@@ -102,16 +106,22 @@ class SourceFile:
         return shown, " " * blank + "^" * carets
 
 
+_JOINERS = "\N{ZERO WIDTH NON-JOINER}\N{ZERO WIDTH JOINER}"
+
+
 def printable(text: str) -> str:
     """Return a text with its control characters written as escapes, line ends kept.
 
     For whatever comes from a file or its name: no text may move the cursor of the reader's
-    terminal, colour it, or forge a line of a report.
+    terminal, colour it, or forge a line of a report. Joiners stay, which emojis and some scripts
+    are written with.
     """
     if text.isprintable():
         return text
     return "".join(
-        character if character.isprintable() or character == "\n" else ascii(character)[1:-1]
+        character
+        if character.isprintable() or character == "\n" or character in _JOINERS
+        else ascii(character)[1:-1]
         for character in text
     )
 
@@ -148,6 +158,17 @@ def _shown(character: str) -> str:
 
 
 def _columns(character: str) -> int:
-    if unicodedata.combining(character):
+    if unicodedata.combining(character) or character in _JOINERS:
         return 0
     return 2 if unicodedata.east_asian_width(character) in "WF" else 1
+
+
+def with_schema(text: str, schema: str | None = None) -> str:
+    """Return the text of a file for another place, from where its relative schema is elsewhere.
+
+    Args:
+        text: the text.
+        schema: the schema that its comment for editors names instead; None for no comment.
+    """
+    line = f"\\g<1>{schema}\n" if schema else ""
+    return _RELATIVE_SCHEMA.sub(line, text, count=1)

@@ -8,7 +8,8 @@ from babyrobot_levels.text.source import Position, SourceFile, Span, columns
 
 
 @pytest.mark.parametrize(
-    ("text", "count"), [("", 0), ("maze", 4), ("é", 1), ("e\u0301", 1), ("迷路", 4), ("ＡＢ", 4)]
+    ("text", "count"),
+    [("", 0), ("maze", 4), ("é", 1), ("e\u0301", 1), ("a\u200db", 2), ("迷路", 4), ("ＡＢ", 4)],
 )
 def test_wide_and_combining_characters_are_counted_as_terminals_show_them(
     text: str, count: int

@@ -21,7 +21,13 @@ from babyrobot_levels.library.packs.format import (
     path_fault,
 )
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, NotRegularError, read_bytes
+from babyrobot_levels.text.files import (
+    MAX_DEPTH,
+    PACK_FILE,
+    NotRegularError,
+    is_gallery,
+    read_bytes,
+)
 from babyrobot_levels.text.source import MAX_BYTES, START, SourceFile
 
 _LOCAL_SCHEMA = re.compile(rb"^#.*\$schema=(?:file:|/|~|[A-Za-z]:[/\\])", re.MULTILINE)
@@ -102,6 +108,9 @@ def _paths(folder: Path) -> tuple[list[str], list[str]]:
         if len(inside.parts) == MAX_DEPTH:
             others += [f"{(inside / name).as_posix()}/" for name in folders]
             folders.clear()
+        galleries = [name for name in folders if is_gallery(Path(here, name))]
+        others += [f"{(inside / name).as_posix()}/" for name in galleries]
+        folders[:] = [name for name in folders if name not in galleries]
         for name in names:
             if not name.startswith("."):
                 (found if belongs(name) else others).append((inside / name).as_posix())

@@ -11,9 +11,9 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, StrictInt, StrictStr, StringConstraints, ValidationError
 
 from babyrobot_levels.language.base import SLUG, Model, Slug
-from babyrobot_levels.language.pack import RESERVED, Version
+from babyrobot_levels.language.pack import Version
 from babyrobot_levels.text.errors import BabyRobotError
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES
+from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, RESERVED, SUFFIXES
 
 
 class PackError(BabyRobotError):

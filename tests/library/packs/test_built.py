@@ -93,7 +93,7 @@ def test_the_wheel_holds_the_pack(wheel: Path) -> None:
 
 
 def test_what_the_page_says_works(site: Path, tmp_path: Path) -> None:
-    code = block("py") + "\nimport sys\nprint('zoo_mazes' in sys.modules)\n"
+    code = block("python") + "\nimport sys\nprint('zoo_mazes' in sys.modules)\n"
     assert run(code, tmp_path, site) == "False\n"
 
 
