@@ -203,7 +203,7 @@ HEAD = 200
 
 
 class FolderError(BabyRobotError):
-    """The folder holds files that must not be overwritten. `help` says what to do."""
+    """A folder holds files that must not be overwritten. `help` says what to do."""
 
     __module__ = "babyrobot_levels"
 

@@ -16,6 +16,7 @@ from babyrobot_levels.envs.engine.tables import Part, part_of
 from babyrobot_levels.envs.observations import Observation
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.vector.levels import misfit
+from babyrobot_levels.generate.named import named_levels
 from babyrobot_levels.generate.suite_sources import Bounds
 from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.jax.building import LevelArrays, arrays_of, build
@@ -173,17 +174,16 @@ def levels_in(given: Any) -> Sequence[Level]:
     """Return the levels that an argument names.
 
     Args:
-        given: a name, a path, a mapping or a `Level`; a list of these; or a suite.
+        given: the levels, as `named_levels` takes them.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid.
         ValueError: there are none, or one has `maze: {seed: random}`.
     """
-    several = isinstance(given, Sequence) and not isinstance(given, str)
-    levels: Sequence[Level] = given
-    if not isinstance(given, Suite):
-        levels = [load(each) for each in (given if several else [given])]
+    named = named_levels(given)
+    levels: Sequence[Level] = named if isinstance(named, Suite) else [*map(load, named)]
+    if not isinstance(levels, Suite):
         for level in levels:
             if level.has_random_maze:
                 raise ValueError(

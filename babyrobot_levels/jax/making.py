@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of
 from babyrobot_levels.envs.suite import extent_of
+from babyrobot_levels.generate.named import Levels
 from babyrobot_levels.generate.suite_sources import Bounds
 from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.jax.env import LevelEnvironment
 from babyrobot_levels.jax.loading import MAX_BYTES, Loader, bounds_of, levels_in
 from babyrobot_levels.jax.params import EnvParams
-from babyrobot_levels.library.level import Level
-
-LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
-Levels = LevelLike | Sequence[LevelLike] | Suite
 
 
 def make(
@@ -43,8 +38,8 @@ def make(
     episodes are those of `LevelVectorEnv` with the same arguments.
 
     Args:
-        levels: a name, a path, a mapping or a `Level`; a list of these; or a `Suite`, a split or a
-            slice of one.
+        levels: a level, a folder, a pack or a suite: a name, a path, a mapping, a `Level` or a
+            `Suite`; or several levels.
         observation: `"position"`, `"index"`, `"walls"`, `"vector"`, `"planes"`, `"image"` or
             `"view"`; or a tuple of several of them, for a dict of observations.
         actions: `"valid"`, `"all"`, `"moves"`, `"valid_moves"` or `"turns"`. There is no difference

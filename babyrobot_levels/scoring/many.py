@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import os
 import pickle
-from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
+from collections.abc import Callable, Generator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, fields
 from functools import lru_cache, partial
 from hashlib import sha256
 from pathlib import Path
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,27 +25,17 @@ from babyrobot_levels.analysis.solver.results import (
     check_within,
 )
 from babyrobot_levels.analysis.solver.space import space_of
-from babyrobot_levels.generate.suites import Suite, load_suite
-from babyrobot_levels.language.share_code import is_code
-from babyrobot_levels.language.suite import SuiteFields
-from babyrobot_levels.library.catalogue import level_path, load
+from babyrobot_levels.generate.named import Levels
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.reading import load_code, load_file, load_source
 from babyrobot_levels.parallel.choice import ExecutorName, executor_for
-from babyrobot_levels.parallel.executor import Executor, Failure, portable
+from babyrobot_levels.parallel.executor import Executor, Failure
 from babyrobot_levels.parallel.in_process import InProcess
 from babyrobot_levels.scoring.agents import Table
 from babyrobot_levels.scoring.results import plain
 from babyrobot_levels.scoring.saved import MAX_BYTES, load_policy
+from babyrobot_levels.scoring.sent import Item, portable_error, received, sent
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
-from babyrobot_levels.text.files import read_bytes, read_source
-from babyrobot_levels.text.source import SourceFile
-
-LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
-"""A level, as `load` takes it."""
-
-Levels = str | os.PathLike[str] | Mapping[str, Any] | Suite | Iterable[LevelLike]
-"""A suite, as `load_suite` takes it, or several levels."""
+from babyrobot_levels.text.files import read_bytes
 
 LevelPolicy = str | os.PathLike[str] | Callable[[Level], Any]
 """A policy for each of many levels; see `evaluate_many`."""
@@ -132,9 +121,9 @@ def solve_many(
     the result. The rows do not depend on the executor.
 
     Args:
-        levels: a suite: a name, a path, a mapping or a `Suite`; or several levels: names, paths,
-            mappings or `Level`s. A suite that grows mazes is sent to workers once, and each of
-            its levels as its number; other levels are sent as texts.
+        levels: a suite, a folder, a pack or a level: a name, a path, a mapping, a `Suite` or a
+            `Level`; or several levels. A suite that grows mazes is sent to workers once, and each
+            of its levels as its number; other levels are sent as texts.
         within: as for `solve`.
         discount: as for `solve`.
         actions: as for `solve`.
@@ -149,7 +138,7 @@ def solve_many(
         A row for each level, in the order of the levels.
 
     Raises:
-        SuiteNotFoundError: there is no suite of that name.
+        LevelNotFoundError: there is no level, folder, pack or suite of that name.
         ExecutorError: Ray is not installed, or cannot be reached.
         ValueError: an argument has a value that it cannot have.
         Exception: without `keep_going`, what `solve` raises for a level, with a note that gives
@@ -195,7 +184,7 @@ def evaluate_many(
         A row for each level, in the order of the levels.
 
     Raises:
-        SuiteNotFoundError: there is no suite of that name.
+        LevelNotFoundError: there is no level, folder, pack or suite of that name.
         ExecutorError: Ray is not installed, or cannot be reached.
         ValueError: an argument has a value that it cannot have, or the file is no saved policy.
         TypeError: other processes cannot import the function.
@@ -241,7 +230,7 @@ def metrics_many(
         A row for each level, in the order of the levels.
 
     Raises:
-        SuiteNotFoundError: there is no suite of that name.
+        LevelNotFoundError: there is no level, folder, pack or suite of that name.
         ExecutorError: Ray is not installed, or cannot be reached.
         ValueError: an argument has a value that it cannot have.
         Exception: without `keep_going`, what `metrics` raises for a level, with a note that gives
@@ -284,7 +273,7 @@ def _rows(
     chosen = executor_for(executor, jobs)
     if not isinstance(chosen, InProcess):
         _check_portable(task)
-    suite, items = _sent(levels)
+    suite, items = sent(levels)
     return _yielded(kind, chosen.map(partial(_work, task, suite), items), keep_going)
 
 
@@ -311,85 +300,18 @@ def _yielded(
             yield row
 
 
-# -- what is sent to workers ---------------------------------------------------------------
-
-
-class _File(NamedTuple):
-    """The text of a level's file."""
-
-    path: str
-    text: str
-
-
-_Item = int | str | _File | Exception
-"""A level as it is sent: its number in a suite, its share code, its file, or why it has none."""
-
-
-def _sent(levels: Levels) -> tuple[str | None, Iterable[_Item]]:
-    """Return the suite that workers need, as JSON, and what is sent to them for each level."""
-    if not isinstance(levels, str | os.PathLike | Mapping | Suite):
-        return None, _items(_text_of, levels)
-    suite = load_suite(levels)
-    if isinstance(suite.fields, SuiteFields):
-        # A file may give the suite its name, and this one its levels theirs.
-        return json.dumps({**suite.to_dict(whole=True), "name": suite.name}), suite.numbers
-    return None, _items(lambda index: suite[index].share_code(), range(len(suite)))
-
-
-def _items(make: Callable[[Any], _Item], levels: Iterable[Any]) -> Iterator[_Item]:
-    """Yield what is sent for each level. Errors are raised by workers, to have their places."""
-    for level in levels:
-        try:
-            item = make(level)
-        except (BabyRobotError, OSError) as error:
-            item = _portable(error)
-        yield item
-
-
-def _text_of(level: LevelLike) -> str | _File:
-    if isinstance(level, str) and is_code(level):
-        return level
-    if isinstance(level, str | os.PathLike):
-        path = level_path(level)
-        text = read_source(path).text
-        # A theme may be a file beside it, which other machines need not have.
-        return load_file(path).share_code() if "theme" in text else _File(str(path), text)
-    return load(level).share_code()
-
-
 # -- in workers ----------------------------------------------------------------------------
 
 
-def _work(task: _Task, suite: str | None, item: _Item) -> dict[str, Any]:
+def _work(task: _Task, suite: str | None, item: Item) -> dict[str, Any]:
     """Return the fields of a level's row, except for its index."""
-    level = _level(suite, item)
+    level = received(suite, item)
     found: dict[str, Any] = {"name": level.name}
     try:
         found["digest"] = level.digest
         return found | task(level)
     except Exception as error:
-        return found | {"error": _portable(error)}
-
-
-def _level(suite: str | None, item: _Item) -> Level:
-    if isinstance(item, Exception):
-        raise item
-    if isinstance(item, _File):
-        return load_source(SourceFile(item.path, item.text), Path(item.path))
-    if isinstance(item, str):
-        return load_code(item)
-    assert suite is not None
-    return _suite(suite)[item]
-
-
-@lru_cache(maxsize=2)
-def _suite(text: str) -> Suite:
-    return load_suite(json.loads(text))
-
-
-def _portable(error: Exception) -> Exception:
-    """Return an error that another process can read."""
-    return portable(Failure(0, error)).error
+        return found | {"error": portable_error(error)}
 
 
 def _solved(

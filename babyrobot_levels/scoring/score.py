@@ -21,8 +21,9 @@ from babyrobot_levels.envs.observations import Observation, make_observer
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.suite import extent_of
-from babyrobot_levels.generate.suites import Suite, load_suite
-from babyrobot_levels.library.catalogue import load, suite_path
+from babyrobot_levels.generate.named import named_levels
+from babyrobot_levels.generate.suites import Suite
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.scoring.agents import Chooser, Floats, Player, Table, read_agent
 from babyrobot_levels.scoring.results import LevelScore, Scores
@@ -72,7 +73,7 @@ def score(
             - a model of Stable-Baselines3 or sb3-contrib, or an `RLModule` of RLlib;
             - an object with memory: `reset()` begins an episode, and `act(observation, mask)`
               returns an action.
-        levels: a level, a suite, or several levels: names, paths, mappings, `Level`s.
+        levels: a level, several, a folder, a pack or a suite: names, paths, mappings, `Level`s.
         split: the part of a suite that is scored.
         within: the number of steps after which episodes are truncated, or `"max_steps"`; by
             default that of each level, none where it has none.
@@ -120,16 +121,13 @@ def score(
 
 def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level], Extent]:
     """Return the levels that are scored, and the extent of their observations."""
-    if isinstance(levels, str) and suite_path(levels) is not None:
-        levels = load_suite(levels)
-    if isinstance(levels, Suite):
-        part = levels if split is None else levels.split(split)
-        return list(part), extent_of(levels.bounds, turns=turns)
+    named = named_levels(levels)
+    if isinstance(named, Suite):
+        part = named if split is None else named.split(split)
+        return list(part), extent_of(named.bounds, turns=turns)
     if split is not None:
         raise ValueError("split is a part of a suite; these are levels")
-    if not isinstance(levels, list | tuple):
-        levels = [levels]
-    found = [load(level) for level in levels]
+    found = [load(level) for level in named]
     if not found:
         raise ValueError("there are no levels to score")
     return found, Extent.of(found, turns=turns)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import jax
@@ -41,6 +42,14 @@ def test_a_level_that_is_taken_alone_is_as_it_is_among_others() -> None:
         *(jax.tree.leaves(found[1][1:]) for found in (together, alone)), strict=True
     ):
         assert np.array_equal(one, other)
+
+
+def test_a_folder_is_all_of_its_levels(tmp_path: Path) -> None:
+    for size in (2, 3):
+        text = f"version: 1\nsize: [{size}, 1]\n"
+        (tmp_path / f"{size}.yaml").write_text(text, encoding="utf-8")
+    _, params = brl_jax.make(tmp_path)
+    assert brl_jax.optimum(params).returns.tolist() == [0, -1]
 
 
 def test_room_that_a_level_does_not_use_is_terminal() -> None:

@@ -1,0 +1,91 @@
+"""Levels as workers get them: the number of one in a suite, its share code, or its file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterable, Iterator
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from babyrobot_levels.generate.named import LevelLike, Levels, named_levels
+from babyrobot_levels.generate.suites import Suite, load_suite
+from babyrobot_levels.language.share_code import is_code
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.library.catalogue import level_path, load
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.library.reading import load_code, load_file, load_source
+from babyrobot_levels.parallel.executor import Failure, portable
+from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.files import read_source
+from babyrobot_levels.text.source import SourceFile
+
+
+class _File(NamedTuple):
+    """The text of a level's file."""
+
+    path: str
+    text: str
+
+
+Item = int | str | _File | Exception
+"""A level as it is sent: its number in a suite, its share code, its file, or why it has none."""
+
+
+def sent(levels: Levels) -> tuple[str | None, Iterable[Item]]:
+    """Return the suite that workers need, as JSON, and what is sent to them for each level."""
+    suite = named_levels(levels)
+    if not isinstance(suite, Suite):
+        return None, _items(_text_of, suite)
+    if isinstance(suite.fields, SuiteFields):
+        # A file may give the suite its name, and this one its levels theirs.
+        return json.dumps({**suite.to_dict(whole=True), "name": suite.name}), suite.numbers
+    return None, _items(lambda index: suite[index].share_code(), range(len(suite)))
+
+
+def _items(make: Callable[[Any], Item], levels: Iterable[Any]) -> Iterator[Item]:
+    """Yield what is sent for each level. Errors are raised by workers, to have their places."""
+    for level in levels:
+        try:
+            item = make(level)
+        except (BabyRobotError, OSError) as error:
+            item = portable_error(error)
+        yield item
+
+
+def _text_of(level: LevelLike) -> str | _File:
+    if isinstance(level, str) and is_code(level):
+        return level
+    if isinstance(level, str | os.PathLike):
+        path = level_path(level)
+        text = read_source(path).text
+        # A theme may be a file beside it, which other machines need not have.
+        return load_file(path).share_code() if "theme" in text else _File(str(path), text)
+    return load(level).share_code()
+
+
+def received(suite: str | None, item: Item) -> Level:
+    """Return a level that was sent.
+
+    Raises:
+        Exception: it cannot be loaded, here or where it was sent from.
+    """
+    if isinstance(item, Exception):
+        raise item
+    if isinstance(item, _File):
+        return load_source(SourceFile(item.path, item.text), Path(item.path))
+    if isinstance(item, str):
+        return load_code(item)
+    assert suite is not None
+    return _suite(suite)[item]
+
+
+@lru_cache(maxsize=2)
+def _suite(text: str) -> Suite:
+    return load_suite(json.loads(text))
+
+
+def portable_error(error: Exception) -> Exception:
+    """Return an error that another process can read."""
+    return portable(Failure(0, error)).error
