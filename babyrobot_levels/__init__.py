@@ -82,6 +82,10 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.tables import Mdp as Mdp
     from babyrobot_levels.parallel.executor import ExecutorError as ExecutorError
     from babyrobot_levels.parallel.executor import WorkerDiedError as WorkerDiedError
+    from babyrobot_levels.publish.gallery import Gallery as Gallery
+    from babyrobot_levels.publish.gallery import write_gallery as write_gallery
+    from babyrobot_levels.publish.sheet import Sheet as Sheet
+    from babyrobot_levels.publish.sheet import sheet as sheet
     from babyrobot_levels.scoring.datasets import to_minari as to_minari
     from babyrobot_levels.scoring.many import LevelMetrics as LevelMetrics
     from babyrobot_levels.scoring.many import LevelValue as LevelValue
@@ -121,6 +125,7 @@ _HOMES = {
     "Evaluation": "analysis.solver.results",
     "ExecutorError": "parallel.executor",
     "FolderError": "generate.batch",
+    "Gallery": "publish.gallery",
     "Generated": "generate.batch",
     "Grade": "scoring.plays.grades",
     "Grades": "scoring.plays.grades",
@@ -145,6 +150,7 @@ _HOMES = {
     "Sampler": "envs.samplers",
     "Scores": "scoring.results",
     "Severity": "text.diagnostics",
+    "Sheet": "publish.sheet",
     "Simulation": "analysis.solver.results",
     "Solution": "analysis.solver.results",
     "UnsatisfiableError": "generate.search",
@@ -185,6 +191,7 @@ _HOMES = {
     "rollout": "envs.engine.rollout",
     "sarsa": "analysis.learning.episodes",
     "score": "scoring.score",
+    "sheet": "publish.sheet",
     "simulate": "analysis.solver.evaluation",
     "solve": "analysis.solver.optimum",
     "solve_many": "scoring.many",
@@ -193,6 +200,7 @@ _HOMES = {
     "verify_play": "scoring.plays.verify",
     "to_minari": "scoring.datasets",
     "value_iteration": "analysis.learning.sweeps",
+    "write_gallery": "publish.gallery",
 }
 
 _RENAMED = {

@@ -35,6 +35,7 @@ BENCHMARKS = (
     "lint",
     "mazes",
     "generate",
+    "gallery",
     "parallel",
     "editor",
     "jax_envs",

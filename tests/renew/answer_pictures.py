@@ -1,4 +1,4 @@
-"""Draw the pictures with answers in `docs/pictures.md` anew; those of before stay as they were.
+"""Draw the pictures with answers in `docs/pictures.md` anew.
 
 From the top of the repository: `PYTHONPATH=tests python -m renew.answer_pictures`
 """
@@ -24,8 +24,8 @@ GALLERY = (
     "frozen-lake-dry",
     "treasure-chests",
 )
-MAZES = {64: 10, 200: 4}
-"""The sides of large mazes, and the pixels of a cell."""
+SIDE = 64
+"""The side of a large maze."""
 
 COLORS = 96
 """Few colours make small files."""
@@ -44,8 +44,7 @@ if __name__ == "__main__":
     for name in GALLERY:
         picture = brl.load(name).to_png(values=True, policy=True, scale=40 / 64)
         (FOLDER / f"{name}.png").write_bytes(small(picture))
-    for side, cell in MAZES.items():
-        maze = brl.Level(version=1, size=(side, side), maze={"seed": 1})
-        picture = maze.to_png(values=True, scale=cell / 64)
-        (FOLDER / f"maze-{side}.png").write_bytes(small(picture))
-    print(f"{len(GALLERY) + len(MAZES)} pictures")
+    maze = brl.Level(version=1, size=(SIDE, SIDE), maze={"seed": 1})
+    picture = maze.to_png(values=True, scale=10 / 64)
+    (FOLDER / f"maze-{SIDE}.png").write_bytes(small(picture))
+    print(f"{len(GALLERY) + 1} pictures")

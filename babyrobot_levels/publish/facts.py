@@ -1,0 +1,185 @@
+"""What a gallery tells of a level: the facts of its tile, its page and `gallery.json`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from babyrobot_levels.analysis.metrics import metrics as metrics_of
+from babyrobot_levels.analysis.solver.space import space_of
+from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
+
+if TYPE_CHECKING:
+    from babyrobot_levels.analysis.metrics import Metrics
+    from babyrobot_levels.library.level import Level
+
+THINGS = ("items", "doors", "switches", "movers")
+"""The kinds of things, which are fields of a level."""
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """The files of a level in a gallery, relative to the gallery's folder.
+
+    Attributes:
+        page: its page.
+        level: the level itself, as YAML.
+        svg: its picture; with the answers, if the gallery is the teacher's.
+        png: the same one.
+        tile: a small picture for the wall, without panels.
+        film: an episode as a GIF; None if no film is made.
+        values: its picture with optimal values and actions; None without a solution, or answers.
+    """
+
+    page: str
+    level: str
+    svg: str
+    png: str
+    tile: str
+    film: str | None
+    values: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """The facts of a level. What answers the level is None in a gallery without answers.
+
+    Attributes:
+        id: the folder of the level in the gallery, unique there: `[a-z0-9-]+`.
+        name: the name by which it is loaded.
+        title: its title, or its name.
+        description: its description; may be empty.
+        author: its author; may be empty.
+        source: where it comes from; may be empty.
+        tags: its tags.
+        split: the split of the suite that it belongs to; may be empty.
+        digest: the digest of its MDP.
+        size: width and height in cells.
+        states: the number of reachable states.
+        max_steps: the time limit; None if there is none.
+        discount: the discount factor.
+        deterministic: whether each action has one outcome only.
+        things: the kinds of things in it, of `items`, `doors`, `switches`, `movers`.
+        features: what else is in it, of `areas`, `ends`, `glass`, `maze`, `puddles`, `warps` and
+            `wind`.
+        best_return: the optimal expected return; None if it is undefined.
+        best_steps: the expected number of steps of the optimal policy; None if undefined.
+        random_return: the expected return of a robot that moves at random; None if undefined.
+        difficulty: as in `brl.metrics`; None if undefined.
+        files: the files of the level.
+        license: the license of the level; may be empty.
+        maze_seed: the seed of the maze that is shown, if that of the level is random; else None.
+    """
+
+    id: str
+    name: str
+    title: str
+    description: str
+    author: str
+    source: str
+    tags: tuple[str, ...]
+    split: str
+    digest: str
+    size: tuple[int, int]
+    states: int
+    max_steps: int | None
+    discount: float
+    deterministic: bool
+    things: tuple[str, ...]
+    features: tuple[str, ...]
+    best_return: float | None
+    best_steps: float | None
+    random_return: float | None
+    difficulty: float | None
+    files: Files
+    license: str = ""
+    maze_seed: int | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the facts as plain data, for `gallery.json`.
+
+        Infinities are texts, `"inf"` and `"-inf"`.
+        """
+        return {name: _plain(value) for name, value in asdict(self).items()}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, float):
+        # Nine digits are the same on every platform; the last ones are not.
+        return float(f"{value:.9g}") if math.isfinite(value) else str(value)
+    return list(value) if isinstance(value, tuple) else value
+
+
+def measured(level: Level) -> Metrics | None:
+    """Return the metrics of a level; None if it is too large to be solved.
+
+    Args:
+        level: the level; a maze needs a seed.
+    """
+    return metrics_of(level) if level.compile().num_states <= MAX_SOLVED else None
+
+
+def facts_of(
+    level: Level,
+    own: str,
+    files: Files,
+    *,
+    split: str = "",
+    metrics: Metrics | None = None,
+    maze_seed: int | None = None,
+) -> Facts:
+    """Return the facts of a level.
+
+    Args:
+        level: the level; a maze needs a seed.
+        own: the folder of the level in the gallery.
+        files: its files.
+        split: the split of the suite that it belongs to; may be empty.
+        metrics: its metrics; None without answers.
+        maze_seed: the seed that was chosen for the maze, if the level's is random.
+    """
+    mdp = level.compile()
+    reached = ~space_of(level, "all").without_value
+    chances = (mdp.probability[reached & ~mdp.is_terminal] > 0).sum(axis=2)
+    return Facts(
+        id=own,
+        name=level.name or "",
+        title=level.title or level.name or own,
+        description=(level.description or "").strip(),
+        author=level.author or "",
+        source=level.source or "",
+        license=level.license or "",
+        tags=level.tags,
+        split=split,
+        digest=level.digest,
+        size=level.size,
+        states=int(np.count_nonzero(reached)),
+        max_steps=level.max_steps,
+        discount=level.discount,
+        deterministic=bool(chances.max(initial=0) <= 1),
+        things=tuple(name for name in THINGS if getattr(level, name)),
+        features=tuple(_features(level)),
+        best_return=None if metrics is None else metrics.best_return,
+        best_steps=None if metrics is None else metrics.best_steps,
+        random_return=None if metrics is None else metrics.random_return,
+        difficulty=None if metrics is None else metrics.difficulty,
+        files=files,
+        maze_seed=maze_seed,
+    )
+
+
+def _features(level: Level) -> Iterator[str]:
+    """Yield what is in a level beside things, in alphabetical order."""
+    if level.areas:
+        yield "areas"
+    if any(area.ends for area in level.areas):
+        yield "ends"
+    if level.grid().glass:
+        yield "glass"
+    for name in ("maze", "puddles", "warps", "wind"):
+        if getattr(level, name):
+            yield name

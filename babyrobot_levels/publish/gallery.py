@@ -1,0 +1,320 @@
+"""Galleries: a folder of web pages on which many levels can be browsed and played, offline."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from babyrobot_levels.generate.batch import FolderError
+from babyrobot_levels.generate.named import (
+    LevelLike,
+    Levels,
+    folder_named,
+    named_levels,
+)
+from babyrobot_levels.generate.suites import Suite
+from babyrobot_levels.language.play import program
+from babyrobot_levels.language.share_code import is_code
+from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.parallel.choice import executor_for
+from babyrobot_levels.publish.assets import ASSETS
+from babyrobot_levels.publish.facts import Facts
+from babyrobot_levels.publish.level_files import Shown, write_level
+from babyrobot_levels.publish.level_page import with_neighbours
+from babyrobot_levels.publish.wall import wall_html
+from babyrobot_levels.scoring.sent import Item, received, sent
+from babyrobot_levels.text.errors import BabyRobotError
+from babyrobot_levels.text.files import (
+    GALLERY_FILES,
+    RESERVED,
+    is_file,
+    is_folder,
+    read_bytes,
+    written_folder,
+)
+
+FORMAT = 1
+"""The version of the format of `gallery.json`."""
+
+LIST, INDEX = GALLERY_FILES
+ASSETS_FOLDER = "assets"
+
+MAX_LIST = 1 << 28
+"""The most bytes of the `gallery.json` of a gallery that is replaced."""
+
+MAX_ID = 60
+"""The most characters of an id, without the number that may follow."""
+
+Progress = Callable[[int, int], None]
+"""Is told how many of how many levels are done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gallery:
+    """A gallery that was written.
+
+    Attributes:
+        folder: its folder; `index.html` in it is the page to open.
+        title: its title.
+        levels: the facts of its levels, as `gallery.json` has them.
+        left_out: the errors of the levels that were left out, by their indices from 0.
+    """
+
+    __module__ = "babyrobot_levels"
+
+    folder: Path
+    title: str
+    levels: tuple[Mapping[str, Any], ...]
+    left_out: Mapping[int, Exception]
+
+
+def write_gallery(
+    levels: Levels,
+    folder: str | os.PathLike[str],
+    *,
+    title: str | None = None,
+    answers: bool = True,
+    key: bool = False,
+    home: str | None = None,
+    force: bool = False,
+    keep_going: bool = False,
+    jobs: int | None = None,
+    progress: Progress | None = None,
+) -> Gallery:
+    """Write web pages on which levels can be browsed and played, with nothing installed.
+
+    The pages need no server and no network. Beside them there are pictures, films, the files of
+    the levels, and `gallery.json`, which other programs can read. The maze of a level with
+    `seed: random` is that of seed 0.
+
+    The folder is written under a temporary name and renamed when it is whole. A gallery that is
+    there already is replaced.
+
+    Args:
+        levels: a suite, a folder, a pack or a level: a name, a path, a mapping, a `Suite` or a
+            `Level`; or several levels.
+        folder: the folder of the gallery.
+        title: its title; by default that of the suite, the name of the folder or pack, or `Levels`.
+        answers: whether the gallery knows the solutions of the levels. With False, no file
+            contains anything of optimal values, policies, returns, and difficulty.
+        key: whether pictures and pages show values and policies from the start.
+        home: an address that the gallery links back to: https, or a path.
+        force: whether to replace also a gallery to which other files were added, with these.
+        keep_going: whether to leave out a level with an error.
+        jobs: the number of worker processes; None for none, as 1.
+        progress: told how many of how many levels are done.
+
+    Returns:
+        What was written, and what was left out.
+
+    Raises:
+        FolderError: there is something at the path that is no gallery of this program, or the
+            current folder.
+        LevelNotFoundError: there is no level, folder, pack or suite of that name.
+        ValueError: there are no levels, or the arguments contradict each other.
+        OSError: the folder cannot be written.
+        Exception: without `keep_going`, what `load` raises for a level, with a note that gives its
+            index. What was in the folder before is still there.
+    """
+    if key and not answers:
+        raise ValueError("a teacher's copy (key) shows the answers; leave out answers=False")
+    _check_home(home)
+    path = Path(folder)
+    check_place(path, force=force)
+    named = named_levels(levels)
+    found = named if isinstance(named, Suite) else [*named]
+    title = title if title is not None else _title_of(levels, found)
+    shown = Shown(title=title, answers=answers, key=key)
+    facts: list[Facts] = []
+    left_out: dict[int, Exception] = {}
+    with written_folder(path) as new:
+        suite, items = sent(found)
+        work = zip(_ids(_names(found)), _splits(found), items, strict=True)
+        outcomes = executor_for(jobs=jobs).map(partial(_written, new, shown, suite), work)
+        with closing(outcomes):
+            for index, outcome in enumerate(outcomes):
+                if isinstance(outcome, Facts):
+                    facts.append(outcome)
+                elif keep_going and _is_of_level(outcome.error):
+                    left_out[index] = outcome.error
+                else:
+                    outcome.error.add_note(f"in level {index}")
+                    raise outcome.error
+                if progress is not None:
+                    progress(index + 1, len(found))
+        if not facts:
+            raise ValueError("there are no levels for a gallery")
+        _write_shared(new, facts, shown, home)
+    return Gallery(path, title, tuple(each.to_dict() for each in facts), left_out)
+
+
+def _written(folder: Path, shown: Shown, suite: str | None, work: tuple[str, str, Item]) -> Facts:
+    """Write the files of a level that was sent, and return its facts."""
+    name, split, item = work
+    return write_level(received(suite, item), folder, name=name, split=split, shown=shown)
+
+
+def _is_of_level(error: Exception) -> bool:
+    """Return whether an error is one of a level, and not of the disk."""
+    return isinstance(error, BabyRobotError | ValueError)
+
+
+def _write_shared(folder: Path, facts: list[Facts], shown: Shown, home: str | None) -> None:
+    """Write what is there once for all levels."""
+    for previous, each, following in zip(
+        [None, *facts[:-1]], facts, [*facts[1:], None], strict=True
+    ):
+        page = folder / each.files.page
+        page.write_text(with_neighbours(page.read_text("utf-8"), previous, following), "utf-8")
+    assets = folder / ASSETS_FOLDER
+    assets.mkdir()
+    for name, text in ASSETS.items():
+        (assets / name).write_text(text(), "utf-8")
+    wall = wall_html(facts, title=shown.title, answers=shown.answers, key=shown.key, home=home)
+    (folder / INDEX).write_text(wall, "utf-8")
+    data = {
+        "format": FORMAT,
+        "title": shown.title,
+        "made_by": program(),
+        "levels": [each.to_dict() for each in facts],
+    }
+    (folder / LIST).write_text(json.dumps(data, indent=1, allow_nan=False) + "\n", "utf-8")
+
+
+def _check_home(home: str | None) -> None:
+    scheme = re.match(r"\s*([^/?#:]*):", home or "")
+    if scheme and scheme[1].lower() not in ("http", "https", "file"):
+        raise ValueError(f"home must be the address of a page, such as ../index.html, not {home}")
+
+
+# -- names ---------------------------------------------------------------------------------
+
+
+def _title_of(levels: Levels, found: Suite | list[LevelLike]) -> str:
+    """Return the title of a gallery, from what was asked for and the levels that it is."""
+    if isinstance(found, Suite):
+        return found.fields.title or found.name or "Levels"
+    if isinstance(levels, str | os.PathLike) and folder_named(levels) is not None:
+        return Path(levels).resolve().name
+    return "Levels"
+
+
+def _names(levels: Suite | list[LevelLike]) -> Iterator[str]:
+    """Yield a name for each level, without loading files and growing mazes."""
+    if isinstance(levels, Suite) and isinstance(levels.fields, SuiteFields):
+        name = levels.name or "level"
+        yield from (f"{name}-{number}" for number in levels.numbers)
+        return
+    for level in levels:
+        if isinstance(level, str | os.PathLike) and not is_code(str(level)):
+            yield Path(level).stem
+        else:
+            yield _own_name(level)
+
+
+def _own_name(level: LevelLike) -> str:
+    try:
+        return load(level).name or "level"
+    except BabyRobotError:
+        # It is reported where the level is needed.
+        return "level"
+
+
+def _ids(names: Iterable[str]) -> Iterator[str]:
+    """Yield an id for each name: lower-case letters, digits and hyphens, unique."""
+    taken = {ASSETS_FOLDER, *RESERVED}
+    last: dict[str, int] = {}
+    for name in names:
+        base = re.sub(r"[^a-z0-9]+", "-", name.lower())[:MAX_ID].strip("-") or "level"
+        own = base
+        if own in taken:
+            numbers = count(last.get(base, 1) + 1)
+            number = next(each for each in numbers if f"{base}-{each}" not in taken)
+            last[base], own = number, f"{base}-{number}"
+        taken.add(own)
+        yield own
+
+
+def _splits(levels: Suite | list[LevelLike]) -> Iterator[str]:
+    """Yield the split of each level; "" for none."""
+    if not isinstance(levels, Suite) or not levels.splits:
+        yield from ("" for _ in range(len(levels)))
+        return
+    whole = levels.whole()
+    sizes = levels.split_sizes()
+    split_of = {
+        number: name for name, size in sizes.items() if size for number in whole.split(name).numbers
+    }
+    yield from (split_of.get(number, "") for number in levels.numbers)
+
+
+# -- the place -----------------------------------------------------------------------------
+
+
+def check_place(path: Path, *, force: bool = False) -> None:
+    """Check that a gallery may be written to a path.
+
+    Args:
+        path: the path.
+        force: whether a gallery may have other files in it.
+
+    Raises:
+        FolderError: there is something that is not a gallery, one with other files in it, or the
+            current folder.
+    """
+    if not os.path.lexists(path):
+        return
+    if not is_folder(path):
+        raise FolderError(f"{path} is not a folder", "choose another path")
+    if Path.cwd().is_relative_to(path.resolve()):
+        # It would be deleted with the folder, which the shell would not notice.
+        raise FolderError(
+            f"{path} is or contains the current folder, which cannot be replaced",
+            "run the command in another folder, or choose another path",
+        )
+    if not any(path.iterdir()):
+        return
+    known = _known_files(path)
+    if known is None:
+        raise FolderError(
+            f"{path} is a folder that is not a gallery", "choose a folder that is new or empty"
+        )
+    others = sorted({each.relative_to(path).as_posix() for each in path.rglob("*")} - known)
+    if others and not force:
+        raise FolderError(
+            f"there are other files in the gallery {path}: {others[0]}",
+            "move them elsewhere, or use --force to delete them with the old gallery",
+        )
+
+
+def _known_files(path: Path) -> set[str] | None:
+    """Return what a gallery consists of, by its `gallery.json`; None if there is no valid one."""
+    if not is_file(path / LIST):
+        return None
+    try:
+        data = json.loads(read_bytes(path / LIST, MAX_LIST))
+        if data["format"] != FORMAT or not data["made_by"].startswith(program().split()[0]):
+            return None
+        files = {str(name) for level in data["levels"] for name in level["files"].values() if name}
+        folders = {name.partition("/")[0] for name in files}
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+    assets = {f"{ASSETS_FOLDER}/{name}" for name in _asset_names(path)}
+    return {INDEX, LIST, ASSETS_FOLDER} | files | folders | assets
+
+
+def _asset_names(path: Path) -> Iterator[str]:
+    """Yield the names of the shared files of a gallery, which another version may have written."""
+    folder = path / ASSETS_FOLDER
+    for each in folder.iterdir() if is_folder(folder) else ():
+        if each.suffix in (".css", ".js", ".svg") and is_file(each):
+            yield each.name

@@ -1,0 +1,260 @@
+"""The wall of a gallery: the page with a tile for each level."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from string import Template
+
+from babyrobot_levels.language.play import program
+from babyrobot_levels.publish.assets import static
+from babyrobot_levels.publish.facts import Facts
+from babyrobot_levels.render.page import embedded_json
+from babyrobot_levels.render.svg import escaped, quoted
+
+DIFFICULTIES = (("easy", 5), ("medium", 7), ("hard", math.inf))
+"""The words for difficulties, each with the difficulty below which it applies."""
+
+SIZES = (("small", 25), ("medium", 100), ("large", math.inf))
+"""The words for sizes, each with the largest number of cells to which it applies."""
+
+COMMON_TAGS = 8
+"""The number of tags that are seen at once; the others are behind "More"."""
+
+MOST_TAGS = 60
+"""The number of tags that can be chosen: the most common ones."""
+
+MAX_TEXT = 500
+"""The most characters of each text that a search looks through."""
+
+CONTENTS = (
+    *("items", "doors", "switches", "movers"),
+    *("areas", "ends", "glass", "maze", "puddles", "warps", "wind"),
+)
+"""Things and features, in the order in which they are shown."""
+
+ORDERS = {
+    "title": "Title, A to Z",
+    "size": "Smallest first",
+    "-size": "Largest first",
+    "difficulty": "Easiest first",
+    "-difficulty": "Hardest first",
+    "steps": "Fewest optimal steps first",
+    "-steps": "Most optimal steps first",
+    "-return": "Highest optimal return first",
+    "return": "Lowest optimal return first",
+}
+"""The orders that can be chosen instead of the gallery's own, and their names."""
+
+ANSWERS = {"difficulty", "steps", "return"}
+"""The orders that tell something about the answers."""
+
+
+@dataclass(frozen=True)
+class Facet:
+    """A property of levels by which the wall can be filtered.
+
+    Attributes:
+        name: its name in links to the filtered wall.
+        legend: its heading.
+        values_of: its values of a level.
+        values: all its values, in order; None if the most common one comes first.
+        hints: what some of the values mean.
+    """
+
+    name: str
+    legend: str
+    values_of: Callable[[Facts], Iterable[str]]
+    values: Sequence[str] | None = None
+    hints: dict[str, str] | None = None
+
+
+FACETS = (
+    Facet(
+        "difficulty",
+        "Difficulty",
+        lambda facts: filter(None, [_difficulty(facts)]),
+        ("easy", "medium", "hard"),
+        {"easy": "below 5", "medium": "5 to 7", "hard": "7 and more"},
+    ),
+    Facet(
+        "size",
+        "Size",
+        lambda facts: [_size(facts)],
+        ("small", "medium", "large"),
+        {"small": "up to 25 cells", "medium": "26 to 100", "large": "more than 100"},
+    ),
+    Facet(
+        "outcomes",
+        "Transitions",
+        lambda facts: [_outcomes(facts)],
+        ("deterministic", "stochastic"),
+    ),
+    Facet("has", "Contains", lambda facts: (*facts.things, *facts.features), CONTENTS),
+    Facet("split", "Split", lambda facts: filter(None, [facts.split])),
+    Facet("tag", "Tags", lambda facts: facts.tags),
+)
+
+
+def wall_html(
+    facts: Sequence[Facts], *, title: str, answers: bool, key: bool, home: str | None
+) -> str:
+    """Return the page of a gallery.
+
+    Args:
+        facts: the facts of its levels, in order.
+        title: the title of the gallery.
+        answers: whether the gallery knows the answers.
+        key: whether it is the teacher's copy, which shows the answers from the start.
+        home: the address that the page links back to; None for no link.
+    """
+    facets = [each for each in FACETS if answers or each.name != "difficulty"]
+    options = {each.name: _options(each, facts) for each in facets}
+    # A box is known by its place: a tile's row of data names the boxes that fit it.
+    places = {
+        (name, value): place
+        for place, (name, value) in enumerate(
+            (name, value) for name, values in options.items() for value in values
+        )
+    }
+    rows = [
+        [
+            [
+                places[each.name, value]
+                for each in facets
+                for value in each.values_of(level)
+                if (each.name, value) in places
+            ],
+            _searched(level),
+            level.digest,
+            *_numbers(level, answers=answers),
+        ]
+        for level in facts
+    ]
+    return Template(static("wall.html")).substitute(
+        page_title=escaped(f"{title} (key)" if key else title),
+        title=escaped(title),
+        key='<span class="key">Key</span>' if key else "",
+        lead=_lead(len(facts), key=key),
+        home="" if home is None else f'<a class="button" href="{quoted(home)}">Home</a>',
+        facets="\n".join(_fieldset(each, options[each.name]) for each in facets),
+        orders="".join(
+            f'<option value="{value}">{name}</option>'
+            for value, name in ORDERS.items()
+            if answers or value.lstrip("-") not in ANSWERS
+        ),
+        tiles="\n".join(
+            _tile(number, level, answers=answers) for number, level in enumerate(facts)
+        ),
+        made_by=escaped(program()),
+        data=embedded_json(rows),
+    )
+
+
+def _lead(count: int, *, key: bool) -> str:
+    levels = "1 level" if count == 1 else f"{count:,} levels"
+    if key:
+        return f"{levels}, with state values and optimal actions: the teacher's copy."
+    return f"{levels} to play in the browser."
+
+
+def _difficulty(facts: Facts) -> str | None:
+    if facts.difficulty is None:
+        return None
+    # As it is written: what is shown as 5.0 is not below 5.
+    written = round(facts.difficulty, 1)
+    return next(word for word, end in DIFFICULTIES if written < end or end == math.inf)
+
+
+def _size(facts: Facts) -> str:
+    return next(word for word, most in SIZES if math.prod(facts.size) <= most)
+
+
+def _outcomes(facts: Facts) -> str:
+    return "deterministic" if facts.deterministic else "stochastic"
+
+
+def _options(facet: Facet, facts: Sequence[Facts]) -> list[str]:
+    """Return the values between which a visitor can choose: what some levels have, but not all."""
+    counts = Counter(value for level in facts for value in set(facet.values_of(level)))
+    common = sorted(counts, key=lambda value: (-counts[value], value))[:MOST_TAGS]
+    values = common if facet.values is None else facet.values
+    return [value for value in values if 0 < counts[value] < len(facts)]
+
+
+def _searched(facts: Facts) -> str:
+    """Return what a search looks through, beside the title."""
+    texts = (facts.name, facts.description, facts.author, " ".join(facts.tags))
+    return "\n".join(text[:MAX_TEXT] for text in texts if text)
+
+
+def _numbers(facts: Facts, *, answers: bool) -> list[float | None]:
+    """Return the numbers by which tiles are sorted."""
+    if not answers:
+        return [math.prod(facts.size)]
+    known = (facts.difficulty, facts.best_steps, facts.best_return)
+    return [math.prod(facts.size), *(_finite(number) for number in known)]
+
+
+def _finite(number: float | None) -> float | None:
+    """Return a number of JSON; an infinite one stays larger than all others."""
+    return None if number is None else round(max(-1e300, min(number, 1e300)), 4)
+
+
+def _fieldset(facet: Facet, options: Sequence[str]) -> str:
+    """Return the checkboxes of a facet; nothing if there is nothing to choose."""
+    if not options:
+        return ""
+    seen = COMMON_TAGS if facet.values is None else len(options)
+    rows = [_box(facet, value) for value in options[:seen]]
+    if more := [_box(facet, value) for value in options[seen:]]:
+        rows += ["<details><summary>More</summary>", *more, "</details>"]
+    return f"<fieldset><legend>{facet.legend}</legend>{''.join(rows)}</fieldset>"
+
+
+def _box(facet: Facet, value: str) -> str:
+    written = quoted(value)
+    icon = _icon(value) if facet.values and facet.name != "size" else ""
+    hint = (facet.hints or {}).get(value)
+    hint = f' <small class="soft">{hint}</small>' if hint else ""
+    name = written.capitalize() if facet.values else f"<bdi>{written}</bdi>"
+    return (
+        f'<label><input type="checkbox" name="{facet.name}" value="{written}">{icon}'
+        f'<span class="name">{name}{hint}</span><span class="n"></span></label>'
+    )
+
+
+def _icon(name: str, title: str = "") -> str:
+    """Return one of the icons of the page, with its text alternative if it stands alone."""
+    alone = f' role="img" title="{title}"' if title else ""
+    return f'<span class="icon i-{name}"{alone}></span>'
+
+
+def _tile(number: int, facts: Facts, *, answers: bool) -> str:
+    files, title = facts.files, quoted(facts.title)
+    film = f' data-film="{quoted(files.film)}"' if files.film else ""
+    return (
+        f'<li><a href="{quoted(files.page)}" aria-labelledby="t{number}" '
+        f'aria-describedby="f{number}"><span class="shot">'
+        f'<img src="{quoted(files.tile)}" alt="Picture of {title}" loading="lazy" '
+        f'decoding="async"{film}></span>'
+        f'<h2 id="t{number}"><bdi>{title}</bdi></h2>'
+        f'<p id="f{number}">{" ".join(_badges(facts, answers=answers))}</p></a></li>'
+    )
+
+
+def _badges(facts: Facts, *, answers: bool) -> Iterator[str]:
+    width, height = facts.size
+    word = _difficulty(facts) if answers else None
+    if word is not None and facts.difficulty is not None:
+        value = "∞" if math.isinf(facts.difficulty) else f"{facts.difficulty:.1f}"
+        yield f'<span class="word">{_icon(word)}{word.capitalize()} {value}</span>'
+    yield f"<span>{width} × {height}</span>"
+    icons = [_outcomes(facts), *(each for each in CONTENTS if each in _contents(facts))]
+    yield f'<span class="icons">{"".join(_icon(each, each.capitalize()) for each in icons)}</span>'
+
+
+def _contents(facts: Facts) -> set[str]:
+    return {*facts.things, *facts.features}

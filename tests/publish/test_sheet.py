@@ -1,0 +1,403 @@
+"""Hand-outs: what stands on the pages, where, what the key adds, and the three formats."""
+
+from __future__ import annotations
+
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from html.parser import HTMLParser
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pypdfium2 as pdfium
+import pytest
+from playwright.sync_api import Page
+
+import babyrobot_levels as brl
+from babyrobot_levels.render.helvetica import width_of
+from babyrobot_levels.render.scene.shapes import Ellipse, Rect, Scene, Text
+from babyrobot_levels.render.scene.shapes import Path as Line
+
+NAMES = [
+    "final-maze",
+    "treasure-chests",
+    "frozen-lake",
+    "glass-wall",
+    "river-crossing",
+    "first-key",
+]
+ENDLESS = {
+    "version": 1,
+    "size": [2, 1],
+    "exit": "none",
+    "areas": [{"at": [0, 0], "reward": 1}],
+    "rewards": {"stay": -5, "bump": -5},
+}
+"""A level of which no policy has an expected return."""
+
+
+def texts(sheet: brl.Sheet) -> list[str]:
+    """Return the lines of each page, joined."""
+    return [" ".join(each.text for each in lines(page)) for page in sheet.pages]
+
+
+def lines(page: Scene) -> Iterator[Text]:
+    return (shape for shape in page.shapes if isinstance(shape, Text))
+
+
+def bounds(page: Scene) -> tuple[float, float, float, float]:
+    """Return the left, upper, right and lower end of what is painted."""
+    xs, ys = [], []
+    for shape in page.shapes:
+        match shape:
+            case Rect():
+                xs += [shape.x, shape.x + shape.width]
+                ys += [shape.y, shape.y + shape.height]
+            case Ellipse():
+                xs += [shape.x - shape.rx, shape.x + shape.rx]
+                ys += [shape.y - shape.ry, shape.y + shape.ry]
+            case Line():
+                xs += [number for _, at in shape.commands for number in at[::2]]
+                ys += [number for _, at in shape.commands for number in at[1::2]]
+            case Text():
+                width = width_of(shape.text, shape.size, bold=shape.bold)
+                left = shape.x - {"start": 0, "middle": width / 2, "end": width}[shape.anchor]
+                xs += [left, left + width]
+                ys += [shape.y - shape.size, shape.y + 0.25 * shape.size]
+    return min(xs), min(ys), max(xs), max(ys)
+
+
+# -- what stands on the pages ----------------------------------------------------------------
+
+
+def test_pages_have_so_many_levels_with_number_title_name_and_digest() -> None:
+    sheet = brl.sheet(NAMES, per_page=4)
+    found = texts(sheet)
+    assert len(found) == 2
+    for number, name in enumerate(NAMES, 1):
+        level, text = brl.load(name), found[number > 4]
+        assert f"{number} {level.title}" in text
+        assert f"{name}  {level.digest[:19]}" in text
+    assert [f"Page {page} of 2" in text for page, text in enumerate(found, 1)] == [True, True]
+    assert all("Exercise sheet" in text and "Name" in text and "Date" in text for text in found)
+
+
+def test_a_single_level_and_a_suite_are_levels_too() -> None:
+    assert "The final maze" in texts(brl.sheet("final-maze"))[0]
+    suite = brl.load_suite("small-mazes")
+    assert len(brl.sheet(suite[:6], per_page=4).pages) == 2
+    assert len(brl.sheet((brl.load(name) for name in NAMES), per_page=6).pages) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("landscape", [False, True])
+@pytest.mark.parametrize("paper", ["a4", "letter"])
+@pytest.mark.parametrize("per_page", [1, 2, 4, 6, 9, 24])
+def test_nothing_leaves_the_page(per_page: int, paper: str, landscape: bool) -> None:
+    long = brl.load("final-maze").replace(title="A title of many words " * 7)
+    levels: list[Any] = [
+        *NAMES,
+        long,
+        {"version": 1, "size": [20, 20]},
+        {"version": 1, "size": [1, 30]},
+    ]
+    sheet = brl.sheet(levels, per_page=per_page, paper=paper, landscape=landscape, grids=2)
+    for page in sheet.pages:
+        assert (page.width > page.height) == landscape
+        left, top, right, bottom = bounds(page)
+        assert min(left, top, page.width - right, page.height - bottom) > 40
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("key", [False, True])
+@pytest.mark.parametrize("landscape", [False, True])
+@pytest.mark.parametrize("per_page", [2, 6, 24])
+def test_levels_do_not_overlap(per_page: int, landscape: bool, key: bool) -> None:
+    """Each ends, with its name, above what is next in its column, the rules and the foot."""
+    long = brl.load("glass-wall").replace(title="A title of many words " * 7)
+    levels: list[Any] = [*NAMES, long, "maze"] * 3
+    sheet = brl.sheet(levels, per_page=per_page, landscape=landscape, key=key)
+    for page in sheet.pages:
+        found = [*lines(page)]
+        marks = [each for each in found if re.search("sha256|…$", each.text) and each.size < 8]
+        heads = [each for each in found if each.text.isdigit() and each.fill == "#ffffff"]
+        ends = [each.y - 8 for each in found if each.text == "Rules" or "Page" in each.text]
+        assert len(marks) == len(heads)
+        for head, mark in zip(heads, marks, strict=True):
+            assert head.y < mark.y < min(ends)
+            below = [each.y - 12 for each in heads if each.x == head.x and each.y > head.y]
+            assert all(mark.y < top for top in below)
+
+
+def test_a_title_names_the_sheet() -> None:
+    sheet = brl.sheet("final-maze", title="Week 3")
+    assert "Week 3" in texts(sheet)[0]
+    assert sheet.title == "Week 3"
+
+
+def test_pictures_are_grey_unless_another_theme_is_asked_for() -> None:
+    def is_grey(sheet: brl.Sheet) -> bool:
+        pixels = pdfium.PdfDocument(sheet.to_pdf())[0].render().to_numpy().astype(int)
+        return int((pixels.max(axis=2) - pixels.min(axis=2)).max()) < 8
+
+    levels = ["treasure-chests", "teleport-pads", "final-maze"]
+    assert is_grey(brl.sheet(levels))
+    assert is_grey(brl.sheet(levels, key=True, grids=1))
+    assert not is_grey(brl.sheet(levels, theme="default"))
+
+
+# -- rules -----------------------------------------------------------------------------------
+
+
+def test_rules_stand_once_with_the_levels_that_they_are_about() -> None:
+    text = texts(brl.sheet(["frozen-lake", "final-maze", "maze"]))[0]
+    assert text.count("start: episodes begin here") == 1
+    assert "start: episodes begin here (level" not in text
+    assert "exit: ends the episode, pays 1 (level 1)" in text
+    assert re.search(r"exit: ends the episode, pays 0 \(levels 2\s+and 3\)", text)
+
+
+def test_rules_of_one_level_need_no_number() -> None:
+    text = texts(brl.sheet("frozen-lake"))[0]
+    assert "exit: ends the episode, pays 1" in text
+    assert "(level" not in text
+
+
+def test_rules_can_be_left_out() -> None:
+    text = texts(brl.sheet("frozen-lake", rules=False))[0]
+    assert "Rules" not in text
+    assert "ends the episode" not in text
+
+
+def test_many_rules_stand_on_a_page_of_their_own_and_none_is_lost() -> None:
+    levels = [
+        {"version": 1, "size": [4, 4], "rewards": {"step": -number, "exit": number},
+         "max_steps": number, "puddles": [{"at": [1, 1], "size": "large"}],
+         "puddle_types": {"large": {"reward": -number, "skid": number / 50}}}
+        for number in range(1, 25)
+    ]  # fmt: skip
+    sheet = brl.sheet(levels, per_page=24)
+    found = texts(sheet)
+    assert "Rules" not in found[0]
+    assert "Name" not in found[1]
+    behind = " ".join(found[1:])
+    for number in range(2, 25):
+        for rule in (f"each step: costs {number}", f"exit: ends the episode, pays {number}"):
+            assert f"{rule} (level {number})" in behind
+    assert "…" not in behind
+    for page in sheet.pages:
+        assert page.height - bounds(page)[3] > 40
+
+
+# -- answers ---------------------------------------------------------------------------------
+
+
+def test_a_sheet_tells_no_answers_and_the_key_all_of_them() -> None:
+    level = brl.load("final-maze")
+    solution = brl.solve(level)
+    [asked], [told] = texts(brl.sheet(level)), texts(brl.sheet(level, key=True))
+    value = f"{solution.values[0, 1]:.2f}"
+    assert "Optimal return:" in asked
+    assert "KEY" not in asked
+    for answer in (f"{solution.expected_return:.4g}", value):
+        assert answer not in asked
+        assert answer in told
+    assert "KEY" in told
+    assert "Name" not in told
+    assert f"Optimal return: {solution.expected_return:.4g}, in 23.83 steps on average" in told
+
+
+def test_the_key_says_how_often_the_exit_is_reached() -> None:
+    text = texts(brl.sheet("frozen-lake", key=True))[0]
+    assert "the exit is reached 82.4 % of the time" in text
+
+
+def test_values_and_policy_can_be_shown_alone() -> None:
+    solution = brl.solve("final-maze")
+    value = f"{solution.values[0, 1]:.2f}"
+    plain = brl.sheet("final-maze")
+    values, policy = brl.sheet("final-maze", values=True), brl.sheet("final-maze", policy=True)
+    assert value in texts(values)[0]
+    assert value not in texts(policy)[0]
+    assert policy.pages != plain.pages
+    assert "Optimal return:" not in texts(values)[0] + texts(policy)[0]
+
+
+def test_a_level_without_a_solution_does_not_spoil_the_key() -> None:
+    text = texts(brl.sheet([ENDLESS, "final-maze"], key=True, grids=1))[0]
+    assert "No policy has an expected return." in text
+    assert "Optimal return: -36.58" in text
+    assert "No policy has an expected return." in texts(brl.sheet(ENDLESS, values=True))[0]
+
+
+def test_an_infinite_return_is_told_in_words() -> None:
+    level = {"version": 1, "size": [2, 1], "exit": "none"}
+    text = texts(brl.sheet([level], key=True))[0]
+    assert "Optimal return: infinite, because costs add up without bound" in text
+    forever = "Optimal return: 17.8; episodes go on for ever"
+    assert forever in texts(brl.sheet("gridworld-3-5", key=True))[0]
+
+
+def test_grids_are_empty_and_in_the_key_hold_the_sweeps_of_value_iteration() -> None:
+    [asked], [told] = (texts(brl.sheet("frozen-lake", grids=3, key=key)) for key in (False, True))
+    sweeps = [*islice(brl.value_iteration("frozen-lake"), 1, 4)]
+    for number, sweep in enumerate(sweeps, 1):
+        assert f"Sweep {number}" in asked
+        found = [f"{value:.2f}" for value in np.unique(sweep.values) if value > 0]
+        assert found
+        assert all(value in told for value in found)
+    assert "0.33" not in asked
+    assert "each value becomes that of the best action" in asked
+
+
+def test_there_are_as_many_grids_when_nothing_changes_any_more() -> None:
+    level = {"version": 1, "size": [2, 1], "exit": [1, 0]}
+    text = texts(brl.sheet([level], grids=5, key=True))[0]
+    assert [f"Sweep {number}" in text for number in range(1, 7)] == [True] * 5 + [False]
+
+
+def test_grids_of_levels_with_things_are_those_of_the_beginning() -> None:
+    text = texts(brl.sheet("first-key", grids=2, key=True))[0]
+    sweep = next(islice(brl.value_iteration("first-key"), 2, None))
+    assert f"Sweep 2 START EXIT {np.nanmin(sweep.values[0]):.0f}" in text
+
+
+# -- formats ---------------------------------------------------------------------------------
+
+
+def test_a_pdf_has_the_pages_with_texts_that_can_be_searched() -> None:
+    sheet = brl.sheet(NAMES, title="Week 3", per_page=3)
+    file = pdfium.PdfDocument(sheet.to_pdf())
+    assert len(file) == 2
+    assert file.get_metadata_dict()["Title"] == "Week 3"
+    assert file[0].get_size() == pytest.approx((595.28, 841.89), abs=0.01)
+    assert "Treasure chests" in file[0].get_textpage().get_text_bounded()
+    assert sheet.to_pdf() == brl.sheet(NAMES, title="Week 3", per_page=3).to_pdf()
+
+
+class _Elements(HTMLParser):
+    """The elements of a document, with their attributes."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.found: list[tuple[str, dict[str, str | None]]] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: Any) -> None:
+        self.found.append((tag, dict(attrs)))
+
+
+def test_html_is_a_picture_per_page_that_asks_for_nothing() -> None:
+    text = brl.sheet(NAMES, per_page=3).to_html()
+    found = _Elements(text).found
+    assert [tag for tag, _ in found].count("svg") == 2
+    assert not {"script", "link", "img", "iframe"} & {tag for tag, _ in found}
+    assert not any(key in ("href", "src") or key.startswith("on") for _, at in found for key in at)
+    assert "default-src 'none'" in text
+    for svg in re.findall(r"<svg.*?</svg>", text, re.DOTALL):
+        root = ET.fromstring(svg)
+        assert "Exercise sheet, page" in "".join(root.itertext())
+    ids = [at["id"] for _, at in found if "id" in at]
+    assert len(ids) == len({*ids})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("landscape", [False, True])
+def test_html_prints_page_by_page(page: Page, tmp_path: Path, landscape: bool) -> None:
+    sheet = brl.sheet(NAMES, per_page=2, landscape=landscape, paper="letter")
+    sheet.save(tmp_path / "sheet.html")
+    page.goto((tmp_path / "sheet.html").as_uri())
+    file = pdfium.PdfDocument(page.pdf(prefer_css_page_size=True))
+    assert len(file) == len(sheet.pages) == 3
+    for number in range(3):
+        size = sorted(file[number].get_size())
+        assert size == pytest.approx([612, 792], abs=1)
+        assert f"Page {number + 1} of 3" in file[number].get_textpage().get_text_bounded()
+
+
+def test_files_are_named_by_their_pages(tmp_path: Path) -> None:
+    brl.sheet(NAMES, per_page=4).save(tmp_path / "two.png")
+    brl.sheet(NAMES[:1]).save(tmp_path / "one.PNG")
+    brl.sheet(NAMES[:1]).save(str(tmp_path / "new" / "one.pdf"))
+    names = {each.relative_to(tmp_path).as_posix() for each in tmp_path.rglob("*.*")}
+    assert names == {"two-1.png", "two-2.png", "one.PNG", "new/one.pdf"}
+    sizes = (1240, 1754)
+    assert brl.sheet("final-maze").to_png()[16:24] == b"".join(n.to_bytes(4, "big") for n in sizes)
+
+
+def test_a_sheet_shows_itself_in_notebooks() -> None:
+    sheet = brl.sheet(NAMES, per_page=3)
+    bundle = sheet._repr_mimebundle_()
+    assert bundle["text/html"].count("<img") == 2
+    assert bundle["text/plain"] == "<Sheet 'Exercise sheet' of 2 pages>"
+
+
+# -- what is refused, and what is not --------------------------------------------------------
+
+
+HOSTILE = [
+    "<script>alert(1)</script> & </title></svg>",
+    "\u202egnp.exe\u202c",
+    "(un)balanced) \\ <<",
+    "😀 雪 مرحبا é" * 30,
+    "x" * 900,
+]
+
+
+@pytest.mark.parametrize(
+    "title", ["\U0001f469\u200d\U0001f467", "\u0645\u06cc\u200c\u0631\u0648\u062f"]
+)
+def test_joined_characters_of_titles_stay_joined(title: str) -> None:
+    level = brl.load("frozen-lake").replace(title=title)
+    sheet = brl.sheet([level], title=title)
+    assert sheet.to_html().count(title) >= 3
+    assert sheet.to_pdf()
+
+
+@pytest.mark.parametrize("title", HOSTILE)
+def test_titles_are_texts_whatever_they_say(title: str) -> None:
+    level = brl.load("frozen-lake").replace(title=title, name="frozen-lake")
+    sheet = brl.sheet([level], title=title)
+    assert len(pdfium.PdfDocument(sheet.to_pdf())) == 1
+    found = _Elements(sheet.to_html()).found
+    assert [tag for tag, _ in found].count("svg") == 1
+    assert "script" not in {tag for tag, _ in found}
+    left, _, right, _ = bounds(sheet.pages[0])
+    assert min(left, sheet.pages[0].width - right) > 40
+
+
+@pytest.mark.parametrize(
+    ("levels", "options", "message"),
+    [
+        ([], {}, "a sheet needs at least one level"),
+        (["frozen-lake"] * 501, {}, "a sheet has at most 500 levels"),
+        ([{"version": 1, "size": [101, 100]}], {}, "10,100 cells; a sheet shows levels of at most"),
+        (["frozen-lake"], {"paper": "a5"}, "paper must be 'a4' or 'letter', not 'a5'"),
+        (["frozen-lake"], {"per_page": 0}, "per_page must be a whole number from 1 to 24, not 0"),
+        (["frozen-lake"], {"per_page": 2.0}, "per_page must be a whole number"),
+        (["frozen-lake"], {"grids": 12}, "grids must be a whole number from 0 to 11, not 12"),
+    ],
+)  # fmt: skip
+def test_wrong_arguments_are_refused(levels: Any, options: Any, message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        brl.sheet(levels, **options)
+
+
+def test_other_errors_are_those_of_levels_and_pictures(tmp_path: Path) -> None:
+    with pytest.raises(brl.LevelNotFoundError):
+        brl.sheet(["no-such-level"])
+    with pytest.raises(brl.LevelError, match="seed"):
+        brl.sheet("random-maze")
+    with pytest.raises(brl.LevelError, match="nowhere"):
+        brl.sheet("final-maze", theme="nowhere")
+    with pytest.raises(ValueError, match="saved as one of pdf, html, png, not 'docx'"):
+        brl.sheet("final-maze").save(tmp_path / "sheet.docx")
+    assert not [*tmp_path.iterdir()]
+
+
+def test_progress_is_told() -> None:
+    told: list[tuple[int, int]] = []
+    brl.sheet(NAMES[:3], progress=lambda done, total: told.append((done, total)))
+    assert told == [(1, 3), (2, 3), (3, 3)]
