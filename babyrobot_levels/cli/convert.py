@@ -322,7 +322,7 @@ def export_level(
     beside: Mapping[str, bytes] = {}
     if chosen in (ExportFormat.PNG, ExportFormat.SVG):
         with working("drawing") as report:
-            made = picture(loaded, PictureOptions(), report, svg=chosen is ExportFormat.SVG)
+            made = picture(loaded, PictureOptions(), report, kind=chosen)
     else:
         from babyrobot_levels.convert.formats import export
 

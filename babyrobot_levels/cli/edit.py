@@ -11,6 +11,7 @@ import typer
 
 from babyrobot_levels.cli.console import fail, note, write
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, read_path
+from babyrobot_levels.text.extras import how_to_install
 
 if TYPE_CHECKING:
     from babyrobot_levels.editor.session import Session
@@ -66,10 +67,7 @@ def edit(
     except ModuleNotFoundError as error:
         if error.name not in ("starlette", "uvicorn"):
             raise
-        fail(
-            f"the package `{error.name}` is not installed",
-            'add it with `pip install "babyrobot-levels[editor]"`',
-        )
+        fail(f"the package `{error.name}` is not installed", how_to_install("editor"))
     session = _piped() if level == str(STANDARD_INPUT) else session_of(level)
     server = EditorServer(session, port=port or 0, warn=_warn)
     note(f"editing {session.path or session.name}; press Ctrl-C to end")

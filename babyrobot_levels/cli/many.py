@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import sys
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -23,9 +23,8 @@ from babyrobot_levels.cli.console import (
     write,
     write_table,
 )
-from babyrobot_levels.cli.inputs import load_level
+from babyrobot_levels.cli.levels import is_one_level, levels_named
 from babyrobot_levels.cli.parallel import Workers, track
-from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
@@ -36,18 +35,6 @@ if TYPE_CHECKING:
     Row = LevelValue | LevelMetrics
     Rows = Callable[..., Generator[Row]]
 
-LevelsArgument = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="LEVEL",
-        help="A name, PACK/NAME, the path of a file, a share code, or `-` for standard input; "
-        "several of these; folders of level files and packs; or one suite.",
-    ),
-]
-SplitOption = Annotated[
-    str | None,
-    typer.Option(metavar="NAME", help="Only this split of a suite.", show_default=False),
-]
 RowsOption = Annotated[
     Path | None,
     typer.Option(
@@ -112,74 +99,11 @@ def number(value: float | str) -> str:
     return value if isinstance(value, str) else f"{value:.6g}"
 
 
-# -- which levels --------------------------------------------------------------------------
-
-
 def levels_for_rows(words: list[str], options: RowOptions) -> Suite | list[Any] | None:
     """Return the levels that arguments name; None for one level that is shown as a whole."""
-    from babyrobot_levels.generate.suites import load_suite
-    from babyrobot_levels.library.catalogue import suite_path
-
-    suites = {word: path for word in words if (path := _unless_input(suite_path, word))}
-    if suites:
-        if len(words) > 1:
-            first = next(iter(suites))
-            fail(f"{first} is a suite, which stands alone", "leave out the other arguments")
-        suite = load_suite(suites[words[0]])
-        try:
-            return suite if options.split is None else suite.split(options.split)
-        except ValueError as error:
-            fail(str(error))
-    if options.split is not None:
-        fail("--split is a part of a suite, and this is none")
-    if len(words) == 1 and not options.want_rows and _unless_input(_folder, words[0]) is None:
+    if not options.want_rows and is_one_level(words):
         return None
-    return [level for word in words for level in _levels(word)]
-
-
-def _unless_input(function: Callable[[str], Path | None], word: str) -> Path | None:
-    return None if word == str(STANDARD_INPUT) else function(word)
-
-
-def _levels(word: str) -> Iterator[Any]:
-    """Yield what `load` takes for each level that an argument names."""
-    from babyrobot_levels.language.share_code import is_code
-    from babyrobot_levels.library.catalogue import is_suite_file, level_path
-    from babyrobot_levels.library.search_path import yaml_files
-
-    folder = _unless_input(_folder, word)
-    if folder is not None:
-        files = [path for path in yaml_files(folder, all_of_them=True) if not is_suite_file(path)]
-        if not files:
-            fail(f"no level files (.yaml) in {word}")
-        yield from files
-    elif word == str(STANDARD_INPUT) or "\n" in word:
-        yield load_level(word)
-    else:
-        yield word if is_code(word) else level_path(word)
-
-
-def _folder(word: str) -> Path | None:
-    """Return the folder of levels that an argument names, None if it names none.
-
-    A level of that name comes before a folder, and a folder before a pack.
-    """
-    from babyrobot_levels.language.share_code import is_code
-    from babyrobot_levels.library.catalogue import level_path
-    from babyrobot_levels.library.search_path import GALLERY, gallery_place, pack_places
-    from babyrobot_levels.text.errors import LevelNotFoundError
-    from babyrobot_levels.text.files import is_folder
-
-    if is_code(word) or "\n" in word:
-        return None
-    try:
-        path = level_path(word)
-    except LevelNotFoundError:
-        if is_folder(Path(word)):
-            return Path(word)
-        packs = (gallery_place(), *pack_places())
-        return next((each.folder for each in packs if word == (each.pack or GALLERY)), None)
-    return path if is_folder(path) else None
+    return levels_named(words, options.split)
 
 
 # -- rows ----------------------------------------------------------------------------------

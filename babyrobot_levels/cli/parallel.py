@@ -71,11 +71,24 @@ class Workers:
         if self.are_elsewhere:
             from babyrobot_levels.parallel.on_ray import OnRay
 
+            # Ray reads it when it is imported. It would write among our results what happens to
+            # the cluster, such as the loss of a node.
+            os.environ.setdefault("RAY_DEDUP_LOGS_SKIP_REGEX", ".")
             return OnRay(self.ray_address, self.jobs)
-        jobs = self.jobs
-        if jobs is None:
-            jobs = (os.cpu_count() or 1) if count >= WORTH_IT else 1
-        return executor_for(jobs=max(1, min(jobs, count)))
+        return executor_for(jobs=jobs_for(count, self.jobs))
+
+
+def jobs_for(count: int, jobs: int | None, worth_it: int = WORTH_IT) -> int:
+    """Return the number of processes for a number of items.
+
+    Args:
+        count: the number of items.
+        jobs: the number that --jobs asks for, if it does.
+        worth_it: with fewer items, starting processes takes longer than it saves.
+    """
+    if jobs is None:
+        jobs = (os.cpu_count() or 1) if count >= worth_it else 1
+    return max(1, min(jobs, count))
 
 
 def map_all(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from enum import StrEnum
@@ -52,9 +52,9 @@ class PictureOptions:
 
 
 def picture(
-    level: Level, options: PictureOptions, report: Report | None = None, *, svg: bool
+    level: Level, options: PictureOptions, report: Report | None = None, *, kind: str
 ) -> str | bytes:
-    """Return a still picture: an SVG document, or a PNG file, of whose making `report` is told."""
+    """Return a still picture: `svg`, `pdf`, or `png`, of whose making `report` is told."""
     from babyrobot_levels.analysis import pictures
 
     if options.policy is PolicyName.RANDOM:
@@ -64,9 +64,13 @@ def picture(
         )
     if options.held is not None:
         configuration_of(level, options.held)
-    make = pictures.to_svg if svg else partial(pictures.to_png, progress=report)
+    makers: dict[str, Callable[..., str | bytes]] = {
+        "svg": pictures.to_svg,
+        "pdf": pictures.to_pdf,
+        "png": partial(pictures.to_png, progress=report),
+    }
     with _refusing("use a smaller --scale or --cell"):
-        return make(
+        return makers[kind](
             level,
             values=options.values,
             policy=options.policy,

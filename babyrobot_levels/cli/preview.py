@@ -20,8 +20,19 @@ from babyrobot_levels.cli.console import (
     width_of,
     write,
 )
-from babyrobot_levels.cli.inputs import LevelArgument, configuration_of, file_of, load_level
-from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.inputs import configuration_of, file_of, load_level
+from babyrobot_levels.cli.levels import (
+    LevelsArgument,
+    SplitOption,
+    each_loaded,
+    folder_for,
+    is_one_level,
+    levels_named,
+    names_levels,
+    names_of_files,
+    valid_levels,
+)
+from babyrobot_levels.cli.parallel import Report, track, working
 from babyrobot_levels.cli.pictures import (
     PictureOptions,
     PolicyName,
@@ -33,8 +44,10 @@ from babyrobot_levels.cli.pictures import (
 from babyrobot_levels.cli.texts import solution_text, takes_pictures, text_picture
 from babyrobot_levels.render.text import WIDEST
 from babyrobot_levels.text.errors import BabyRobotError, LevelError
+from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
+    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
 
 
@@ -44,6 +57,7 @@ class PictureFormat(StrEnum):
     TEXT = "text"
     ASCII = "ascii"
     SVG = "svg"
+    PDF = "pdf"
     PNG = "png"
     GIF = "gif"
     HTML = "html"
@@ -52,13 +66,14 @@ class PictureFormat(StrEnum):
 _SUFFIXES = {
     ".txt": "ascii",
     ".svg": "svg",
+    ".pdf": "pdf",
     ".png": "png",
     ".gif": "gif",
     ".html": "html",
     ".htm": "html",
 }
 _TEXTS = (PictureFormat.TEXT, PictureFormat.ASCII)
-_SCALED = (PictureFormat.SVG, PictureFormat.PNG, PictureFormat.GIF)
+_SCALED = (PictureFormat.SVG, PictureFormat.PDF, PictureFormat.PNG, PictureFormat.GIF)
 _PLAYED = (PictureFormat.GIF, PictureFormat.HTML)
 
 
@@ -73,20 +88,18 @@ class PreviewCommand(TyperCommand):
             following = args[index + 1] if index + 1 < len(args) else ""
             if word == "--policy" and following not in list(PolicyName):
                 whole.append(PolicyName.BEST)
-        # A word after `--policy` that is no policy is LEVEL, or one word too many.
-        ctx.allow_extra_args = True
+        # A word after `--policy` that is no policy is a level, or a mistake.
+        after = {args[index + 1] for index in range(len(args) - 1) if args[index] == "--policy"}
         extra = super().parse_args(ctx, whole)
-        if extra:
-            after = {args[index + 1] for index in range(len(args) - 1) if args[index] == "--policy"}
-            wrong = sorted((after & {*extra, ctx.params.get("level")}) - {*PolicyName})
-            if wrong:
-                fail(f"invalid --policy {wrong[0]!r}", f"expected one of {', '.join(PolicyName)}")
-            ctx.fail(f"Got unexpected extra argument(s) ({' '.join(extra)})")
+        levels = ctx.params.get("levels") or []
+        for word in sorted(after & {*levels} - {*PolicyName}):
+            if len(levels) > 1 and not names_levels(word):
+                fail(f"invalid --policy {word!r}", f"expected one of {', '.join(PolicyName)}")
         return extra
 
 
 def preview(
-    level: LevelArgument,
+    levels: LevelsArgument,
     picture_format: Annotated[
         PictureFormat | None,
         typer.Option(
@@ -170,16 +183,20 @@ def preview(
             show_default=False,
         ),
     ] = None,
+    split: SplitOption = None,
     force: ForceOption = False,
     watch: Annotated[
         bool, typer.Option("--watch", help="Repeat whenever the level is saved.")
     ] = False,
 ) -> None:
-    """Draw a level in the terminal, or save it as a picture, an animated GIF or a web page.
+    """Draw levels in the terminal, or save them as pictures, animated GIFs or web pages.
 
     The suffix of FILE chooses the format. An HTML page can be played in any browser. A picture or
     page that this command has written, and that has not been changed since, is overwritten without
     --force.
+
+    Several levels, folders and packs are drawn one below the other. With -o FOLDER, a picture of
+    each is written there, also of the levels of a suite: SVG files unless --format says otherwise.
 
     Examples:
 
@@ -200,8 +217,13 @@ def preview(
       babyrobot preview final-maze -o play.html
 
       babyrobot preview final-maze --no-answers -o homework.html
+
+      babyrobot preview levels/ -o pictures/
+
+      babyrobot preview final-maze frozen-lake --values --format png -o pictures/
     """
-    chosen = _chosen_format(picture_format, output)
+    one = split is None and is_one_level(levels)
+    chosen = _chosen_format(picture_format, output if one else None, folder=output)
     if seed is not None and chosen not in _PLAYED:
         fail("--seed is for GIF and HTML output", "leave out --seed")
     if held is not None and chosen in _PLAYED:
@@ -209,8 +231,12 @@ def preview(
     if no_answers:
         _check_no_answers(chosen, asked=values or policy is PolicyName.BEST)
     times = _scale(scale, cell, chosen)
+    if watch and not one:
+        fail("--watch is for one level")
     if watch and output is None and chosen not in _TEXTS:
         fail("--watch needs a file to write to", "add -o FILE")
+    if not one and output is None and chosen not in _TEXTS:
+        fail("several pictures need a folder", "add -o FOLDER")
     if chosen in _TEXTS and coordinates:
         note("--coordinates has no effect on text output")
     options = PictureOptions(
@@ -218,19 +244,48 @@ def preview(
     )
     plain = chosen is PictureFormat.ASCII or output is not None
 
+    def drawn(level: Level, report: Report) -> str | bytes:
+        shown = _prepared(level, theme, coordinates, maze_seed, several=not one)
+        if chosen in _TEXTS:
+            return _text(shown, options, plain=plain) + (_rules_text(shown) if rules else "")
+        if chosen is PictureFormat.GIF:
+            return gif(shown, options, report)
+        if chosen is PictureFormat.HTML:
+            return page(shown, options)
+        return picture(shown, options, report, kind=chosen)
+
     def made() -> str | bytes:
         with working("drawing") as report:
-            shown = _prepared(load_level(level), theme, coordinates, maze_seed)
-            if chosen in _TEXTS:
-                return _text(shown, options, plain=plain) + (_rules_text(shown) if rules else "")
-            if chosen is PictureFormat.GIF:
-                return gif(shown, options, report)
-            if chosen is PictureFormat.HTML:
-                return page(shown, options)
-            return picture(shown, options, report, svg=chosen is PictureFormat.SVG)
+            return drawn(load_level(levels[0]), report)
 
-    for result in _each_time(made, file_of(level)) if watch else [made()]:
+    if not one:
+        _put_all(levels_named(levels, split), drawn, chosen, output, force=force)
+        return
+    for result in _each_time(made, file_of(levels[0])) if watch else [made()]:
         _put(result, chosen, output, force=force)
+
+
+def _put_all(
+    levels: Suite | list[Any],
+    drawn: Callable[[Level, Report], str | bytes],
+    chosen: PictureFormat,
+    output: Path | None,
+    *,
+    force: bool,
+) -> None:
+    """Write the pictures of several levels, to files in a folder or one below the other."""
+    if output is None and not isinstance(levels, list):
+        fail(f"this is a suite of {len(levels):,} levels", "write their pictures: add -o FOLDER")
+    if isinstance(levels, list):
+        levels, _ = valid_levels(levels, "pictures were")
+    folder = None if output is None else folder_for(output)
+    suffix = ".txt" if chosen in _TEXTS else f".{chosen}"
+    loaded = track(each_loaded(levels), len(levels), "drawing")
+    for index, (name, level) in enumerate(names_of_files(loaded)):
+        result = drawn(level, lambda done, total: None)
+        if folder is None:
+            write(("\n" if index else "") + f"{printable(level.name or name)}\n\n")
+        _put(result, chosen, folder and folder / f"{name}{suffix}", force=force)
 
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
@@ -275,11 +330,13 @@ def _check_no_answers(chosen: PictureFormat, *, asked: bool) -> None:
         fail("--no-answers cannot be combined with --values and --policy best", "leave them out")
 
 
-def _chosen_format(picture_format: PictureFormat | None, output: Path | None) -> PictureFormat:
+def _chosen_format(
+    picture_format: PictureFormat | None, output: Path | None, folder: Path | None
+) -> PictureFormat:
     if picture_format is not None:
         return picture_format
     if output is None:
-        return PictureFormat.TEXT
+        return PictureFormat.TEXT if folder is None else PictureFormat.SVG
     suffix = output.suffix.lower()
     if suffix not in _SUFFIXES:
         fail(
@@ -299,7 +356,7 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
     if scale is not None and cell is not None:
         fail("--scale and --cell cannot be combined", "leave out one of the two")
     if chosen not in _SCALED:
-        fail("--scale and --cell are for SVG, PNG and GIF output", "leave them out")
+        fail("--scale and --cell are for SVG, PDF, PNG and GIF output", "leave them out")
     times = scale if scale is not None else (cell or 0) / CELL
     if not 0 < times <= MAX_SCALE:
         fail(
@@ -310,8 +367,18 @@ def _scale(scale: float | None, cell: int | None, chosen: PictureFormat) -> floa
     return times
 
 
-def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int | None) -> Level:
-    """Return the level with the theme, coordinates and maze that are asked for."""
+def _prepared(
+    level: Level,
+    theme: str | None,
+    coordinates: bool,
+    maze_seed: int | None,
+    *,
+    several: bool = False,
+) -> Level:
+    """Return the level with the theme, coordinates and maze that are asked for.
+
+    The seed is for the random mazes among several levels.
+    """
     from babyrobot_levels.analysis.pictures import dressed
 
     try:
@@ -323,7 +390,7 @@ def _prepared(level: Level, theme: str | None, coordinates: bool, maze_seed: int
         if maze_seed is None:
             note("the maze is random: this is the one of seed 0 (see --maze-seed)")
         level = level.with_maze_seed(maze_seed or 0)
-    elif maze_seed is not None:
+    elif maze_seed is not None and not several:
         fail("the level's maze is not random", "leave out --maze-seed")
     return level
 

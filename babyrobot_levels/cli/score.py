@@ -22,6 +22,7 @@ from babyrobot_levels.cli.console import (
     write_table,
 )
 from babyrobot_levels.cli.inputs import load_level
+from babyrobot_levels.cli.levels import each_loaded, levels_named
 from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.replay import help_text
 from babyrobot_levels.cli.solve import ActionSet
@@ -44,9 +45,9 @@ def score(
         list[str],
         typer.Argument(
             metavar="AGENT LEVELS or PLAYS",
-            help="An agent, and the levels or the suite to score it in; or files of recorded "
-            f"episodes ({_PLAYS}). An agent is {_AGENTS}; `{_BEST}` is an optimal policy without "
-            "a time limit.",
+            help="An agent, and the levels, folders and packs, or the suite, to score it in; or "
+            f"files of recorded episodes ({_PLAYS}). An agent is {_AGENTS}; `{_BEST}` is an "
+            "optimal policy without a time limit.",
         ),
     ],
     level: Annotated[
@@ -149,7 +150,7 @@ def score(
         fail("--level is for recorded episodes", f"give files that end in {_PLAYS}")
     if len(what) < 2:
         fail(
-            "give an agent and at least one level or suite",
+            "give an agent and at least one level, folder, pack or suite",
             f"for example: babyrobot score {_RANDOM} final-maze",
         )
     scores = _scores(
@@ -171,15 +172,11 @@ def score(
 def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
     """Return the scores of an agent; end the command if there are none."""
     from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
-    from babyrobot_levels.library.catalogue import suite_path
     from babyrobot_levels.scoring.score import score as scores_of
     from babyrobot_levels.text.errors import BabyRobotError
 
     word, *names = what
-    suites = [name for name in names if suite_path(name) is not None]
-    if suites and len(names) > 1:
-        fail("a suite is scored alone", f"leave out the other arguments than {suites[0]}")
-    levels: Any = suites[0] if suites else [load_level(name) for name in names]
+    levels = levels_named(names)
     with working("scoring"):
         try:
             agent = _agent(word, levels, options, trust=trust)
@@ -225,15 +222,13 @@ def _agent(word: str, levels: Any, options: dict[str, Any], *, trust: bool) -> A
 def _best_policies(levels: Any, options: dict[str, Any]) -> dict[str, Any]:
     """Return an optimal policy without a time limit for each level, by digest."""
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.generate.suites import load_suite
+    from babyrobot_levels.generate.suites import Suite
 
-    members = levels
-    if isinstance(levels, str):
-        suite, split = load_suite(levels), options["split"]
-        members = suite if split is None else suite.split(split)
+    split = options["split"]
+    members = levels.split(split) if isinstance(levels, Suite) and split is not None else levels
     return {
         each.digest: solve(each, options["discount"], actions=options["actions"])
-        for each in members
+        for each in each_loaded(members)
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -14,7 +14,17 @@ from typer.core import TyperCommand
 
 from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
 from babyrobot_levels.cli.inputs import LevelArgument, MazeSeedOption, load_level, with_seed
-from babyrobot_levels.cli.parallel import working
+from babyrobot_levels.cli.levels import (
+    LevelsArgument,
+    SplitOption,
+    each_loaded,
+    folder_for,
+    is_one_level,
+    levels_named,
+    names_of_files,
+    valid_levels,
+)
+from babyrobot_levels.cli.parallel import track, working
 from babyrobot_levels.cli.schema import schema_for
 
 if TYPE_CHECKING:
@@ -43,7 +53,7 @@ class ShareCommand(TyperCommand):
 
 
 def share(
-    level: LevelArgument,
+    levels: LevelsArgument,
     link: Annotated[
         str | None,
         typer.Option(
@@ -59,7 +69,8 @@ def share(
             "--output",
             "-o",
             metavar="FILE",
-            help="Write a level file instead, for example from a share code.",
+            help="Write a level file instead, for example from a share code; for several levels, "
+            "to a folder.",
             show_default=False,
         ),
     ] = None,
@@ -70,9 +81,12 @@ def share(
             help="Leave the solution out of the link: no values, optimal actions and hints.",
         ),
     ] = False,
+    split: SplitOption = None,
     force: ForceOption = False,
 ) -> None:
     """Print a level as a share code: one line that every command accepts as LEVEL.
+
+    Of several levels, folders, packs and suites, each line is a name, a tab, and the code or link.
 
     A code contains the whole level except for comments. It has a checksum, so that a code that is
     cut off or mistyped is reported.
@@ -90,6 +104,8 @@ def share(
       babyrobot share final-maze --link https://example.org/play.html --no-answers
 
       babyrobot share brl1.24.R4BZv8Oakkoy8yqVkLIv0EYA -o tiny.yaml
+
+      babyrobot share levels/
     """
     if link is not None and output is not None:
         fail("--link and --output cannot be combined", "leave out one of the two")
@@ -97,15 +113,42 @@ def share(
         fail(f"invalid --link {link!r}", f"expected an address without blanks and `#`: {EXAMPLE}")
     if no_answers and link is None:
         fail("--no-answers is for links", "add --link BASE, or leave out --no-answers")
-    loaded = load_level(level)
-    if output is not None:
-        from babyrobot_levels.text.emitter import emit
+    shown = _Shown(link, answers=not no_answers)
+    if split is None and is_one_level(levels):
+        level = load_level(levels[0])
+        if output is None:
+            write(f"{shown.of(level)}\n")
+        else:
+            _save(output, level, force=force)
+        return
+    folder = None if output is None else folder_for(output)
+    chosen = levels_named(levels, split)
+    if isinstance(chosen, list):
+        chosen, _ = valid_levels(chosen, "codes were" if output is None else "files were")
+    for name, level in names_of_files(track(each_loaded(chosen), len(chosen), "sharing")):
+        if folder is None:
+            write(f"{name}\t{shown.of(level)}\n")
+        else:
+            _save(folder / f"{name}.yaml", level, force=force)
 
-        save(output, emit(loaded.to_dict(whole=True)), force=force)
-    elif link is not None:
-        write(f"{link}#{_fragment(loaded, answers=not no_answers)}\n")
-    else:
-        write(f"{loaded.share_code()}\n")
+
+def _save(path: Path, level: Level, *, force: bool) -> None:
+    from babyrobot_levels.text.emitter import emit
+
+    save(path, emit(level.to_dict(whole=True)), force=force)
+
+
+@dataclass(frozen=True, slots=True)
+class _Shown:
+    """How levels are shared: as codes, or as links to a page."""
+
+    page: str | None
+    answers: bool
+
+    def of(self, level: Level) -> str:
+        if self.page is None:
+            return level.share_code()
+        return f"{self.page}#{_fragment(level, answers=self.answers)}"
 
 
 def _fragment(level: Level, *, answers: bool) -> str:
@@ -143,11 +186,6 @@ def _fragment(level: Level, *, answers: bool) -> str:
 
 
 share.command_class = ShareCommand  # type: ignore[attr-defined]
-
-
-_RELATIVE_SCHEMA = re.compile(
-    r"^(# yaml-language-server: *\$schema=)(?![A-Za-z][\w+.-]*:|/)\S+[ \t]*(?:\n|\Z)", re.M
-)
 
 
 def resolve(
@@ -216,7 +254,7 @@ def _text_for(level: Level, text: str, path: Path) -> str:
     from babyrobot_levels.language.looks import BUILTIN_THEMES
     from babyrobot_levels.library.reading import load_source
     from babyrobot_levels.text.errors import LevelError
-    from babyrobot_levels.text.source import SourceFile
+    from babyrobot_levels.text.source import SourceFile, with_schema
 
     if isinstance(level.theme, str) and level.theme not in BUILTIN_THEMES:
         try:
@@ -225,6 +263,4 @@ def _text_for(level: Level, text: str, path: Path) -> str:
             theme = None
         if theme != level.resolved_theme:
             text = level.replace(theme=level.resolved_theme).to_yaml(comments=True)
-    # The path of the schema is relative to the level's own folder.
-    schema = schema_for(path)
-    return _RELATIVE_SCHEMA.sub(f"\\g<1>{schema}\n" if schema else "", text, count=1)
+    return with_schema(text, schema_for(path))

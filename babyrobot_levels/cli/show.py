@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -21,15 +20,14 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.inputs import load_level
+from babyrobot_levels.cli.levels import LevelsArgument, SplitOption
 from babyrobot_levels.cli.many import (
     Columns,
     KeepGoingOption,
-    LevelsArgument,
     OverwriteOption,
     ResumeOption,
     RowOptions,
     RowsOption,
-    SplitOption,
     levels_for_rows,
     number,
     write_rows,
@@ -37,7 +35,6 @@ from babyrobot_levels.cli.many import (
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.cli.texts import text_picture
-from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
@@ -234,9 +231,6 @@ def _text(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-_NAME = re.compile(r"[a-z0-9-]+/[a-z0-9-]+")
-
-
 def cite(level: Level, argument: str, *, as_json: bool) -> None:
     """Print what a paper needs to identify a level.
 
@@ -245,17 +239,18 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
         argument: the argument that names it, which is `pack/name` for a level of a pack.
         as_json: whether to print it as JSON.
     """
+    from babyrobot_levels.publish.citation import citation, cited_name, pack_in
+
     if level.has_random_maze:
         fail(
             "the maze of this level is random, so it has no digest to cite",
             "cite a level with a fixed maze; `babyrobot resolve --maze-seed N` writes one",
         )
-    pack = _pack_in(argument)
-    name = level.name if pack is None or level.name is None else f"{pack[0]}/{level.name}"
     if as_json:
+        pack = pack_in(argument)
         write_json(
             {
-                "name": name,
+                "name": cited_name(level, argument) if level.name is not None else None,
                 "pack": None if pack is None else {"name": pack[0], "version": pack[1]},
                 "babyrobot_levels": __version__,
                 "language": level.version,
@@ -263,24 +258,4 @@ def cite(level: Level, argument: str, *, as_json: bool) -> None:
             }
         )
         return
-    name = name or one_line(level.title or "a level without a name")
-    made_with = f"babyrobot-levels {__version__}, level language {level.version}"
-    if pack is not None:
-        made_with = " ".join(["pack", *filter(None, pack)]) + f", {made_with}"
-    write(f"{name} ({made_with}), {level.digest}\n")
-
-
-def _pack_in(argument: str) -> tuple[str, str | None] | None:
-    """Return name and version of the pack in an argument; a pack may have no version."""
-    from babyrobot_levels.library.packs.known import fields
-    from babyrobot_levels.library.search_path import pack_places
-
-    # A file of that name takes precedence.
-    if not _NAME.fullmatch(argument) or Path(argument).is_file():
-        return None
-    pack = argument.partition("/")[0]
-    folder = next((place.folder for place in pack_places() if place.pack == pack), None)
-    if folder is None:
-        return None
-    found = fields(folder)
-    return pack, None if found is None else found.version
+    write(f"{citation(level, argument)}\n")

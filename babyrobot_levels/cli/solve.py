@@ -19,15 +19,14 @@ from babyrobot_levels.cli.console import (
     write_json,
 )
 from babyrobot_levels.cli.inputs import configuration_of, load_level
+from babyrobot_levels.cli.levels import LevelsArgument, SplitOption
 from babyrobot_levels.cli.many import (
     Columns,
     KeepGoingOption,
-    LevelsArgument,
     OverwriteOption,
     ResumeOption,
     RowOptions,
     RowsOption,
-    SplitOption,
     levels_for_rows,
     number,
     write_rows,

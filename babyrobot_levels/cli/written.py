@@ -44,21 +44,25 @@ def marked(data: bytes) -> bytes:
 
     The same data give the same file. Drawings in text have no comments, and stay as they are.
     """
-    for end, comment in _COMMENTS.items():
-        if data.endswith(end):
-            body = data.removesuffix(end)
-            return body + comment(_mark_of(body)) + end
-    return data
+    body, end, comment = _parts(data)
+    return data if comment is None else body + comment(_mark_of(body)) + end
 
 
 def is_own(data: bytes) -> bool:
     """Return whether `marked` has made a file, and nobody has changed it since."""
-    for end, comment in _COMMENTS.items():
-        if data.endswith(end):
-            length = len(comment(_mark_of(b"")))
-            body = data.removesuffix(end)
-            return body[-length:] == comment(_mark_of(body[:-length]))
-    return False
+    body, end, comment = _parts(data)
+    if comment is None:
+        return False
+    body = body[: -len(comment(_mark_of(b"")))]
+    return data == body + comment(_mark_of(body)) + end
+
+
+def _parts(data: bytes) -> tuple[bytes, bytes, Callable[[bytes], bytes] | None]:
+    """Return a file as body and end, between which a comment stands, and how it is written."""
+    for pattern, comment in _COMMENTS:
+        if found := pattern.search(data, max(0, len(data) - _LONGEST_END)):
+            return data[: found.start()], found[0], comment
+    return data, b"", None
 
 
 def _mark_of(body: bytes) -> bytes:
@@ -78,10 +82,15 @@ def _in_gif(text: bytes) -> bytes:
     return b"\x21\xfe" + bytes([len(text)]) + text + b"\0"
 
 
-_COMMENTS: dict[bytes, Callable[[bytes], bytes]] = {
-    b"</svg>\n": _in_xml,
-    b"</html>\n": _in_xml,
-    b"\0\0\0\0IEND\xaeB`\x82": _in_png,
-    b"\x3b": _in_gif,
-}
+def _in_pdf(text: bytes) -> bytes:
+    return b"% " + text + b"\n"
+
+
+_LONGEST_END = 64
+_COMMENTS: tuple[tuple[re.Pattern[bytes], Callable[[bytes], bytes]], ...] = (
+    (re.compile(rb"</(svg|html)>\n\Z"), _in_xml),
+    (re.compile(rb"\x00{4}IEND\xaeB`\x82\Z"), _in_png),
+    (re.compile(rb"startxref\n\d+\n%%EOF\n\Z"), _in_pdf),
+    (re.compile(rb"\x3b\Z"), _in_gif),
+)
 """The ends of files by format, and how a comment is written before them."""

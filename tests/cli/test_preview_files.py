@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pypdfium2 as pdfium
 import pytest
 from PIL import Image, ImageSequence
 from support.places import DOCS
@@ -70,6 +71,17 @@ def data_of(page: bytes) -> Any:
 
 
 # -- as large as asked -------------------------------------------------------------------------
+
+
+def test_a_pdf_is_as_large_as_asked_and_shows_what_is_asked() -> None:
+    scene = build_scene(load("maze"))
+    twice = pdfium.PdfDocument(made("maze", "--scale", "2", "b.pdf"))
+    assert twice[0].get_size() == pytest.approx((1.5 * scene.width, 1.5 * scene.height), abs=0.01)
+    answers = pdfium.PdfDocument(made("maze", "--values", "--rules", "c.pdf"))
+    text = answers[0].get_textpage().get_text_bounded()
+    assert f"{solve(load('maze')).expected_return:.0f}" in text
+    assert "each step: costs 1" in text
+    assert load("maze").to_pdf(values=True).startswith(b"%PDF")
 
 
 def test_an_svg_is_shown_larger_and_is_the_same_otherwise() -> None:
@@ -233,7 +245,7 @@ def test_the_examples_of_the_docs_run(line: str) -> None:
     assert program == "babyrobot"
     result = run_here(arguments, environment(Path.cwd()))
     assert result.status == 0
-    assert not result.err or re.fullmatch(r"wrote \S+ \(.*\)\n", result.err)
+    assert re.fullmatch(r"(wrote \S+ \(.*\)\n)*", result.err)
 
 
 @pytest.mark.slow
@@ -307,7 +319,7 @@ def test_without_answers_the_random_policy_is_watched() -> None:
 # -- what it has written before ----------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["a.svg", "a.png", "a.gif", "a.html"])
+@pytest.mark.parametrize("name", ["a.svg", "a.pdf", "a.png", "a.gif", "a.html"])
 def test_a_file_of_its_own_is_overwritten_unless_somebody_changed_it(name: str) -> None:
     before = made("puddles", name)
     assert made("default", name) != before
@@ -363,3 +375,14 @@ def test_films_with_rules_keep_the_score_in_the_panel() -> None:
         differs = np.array(above, int) - np.array(other.convert("RGB"), int)
         # The two have palettes of their own.
         assert (abs(differs).max(axis=2) > 24).mean() < 0.01
+
+
+def test_pictures_of_several_levels_have_names_that_every_system_allows() -> None:
+    for folder in ("one", "two"):
+        Path(folder).mkdir()
+        for name in ("con", "ready"):
+            text = f"version: 1\nname: {name}\n"
+            Path(folder, f"a-{name}.yaml").write_text(text, encoding="utf-8")
+    assert preview("one", "two", "-o", "pictures").status == 0
+    names = {path.name for path in Path("pictures").iterdir()}
+    assert names == {"con-2.svg", "con-3.svg", "ready.svg", "ready-2.svg"}
