@@ -41,7 +41,7 @@ MODULE = "python -m babyrobot_levels"
 _TERMINALS = ("NO_COLOR", "FORCE_COLOR", "TERM", "COLORTERM", "TERM_PROGRAM", "COLUMNS",
               "PYTHONIOENCODING")  # fmt: skip
 _PICTURE_SIZE = re.compile(
-    r"^(2> wrote \S+\.(?:svg|png|gif|html?) \((?:\d+ × \d+, )?)[\d.]+ (?:bytes|KB|MB)\)$",
+    r"^(2> wrote \S+\.(?:svg|png|gif|html?|pdf) \((?:\d+ × \d+, )?)[\d.]+ (?:bytes|KB|MB)\)$",
     re.M | re.I,
 )
 """How long the files of pictures are depends on the versions of libraries, and is not expected."""
