@@ -7,12 +7,23 @@ in the repository.
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
+import sys
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from docutils.nodes import bullet_list
+from sphinx.addnodes import desc_parameter
+from sphinx.ext.autodoc.mock import mock
+from sphinx.writers.html5 import HTML5Translator
 
 import babyrobot_levels
 
 if TYPE_CHECKING:
+    from docutils.nodes import Element
     from sphinx.application import Sphinx
+
+sys.path.insert(0, str(Path(__file__).parent))
 
 project = "babyrobot-levels"
 author = "the babyrobot-levels authors"
@@ -22,6 +33,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_copybutton",
+    "level_pictures.extension",
 ]
 
 root_doc = "docs/index"
@@ -42,24 +54,82 @@ napoleon_use_ivar = True
 # Signatures have the types.
 napoleon_attr_annotations = False
 
+templates_path = ["templates"]
 html_theme = "furo"
 html_title = "babyrobot-levels"
 html_static_path = ["style"]
 html_css_files = ["site.css"]
+html_js_files = ["site.js"]
+html_logo = html_favicon = "style/robot.svg"
 html_copy_source = False
 html_show_copyright = False
 html_show_sourcelink = False
 
-pygments_style = "friendly"
-pygments_dark_style = "github-dark"
+pygments_style = "github-light-high-contrast"
+pygments_dark_style = "github-dark-high-contrast"
 # The prompt and the output of a console are not copied.
 copybutton_exclude = ".linenos, .gp, .go"
 
 
-def list_rules(_app: Sphinx, name: str, source: list[str]) -> None:
-    """Add the pages of the rules to the table of contents, which their list does not need."""
-    if name == "docs/rules/README":
-        source[0] += "\n```{toctree}\n:hidden:\n:glob:\n\n*\n```\n"
+# `babyrobot_levels.jax` is documented where its libraries are not installed.
+with mock(["gymnax", "jax"]):
+    vars(import_module("jax"))["jit"] = lambda function, **_options: function
+    vars(import_module("jax.tree_util"))["register_dataclass"] = lambda kind: kind
+    import_module("babyrobot_levels.jax")
+
+
+def link_rule(_app: Sphinx, name: str, source: list[str]) -> None:
+    """Let the page of a rule lead back to the list of all, which the contents have instead."""
+    if name.startswith("docs/rules/") and name != "docs/rules/README":
+        source[0] = f"---\norphan: true\n---\n\n[Errors and rules](README.md)\n\n{source[0]}"
+
+
+class Translator(HTML5Translator):
+    """Writes HTML that is valid and can be used by the keyboard where that of Sphinx is not."""
+
+    def starttag(self, *arguments: Any, **attributes: Any) -> str:
+        """Begin an element."""
+        if attributes.get("ROLE") == "heading":
+            attributes["aria-level"] = "2"
+        text: str = super().starttag(*arguments, **attributes)
+        return text
+
+    def visit_paragraph(self, node: Element) -> None:
+        """Begin a paragraph, or what Sphinx makes of an argument that is described by a list."""
+        if any(isinstance(child, bullet_list) for child in node.children):
+            self.body.append("<div>")
+        else:
+            super().visit_paragraph(node)
+
+    def depart_paragraph(self, node: Element) -> None:
+        """End it."""
+        if any(isinstance(child, bullet_list) for child in node.children):
+            self.body.append("</div>\n")
+        else:
+            super().depart_paragraph(node)
+
+    def visit_literal_block(self, node: Element) -> None:
+        """Write a block of code, which the keyboard can scroll."""
+        begin = len(self.body)
+        try:
+            super().visit_literal_block(node)
+        finally:
+            parts = [part.replace("<pre>", '<pre tabindex="0">') for part in self.body[begin:]]
+            self.body[begin:] = parts
+
+    def visit_desc_parameterlist(self, node: Element) -> None:
+        """Begin the parameters of a function."""
+        self.context.append(len(self.body))
+        self._visit_sig_parameter_list(node, desc_parameter, "(", ")")
+
+    def depart_desc_parameterlist(self, node: Element) -> None:
+        """End them; those on lines of their own are no list of definitions without terms."""
+        self._depart_sig_parameter_list(node)
+        begin = self.context.pop()
+        text = "".join(self.body[begin:])
+        for tag, name in (("dl", "parameters"), ("dd", "parameter")):
+            text = re.sub(rf"<{tag}\b", f'<div class="{name}"', text).replace(f"</{tag}>", "</div>")
+        self.body[begin:] = [text]
 
 
 def as_restructured_text(
@@ -84,6 +154,7 @@ def as_restructured_text(
 
 def setup(app: Sphinx) -> None:
     """Register the functions above; Sphinx calls this."""
-    app.connect("source-read", list_rules)
+    app.set_translator("html", Translator)
+    app.connect("source-read", link_rule)
     # Before Napoleon, which takes colons in code for its own.
     app.connect("autodoc-process-docstring", as_restructured_text, priority=400)

@@ -23,7 +23,7 @@ def main() -> None:
     level = args.level
     torch.set_num_threads(1)  # small networks learn fastest on one
     os.environ["RAY_USAGE_STATS_ENABLED"] = "0"
-    ray.init(num_cpus=2, include_dashboard=False)
+    ray.init("local", num_cpus=2, include_dashboard=False)
 
     limit = level.max_steps or 500
     settings = {"level": level, "observation": "index", "max_episode_steps": limit}

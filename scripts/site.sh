@@ -11,8 +11,18 @@ work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 .venv-site/bin/sphinx-build --quiet --fail-on-warning --keep-going --builder html \
     --conf-dir docs --doctree-dir "$work/doctrees" . "$work/site"
-echo '<!doctype html><title>babyrobot-levels</title><meta http-equiv="refresh" content="0; url=docs/index.html">' \
-    >"$work/site/index.html"
+cat >"$work/site/index.html" <<'HTML'
+<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<meta name="viewport" content="width=device-width">
+<meta http-equiv="refresh" content="0; url=docs/index.html">
+<title>babyrobot-levels</title>
+<link rel="icon" href="_static/robot.svg">
+<p><a href="docs/index.html">The documentation of babyrobot-levels</a></p>
+</html>
+HTML
+.venv-site/bin/babyrobot gallery gallery --title "The babyrobot gallery" --home ../docs/index.html -o "$work/site/gallery"
 mkdir -p "$output"
 cp -r "$work/site/." "$output"
 .venv-site/bin/python -c 'import shutil, sys; shutil.make_archive(sys.argv[2], "zip", sys.argv[1])' "$work/site" "$output"

@@ -1,4 +1,4 @@
-"""The page on the benchmark of generalisation: its splits, its table and its examples."""
+"""The page on the benchmark of generalisation: its splits and its table."""
 
 from __future__ import annotations
 
@@ -15,7 +15,6 @@ from support.places import DOCS, ROOT
 import babyrobot_levels as brl
 
 PAGE = (DOCS / "benchmark.md").read_text("utf-8")
-BLOCKS = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture(autouse=True)
@@ -29,7 +28,7 @@ def _scripts(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("name", "column"),
     # Each candidate with a door is solved several times.
-    [("bench-easy", 1), pytest.param("bench-hard", 2, marks=pytest.mark.slow)],
+    [("bench-easy", 1), pytest.param("bench-hard", 2, marks=pytest.mark.sweep)],
 )
 def test_the_splits_are_fixed_and_disjoint(name: str, column: int) -> None:
     rows = re.findall(r"^\| `(\w+)` \| `(\w{16})` \| `(\w{16})` \|$", PAGE, re.MULTILINE)
@@ -45,19 +44,13 @@ def test_the_splits_are_fixed_and_disjoint(name: str, column: int) -> None:
 
 
 def test_the_hard_test_split_is_fixed_in_its_first_levels() -> None:
-    # The whole suite is compared by a slow test.
+    # The whole suite is compared in the sweep.
     test = brl.load_suite("bench-hard").split("test")
     digests = "\n".join(level.digest for level in test[:12])
     assert sha256(digests.encode()).hexdigest()[:16] == "5e602b8618e28f0a"
 
 
 # -- the page --------------------------------------------------------------------------------
-
-
-def test_the_examples_run(capsys: pytest.CaptureFixture[str]) -> None:
-    for block in BLOCKS:
-        exec(block, {})
-    assert f"`{capsys.readouterr().out.splitlines()[-1]}`" in PAGE
 
 
 def test_the_table_is_that_of_the_results() -> None:

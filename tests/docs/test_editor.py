@@ -1,12 +1,10 @@
-"""The page on the editor: its tables are those of the editor, and its Python runs."""
+"""The page on the editor: its tables are those of the editor."""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from support.editor_docs import PAGE, TABLE, key_rows
-from support.subprocesses import run
 
 from babyrobot_levels.editor.hosts.front_end import static
 
@@ -39,9 +37,3 @@ def test_the_tools_are_those_of_the_editor() -> None:
     ]
     assert len(tools) > 10
     assert shown == tools
-
-
-def test_the_python_runs(here: Path) -> None:
-    code = "".join(re.findall(r"^```python\n(.*?)^```$", TEXT, re.DOTALL | re.MULTILINE))
-    end = "\nprint(editor.yaml, end='')\n"
-    assert run(f"{code}{end}", here) == (here / "levels" / "mine.yaml").read_text("utf-8")

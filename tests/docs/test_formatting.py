@@ -23,7 +23,7 @@ def test_the_example() -> None:
 
 
 def test_numbers_and_words_are_written_as_told() -> None:
-    pairs = re.findall(r"`([^`]+)` becomes `([^`]+)`", TEXT.split("**Numbers**")[1])
+    pairs = re.findall(r"`([^`]+)` becomes `([^`]+)`", TEXT.split("| numbers |")[1])
     assert pairs == [("+3", "3"), (".50", "0.5"), ("1E+3", "1e3"), ("True", "true")]
     for before, after in pairs:
         field = "display: {compass: %s}" if before == "True" else "rewards: {step: %s}"

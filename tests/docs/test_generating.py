@@ -25,26 +25,6 @@ def run(command: str) -> tuple[int, str]:
     return done.status, done.out + done.err
 
 
-@pytest.mark.parametrize("command", "".join(blocks("sh")).splitlines())
-def test_the_commands_run(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert run(command)[0] == 0
-    folder = command.split()[-1]
-    assert run(f"babyrobot lint {folder}")[0] == 0
-
-
-def test_the_python_examples_run(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    scope: dict[str, object] = {}
-    for code in blocks("python"):
-        exec(compile(code, "example", "exec"), scope)
-    lines = capsys.readouterr().out.splitlines()
-    assert all(line.endswith(".yaml True") for line in lines[:20])
-    assert lines[20].startswith("8000 small-mazes-00000 [")
-
-
 def test_a_file_begins_as_it_is_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     shown = blocks("yaml")[0]
@@ -56,12 +36,6 @@ def test_a_file_begins_as_it_is_shown(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_the_suite_is_valid() -> None:
     assert brl.check(blocks("yaml")[1]) == []
-
-
-def test_what_starves_is_told_as_shown(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    status, told = run("babyrobot generate --count 3 --path-length 90..99 -o mazes")
-    assert (status, told) == (1, blocks("text")[0])
 
 
 def test_no_field_of_a_suite_is_missing() -> None:

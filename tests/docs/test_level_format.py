@@ -1,4 +1,13 @@
-"""The reference of the language: its examples do what it says, and no field is missing."""
+"""The reference of the language: its examples do what it says, and no field is missing.
+
+A `yaml` block is a complete level. A comment on the line right before a block or a table says more:
+`fragment` (fields to be put below `version: 1`), `error BRxxx` (a level with exactly that error),
+`lint BRxxx` (a level of which lint reports that), `theme` (a theme file), `same digest` (as the
+level after it). Of the level before them: `draws` its drawing, `report` the error report,
+`outcomes of ACTION at [x, y]` a table of the outcomes, with `in [VALUES]` those in a configuration,
+`configurations` the table of all of them, `skid rules` the table of the rules. `file: NAME` and
+`no picture` are for others.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +19,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from level_pictures.examples import level_text
 from pydantic import BaseModel
-from support.places import DOCS, ROOT
+from support.places import DOCS
 from support.reading import read_level
 
 from babyrobot_levels.language.fields import LevelFields
@@ -32,7 +42,7 @@ LINES = TEXT.splitlines()
 OUTCOMES = re.compile(r"outcomes of (\w+) at \[(\d+), (\d+)\](?: in \[([\d, ]+)\])?")
 ERROR = re.compile(r"error (BR\d{3})")
 KINDS = re.compile(
-    "configurations|draws|fragment|report|same digest|skid rules|theme|"
+    "configurations|draws|file: .*|fragment|no picture|report|same digest|skid rules|theme|"
     rf"{ERROR.pattern}|lint( BR\d{{3}})+"
 )
 
@@ -75,14 +85,10 @@ BLOCKS = read_blocks()
 YAML = [block for block in BLOCKS if block.language == "yaml"]
 
 
-def level_text(block: Block) -> str:
-    return "version: 1\n" + block.text if block.kind == "fragment" else block.text
-
-
 def read_block(block: Block) -> tuple[Level | None, list[Diagnostic]]:
     # The path need not be there: only a theme that the language does not know is looked for.
     path = Path("levels", "first.yaml")
-    return read_level(SourceFile(path.as_posix(), level_text(block)), path)
+    return read_level(SourceFile(path.as_posix(), level_text(block.text, {block.kind})), path)
 
 
 def level_of(block: Block) -> Level:
@@ -275,29 +281,3 @@ def test_the_defaults_of_themes_are_right(model: type[Colors | Widths]) -> None:
     for name, info in model.model_fields.items():
         default = info.default if isinstance(info.default, str) else f"{info.default:g}"
         assert any(line.startswith(f"| `{name}` | `{default}` |") for line in LINES), name
-
-
-def codes_of_the_package() -> set[str]:
-    files = (ROOT / "babyrobot_levels").rglob("*.py")
-    return {
-        code
-        for path in files
-        for code in re.findall(r'"(BR[1-4]\d\d)"', path.read_text(encoding="utf-8"))
-    }
-
-
-def test_exactly_the_codes_that_exist_are_listed() -> None:
-    listed = re.findall(r"^\| (BR\d{3}) \|", TEXT, flags=re.MULTILINE)
-    assert listed == sorted(set(listed))
-    told = re.sub(r"<!-- lint .*? -->", "", TEXT)
-    assert set(re.findall(r"BR\d{3}", told)) == set(listed)
-    assert set(listed) == codes_of_the_package()
-
-
-def test_the_links_lead_somewhere() -> None:
-    headings = [line.lstrip("#").strip() for line in LINES if re.match(r"#{2,} ", line)]
-    anchors = {re.sub(r"[^a-z0-9 -]", "", text.lower()).replace(" ", "-") for text in headings}
-    links = re.findall(r"\]\(#([^)]*)\)", TEXT)
-    assert [link for link in links if link not in anchors] == []
-    contents = re.findall(r"^\d+\. \[(.*)\]\(#", TEXT, flags=re.MULTILINE)
-    assert contents == [line[3:] for line in LINES if line.startswith("## ")][1:]

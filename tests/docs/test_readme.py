@@ -1,4 +1,4 @@
-"""The README and the pages on Python say what is so: examples run, pictures are ours."""
+"""The README says what is so: levels, errors and pictures are ours."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from support.places import DOCS, EXAMPLES, GALLERY_FOLDER, ROOT
-from support.sessions import environment, run_here
 from support.subprocesses import python
 
 import babyrobot_levels as brl
@@ -15,9 +14,6 @@ from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import to_svg
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-ENVIRONMENTS = (DOCS / "environments.md").read_text(encoding="utf-8")
-ANSWERS = (DOCS / "exact-answers.md").read_text(encoding="utf-8")
-LINTING = (DOCS / "linting.md").read_text(encoding="utf-8")
 
 
 def blocks(text: str, language: str) -> list[str]:
@@ -29,25 +25,6 @@ def test_the_levels_of_the_readme_are_valid(text: str) -> None:
     assert brl.check(text) == []
 
 
-@pytest.mark.parametrize(
-    "code",
-    [
-        block
-        for text in (README, ENVIRONMENTS, ANSWERS, LINTING)
-        for block in blocks(text, "python")
-    ],
-)
-def test_the_python_examples_run(
-    code: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    # What the README's reader has made by then.
-    order = "new-level first --maze-seed 7 --puddles 3"
-    assert any(f"babyrobot {order}" in block for block in blocks(README, "sh"))
-    run_here(order.split(), environment(tmp_path))
-    exec(compile(code, "example", "exec"), {})
-
-
 def test_the_error_of_the_readme_is_what_is_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -56,21 +33,8 @@ def test_the_error_of_the_readme_is_what_is_reported(
     (tmp_path / "levels").mkdir()
     path = Path("levels", "first.yaml")
     path.write_text("version: 1\nsize: [8, 5]\nmaze: {seed: 7}\nexit: [9, 4]\n", encoding="utf-8")
-    shown, _ = blocks(README, "text")
+    (shown,) = blocks(README, "text")
     assert "\n\n".join(map(str, brl.check(path))) == shown.strip()
-
-
-def test_the_finding_of_the_readme_is_what_is_reported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "levels").mkdir()
-    path = Path("levels", "second.yaml")
-    drawing = "+---+---+---+\n| S     |   |\n+   +   +---+\n|         E |\n+---+---+---+\n"
-    level = brl.load({"version": 1, "map": drawing, "warps": [{"at": (0, 1), "to": (2, 0)}]})
-    level.save(path)
-    _, shown = blocks(README, "text")
-    assert "\n\n".join(map(str, brl.check(path, lint=True))) == shown.strip()
 
 
 def test_the_picture_of_the_readme_is_painted_by_this_version() -> None:

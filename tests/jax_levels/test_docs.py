@@ -1,4 +1,4 @@
-"""The page and the notebook on JAX: their pieces of code run, one after the other."""
+"""The page on JAX names the examples, and the notebook learns."""
 
 from __future__ import annotations
 
@@ -6,23 +6,10 @@ import json
 import re
 from typing import Any
 
-import numpy as np
 import pytest
 from support.places import DOCS, EXAMPLES, ROOT
 
 PAGE = (DOCS / "jax.md").read_text(encoding="utf-8")
-PIECES = re.findall(r"^```python\n(.*?)^```", PAGE, re.MULTILINE | re.DOTALL)
-
-
-def test_all_pieces_of_code_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    import jax
-
-    # The page adds this name for JaxUED; here, it goes again.
-    monkeypatch.setattr(jax, "tree_map", jax.tree.map, raising=False)
-    names: dict[str, Any] = {}
-    exec(compile("\n".join(PIECES), "jax.md", "exec"), names)
-    assert np.asarray(names["share"]).max() <= 1
-    assert names["states"].state.shape == (1024,)
 
 
 def test_the_page_names_the_examples() -> None:

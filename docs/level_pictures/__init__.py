@@ -1,0 +1,1 @@
+"""The levels in the documentation, each beside its picture on the site."""
