@@ -2,37 +2,88 @@
 # Everything that must pass before a commit: style, types, the order of imports, tests.
 # Usage: bash scripts/check.sh             with the fast tests: about four minutes on two cores
 #        bash scripts/check.sh all         with the slow ones too: large levels, browsers, notebooks ...
+#        bash scripts/check.sh sweep       the style, and the tests of further levels and combinations, with libraries too
 #        bash scripts/check.sh libraries   the tests with SB3, RLlib, TorchRL, Tianshou and Minari
 #        bash scripts/check.sh jax         the tests with JAX, gymnax and JaxUED
 #        bash scripts/check.sh ray         the tests on a Ray cluster of two nodes
+#        bash scripts/check.sh site        what the pages of the documentation tell people to do, and their web site
 #        bash scripts/check.sh lowest      the environments' tests, with the lowest versions allowed
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/venv.sh
-options=(--quiet --disable-pip-version-check)
+# Modules are compiled when they are imported first: most of those that are installed never are.
+options=(--quiet --disable-pip-version-check --no-compile)
 # Each process has tests that stand together, and takes others' once it has none left.
 workers=(-n 2 --dist worksteal)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
-case "${1:-fast}" in
-fast) tests=(-m "not slow and not libraries") ;;
-all) tests=(-m "not libraries" --hypothesis-profile thorough) ;;
-libraries)
+# Does what the pages say that need some extras, in an environment that has them and hatchling, for pip.
+pages() {
+    PYTHONPATH=tests "$1/bin/python" -m support.pages --with "$2"
+}
+# Runs a command in what the pages that need an environment's extras leave of two cores, and then shows their report.
+beside_pages() {
+    local said reader status=0
+    said="$(mktemp)"
+    pages "$1" "$2" >"$said" 2>&1 &
+    reader=$!
+    "${@:3}" || status=$?
+    wait "$reader" || status=$?
+    cat "$said"
+    rm "$said"
+    return "$status"
+}
+# Runs the tests with libraries that learn, those of the sweep or the others.
+with_libraries() {
+    .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" \
+        tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_benchmark.py
+}
+make_libraries() {
     make_venv .venv-libraries
     # Named first and exactly, so that a build for the CPU is taken where one is at hand.
     .venv-libraries/bin/pip install "${options[@]}" torch==2.13.0
     .venv-libraries/bin/pip install "${options[@]}" --editable ".[test,minari,rllib,sb3,tianshou,torchrl]"
-    exec .venv-libraries/bin/python -m pytest -m "libraries and not sweep" "${workers[@]}" tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_training.py tests/docs/test_benchmark.py
+}
+case "${1:-fast}" in
+fast) tests=(-m "not slow and not libraries") ;;
+all) tests=(-m "not libraries and not sweep" --hypothesis-profile thorough) ;;
+sweep)
+    make_libraries
+    with_libraries sweep
+    tests=(-m "sweep and not libraries" --hypothesis-profile thorough)
+    ;;
+libraries)
+    make_libraries
+    beside_pages .venv-libraries editor,fast,minari,minigrid,rllib,sb3,tianshou,torchrl with_libraries "not sweep"
+    exit
     ;;
 jax)
     make_venv .venv-jax
-    .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hypothesis jaxued==0.0.1 pytest pytest-xdist
-    exec .venv-jax/bin/python -m pytest -m libraries -rs "${workers[@]}" tests/jax_levels
+    .venv-jax/bin/pip install "${options[@]}" --editable ".[fast,jax]" hatchling hypothesis jaxued==0.0.1 pytest pytest-xdist
+    beside_pages .venv-jax jax,jaxued .venv-jax/bin/python -m pytest -m libraries -rs "${workers[@]}" tests/jax_levels
+    exit
     ;;
 ray)
     make_venv .venv-ray
-    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hypothesis pytest
+    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hatchling hypothesis pytest
+    pages .venv-ray ray
     exec .venv-ray/bin/python -m pytest -m libraries tests/on_ray
+    ;;
+site)
+    make_venv .venv-site
+    .venv-site/bin/pip install "${options[@]}" --editable ".[site,site-test]"
+    bash scripts/browser.sh .venv-site/bin/python
+    rm -rf build/site
+    bash scripts/site.sh >/dev/null &
+    built=$! reader="$(mktemp -d)"
+    trap 'rm -rf "$reader"' EXIT
+    # The pages are read by somebody who has nothing but the package; hatchling is what builds it.
+    make_venv "$reader/venv"
+    "$reader/venv/bin/pip" install "${options[@]}" . hatchling
+    PYTHONPATH=tests "$reader/venv/bin/python" -m support.pages --bin "$reader/venv/bin" || status=$?
+    wait "$built"
+    .venv-site/bin/python -m pytest -m libraries "${workers[@]}" tests/site || status=$?
+    exit "${status:-0}"
     ;;
 lowest)
     make_venv .venv-lowest
@@ -41,7 +92,7 @@ lowest)
     exec .venv-lowest/bin/python -m pytest -m "not libraries and not sweep" "${workers[@]}" tests/envs
     ;;
 *)
-    sed -n '3,9s/^# //p' scripts/check.sh >&2
+    sed -n '3,11s/^# //p' scripts/check.sh >&2
     exit 2
     ;;
 esac

@@ -1,4 +1,4 @@
-"""The page on editors: what it tells people to copy does what it says."""
+"""The pages on editors and on checks: what they tell people to copy does what they say."""
 
 from __future__ import annotations
 
@@ -12,17 +12,19 @@ import yaml
 from support.places import DOCS, ROOT
 from support.sessions import Result, environment, run_here
 
-TEXT = (DOCS / "editors.md").read_text("utf-8")
+EDITORS, CHECKS = ((DOCS / name).read_text("utf-8") for name in ("editors.md", "ci.md"))
 
 
-def blocks(language: str) -> list[str]:
-    return re.findall(rf"^```{language}\n(.*?)^```$", TEXT, re.MULTILINE | re.DOTALL)
+def blocks(language: str, text: str = EDITORS) -> list[str]:
+    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
 
 
 def commands() -> list[str]:
     """Return every `babyrobot …` of the page, in fences and in lines."""
-    found = re.findall(r"babyrobot [a-z][^`\n\"|>]*", "\n".join(blocks("sh") + blocks("yaml")))
-    found += re.findall(r"`(babyrobot [a-z][^`]*)`", TEXT)
+    found = re.findall(r"`(babyrobot [a-z][^`]*)`", EDITORS)
+    for text in (EDITORS, CHECKS):
+        fenced = "\n".join(blocks("sh", text) + blocks("yaml", text))
+        found += re.findall(r"babyrobot [a-z][^`\n\"|>#]*", fenced)
     return [command.strip() for command in found]
 
 
@@ -56,8 +58,8 @@ def test_every_command_is_one(project: Path) -> None:
         for option in options:
             if option.startswith("-"):
                 assert option in answer.out, command
-    formats = re.findall(r"`--format (\w+)`", TEXT)
-    assert sorted(formats) == ["github", "json", "junit", "sarif"]
+    formats = re.findall(r"--format (\w+)`", CHECKS)
+    assert sorted(formats) == ["json", "junit", "sarif"]
 
 
 def test_settings_are_json_and_point_at_the_schema() -> None:
@@ -91,9 +93,9 @@ def test_the_task_understands_what_is_printed(project: Path) -> None:
 
 
 def test_workflows_are_yaml_and_name_hooks_that_are_there() -> None:
-    documents = [yaml.safe_load(block) for block in blocks("yaml")]
+    documents = [yaml.safe_load(block) for block in blocks("yaml", CHECKS)]
     hooks = yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text("utf-8"))
     known = {hook["id"] for hook in hooks}
     (config,) = (each for each in documents if each and "repos" in each)
     assert {hook["id"] for hook in config["repos"][0]["hooks"]} <= known
-    assert set(re.findall(r"`(babyrobot-\w+)`", TEXT)) == known
+    assert set(re.findall(r"`(babyrobot-\w+)`", CHECKS)) == known

@@ -166,7 +166,14 @@ def test_networks_come_close_to_the_best_policy(example: str, tmp_path: Path) ->
 
 
 @pytest.mark.libraries
-@pytest.mark.parametrize(("example", "steps"), [("ppo_rllib", 130_000), ("ppo_torchrl", 102_400)])
+@pytest.mark.parametrize(
+    ("example", "steps"),
+    [
+        # The page on training has the same program, and others learn with RLlib, too.
+        pytest.param("ppo_rllib", 130_000, marks=pytest.mark.sweep),
+        ("ppo_torchrl", 102_400),
+    ],
+)
 def test_libraries_with_loops_of_their_own_come_close(
     example: str, steps: int, tmp_path: Path
 ) -> None:
@@ -191,6 +198,7 @@ def test_a_network_of_action_values_comes_close_to_the_best_policy(tmp_path: Pat
     check_mean(text, table)
 
 
+@pytest.mark.sweep
 @pytest.mark.libraries
 def test_memory_does_better_than_any_policy_without_it(tmp_path: Path) -> None:
     text = printed_by("recurrent_ppo", "--steps", 30_000, cwd=tmp_path)
@@ -370,7 +378,8 @@ import numpy as np
 import torch
 from torch import nn
 
-env_id, steps = sys.argv[sys.argv.index("--env-id") + 1], 3000
+env_id, steps = sys.argv[sys.argv.index("--env-id") + 1], 10_000
+torch.manual_seed(int(sys.argv[sys.argv.index("--seed") + 1]))
 
 
 def make_env():

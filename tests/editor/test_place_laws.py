@@ -7,7 +7,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import assume, event, given, note, settings
+from hypothesis import assume, event, example, given, note, settings
 from hypothesis import strategies as st
 from support.things import thing_worlds
 from support.worlds import LEGEND, drawings, worlds
@@ -58,6 +58,10 @@ def is_done(session: Session, message: dict[str, Any]) -> bool:
     return True
 
 
+OWN_WARP = "version: 1\nsize: [3, 1]\nwarps:\n  - {at: [1, 0], to: [1, 0], when: leave}\n"
+
+
+@example(OWN_WARP, 5)
 @given(texts, st.integers(0, 10**6))
 @settings(max_examples=settings().max_examples // 5)
 def test_only_what_is_moved_moves(text: str, seed: int) -> None:
@@ -74,11 +78,14 @@ def test_only_what_is_moved_moves(text: str, seed: int) -> None:
         ):
             continue
         is_one = place["kind"] == "warp" or "one_of" in place["fields"]
-        wanted = [taken] if is_one else wheres
         moved = dict(place)
-        moved["cells"] = [
-            [x + dx, y + dy] if [x, y] in wanted else [x, y] for x, y in place["cells"]
-        ]
+        if is_one:
+            # Of a warp to its own cell, one end moves.
+            cells = list(place["cells"])
+            cells[cells.index(taken)] = to
+            moved["cells"] = cells
+        else:
+            moved["cells"] = [[x + dx, y + dy] for x, y in place["cells"]]
         moved["sides"] = [named(x + dx, y + dy, side) for x, y, side in place["sides"]]
         others = [each for each in before if each is not place]
         assert inner(stands(found(session))) == inner(stands([*others, moved]))

@@ -166,6 +166,7 @@ def test_no_game_of_another_folder_is_made(babyrobot: Babyrobot) -> None:
 # -- orders that cannot be met ---------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("order", "said"),
     [
@@ -197,6 +198,7 @@ def test_what_starves_is_told(order: list[str], said: str, babyrobot: Babyrobot)
     assert contents(Path()) == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_levels_that_cannot_be_made_can_be_left_out(jobs: str, babyrobot: Babyrobot) -> None:
     order = ["--count", "7", "--size", "3x3", "--loops", "0", "--path-length", "8"]

@@ -59,6 +59,7 @@ def fewest_steps(level: Level) -> int | None:
     return None
 
 
+@pytest.mark.slow
 def test_every_level_can_be_solved_and_needs_every_key(locked: Suite) -> None:
     for level in locked:
         assert fewest_steps(level) is not None, level.name
@@ -142,8 +143,8 @@ def test_the_shipped_suite_has_disjoint_splits() -> None:
     suite = load_suite("locked-mazes")
     train, test = suite.split("train"), suite.split("test")
     assert (len(train), len(test)) == (4000, 1000)
-    walls = {(level.size, level.grid().open_bits) for level in train[:40]}
-    assert not walls & {(level.size, level.grid().open_bits) for level in test[:40]}
+    walls = {(level.size, level.grid().open_bits) for level in train[:15]}
+    assert not walls & {(level.size, level.grid().open_bits) for level in test[:15]}
     assert all(fewest_steps(level) for level in test[:10])
 
 

@@ -198,6 +198,7 @@ def test_no_shortest_walk_is_cut_off() -> None:
 # -- files -----------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [pytest.param(name, marks=pytest.mark.slow if name in WITH_DOORS else ()) for name in SHIPPED],

@@ -44,6 +44,7 @@ def may_never_get_out(level: brl.Level) -> bool:
     return not reach[met][:, mdp.is_terminal].any(axis=1).all()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [{}, {"start": "farthest"}, {"keys": 1, "guards": {"max": 1}}])
 def test_there_is_a_way_out_of_wherever_the_wind_pushes(more: dict[str, Any]) -> None:
     suite = brl.load_suite({**FIELDS, **more, "count": 12})

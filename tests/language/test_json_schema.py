@@ -362,7 +362,17 @@ def test_they_agree_on_themes(data: dict[str, Any]) -> None:
     assert bool(against) == (not THEME.is_valid(data)), f"{data}\n{against}"
 
 
-@pytest.mark.parametrize("order", [[], ["--maze-seed", "3"], ["--template", "drawing"]], ids=str)
+@pytest.mark.parametrize(
+    "order",
+    [
+        [],
+        *(
+            pytest.param(each, marks=pytest.mark.sweep)
+            for each in (["--maze-seed", "3"], ["--template", "drawing"])
+        ),
+    ],
+    ids=str,
+)
 @pytest.mark.slow
 def test_other_checkers_accept_a_new_level(
     order: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -54,6 +54,7 @@ def test_no_safe_fix_changes_the_mdp(rule: Rule) -> None:
         check_fixes(path)
 
 
+@pytest.mark.slow
 def test_no_safe_fix_of_a_level_with_everything_changes_the_mdp() -> None:
     for path in GOOD:
         check_fixes(path)

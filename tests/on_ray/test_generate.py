@@ -172,6 +172,19 @@ def test_an_interrupted_call_goes_on_elsewhere(cluster: Any) -> None:
     assert made == {name: whole[name] for name in made}
 
 
+def test_news_of_the_cluster_are_no_results(cluster: Any) -> None:
+    from ray._private.utils import publish_error_to_driver
+    from ray._private.worker import global_worker
+
+    order = ("generate", "--count", "100", "--size", "20x20", "--path-length", "60..", "-o", "out")
+    process = babyrobot(*order, "--ray-address", cluster.address)
+    while process.poll() is None:
+        # As Ray does when a node is lost.
+        publish_error_to_driver("lost", "a node is lost", gcs_client=global_worker.gcs_client)
+        time.sleep(0.05)
+    assert said_by(process) == (0, "wrote 100 levels to out\n", "")
+
+
 def test_a_wrong_address_is_one_message_within_seconds() -> None:
     began = time.monotonic()
     said = said_by(babyrobot("generate", "--count", "3", "--ray-address", "127.0.0.1:9"))

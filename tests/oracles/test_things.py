@@ -637,14 +637,14 @@ def test_turning_tables_of_levels_without_things_are_those_of_the_reference(seed
     compare_turning(seed, things=False)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("block", range(2))
 def test_tables_of_many_random_levels_are_those_of_the_reference(block: int) -> None:
     for seed in range(1000 + 500 * block, 1500 + 500 * block):
         compare(seed)
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @for_each("seed", range(1000, 1400))
 def test_turning_tables_of_many_random_levels_are_those_of_the_reference(seed: int) -> None:
     compare_turning(seed)

@@ -44,6 +44,7 @@ def made(env_id: str, seed: int) -> tuple[Any, Level]:
     return env, level_of_world(world_of_environment(env, env_id, seed))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SAME)
 def test_grids_without_objects_are_the_same_game(name: str) -> None:
     for seed in SEEDS:

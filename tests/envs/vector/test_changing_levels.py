@@ -601,6 +601,7 @@ def living_levels() -> int:
     return sum(type(each) is Level for each in gc.get_objects())
 
 
+@pytest.mark.slow
 @combined(1, family=["wet", "mazes"], observation=["position", "image"])
 def test_memory_is_bounded(family: str, observation: str, monkeypatch: pytest.MonkeyPatch) -> None:
     given: dict[str, Any] = {"observation": observation}

@@ -269,6 +269,7 @@ def test_a_start_that_is_asked_for_leaves_what_is_drawn_to_chance(
 # -- levels that are made at resets ----------------------------------------------------------
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("observation", "actions"),
     [
