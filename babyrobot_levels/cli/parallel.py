@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import platform
 import sys
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -16,7 +16,14 @@ import typer
 
 from babyrobot_levels.cli.reporting import STANDARD_INPUT
 from babyrobot_levels.parallel.choice import executor_for
-from babyrobot_levels.parallel.executor import Executor, ExecutorError, Item, Result, results
+from babyrobot_levels.parallel.executor import (
+    Executor,
+    ExecutorError,
+    Failure,
+    Item,
+    Result,
+    results,
+)
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -74,8 +81,47 @@ class Workers:
             # Ray reads it when it is imported. It would write among our results what happens to
             # the cluster, such as the loss of a node.
             os.environ.setdefault("RAY_DEDUP_LOGS_SKIP_REGEX", ".")
-            return OnRay(self.ray_address, self.jobs)
+            return _Connected(OnRay(self.ray_address, self.jobs))
         return executor_for(jobs=jobs_for(count, self.jobs))
+
+
+@dataclass(frozen=True, slots=True)
+class _Connected:
+    """A cluster that is left when the work is done, unless there was a connection before."""
+
+    cluster: Executor
+
+    def map(
+        self, function: Callable[[Item], Result], items: Iterable[Item]
+    ) -> Generator[Result | Failure]:
+        from babyrobot_levels.parallel.on_ray import disconnect, is_connected
+
+        keep = is_connected()
+        try:
+            yield from self.cluster.map(function, items)
+        finally:
+            if not keep:
+                # Ray may tell of each chunk that is left when a command is interrupted.
+                with _silent_errors():
+                    disconnect()
+
+
+@contextmanager
+def _silent_errors() -> Iterator[None]:
+    """Drop what is written to standard error, also by libraries in C++."""
+    try:
+        kept = os.dup(2)
+    except OSError:
+        # There is none.
+        yield
+        return
+    with Path(os.devnull).open("wb") as nowhere:
+        os.dup2(nowhere.fileno(), 2)
+    try:
+        yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
 
 
 def jobs_for(count: int, jobs: int | None, worth_it: int = WORTH_IT) -> int:

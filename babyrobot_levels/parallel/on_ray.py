@@ -6,6 +6,7 @@ import logging
 import os
 import re
 import socket
+import sys
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
@@ -165,7 +166,7 @@ def connect(address: str | None = None, cpus: int | None = None) -> None:
     os.environ.setdefault("RAY_NUM_REDIS_GET_RETRIES", "4")
     import ray
 
-    if ray.is_initialized():
+    if is_connected():
         return
     try:
         ray.init(
@@ -180,6 +181,20 @@ def connect(address: str | None = None, cpus: int | None = None) -> None:
             message = "the Ray cluster runs already, so its number of CPUs cannot be chosen"
             raise ExecutorError(message, "leave out the number of jobs") from None
         raise _unreachable(address, _beginning(error)) from None
+
+
+def is_connected() -> bool:
+    """Tell whether this process is connected to a Ray cluster."""
+    ray = sys.modules.get("ray")
+    return ray is not None and bool(ray.is_initialized())
+
+
+def disconnect() -> None:
+    """End the connection to a Ray cluster, and a local instance that was started for it."""
+    if is_connected():
+        import ray
+
+        ray.shutdown()
 
 
 def _check(address: str | None) -> None:

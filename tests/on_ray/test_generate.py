@@ -172,6 +172,33 @@ def test_an_interrupted_call_goes_on_elsewhere(cluster: Any) -> None:
     assert made == {name: whole[name] for name in made}
 
 
+def test_what_ray_says_at_the_end_is_not_shown(cluster: Any) -> None:
+    script = """
+import os, sys
+from ray._private import worker
+from babyrobot_levels.cli.app import main
+
+disconnect = worker.disconnect
+
+def loud(*arguments):
+    if worker.global_worker.connected:
+        os.write(2, b"Failed to push error to driver")
+    disconnect(*arguments)
+
+worker.disconnect = loud
+main()
+"""
+    order = ("generate", "--count", "3", "-o", "out", "--ray-address", cluster.address)
+    done = subprocess.run(
+        [sys.executable, "-c", script, *order],
+        env=environment(Path.cwd()),
+        capture_output=True,
+        timeout=100,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"wrote 3 levels to out\n", b"")
+
+
 def test_news_of_the_cluster_are_no_results(cluster: Any) -> None:
     from ray._private.utils import publish_error_to_driver
     from ray._private.worker import global_worker
