@@ -15,6 +15,8 @@ source scripts/venv.sh
 options=(--quiet --disable-pip-version-check --no-compile)
 # Each process has tests that stand together, and takes others' once it has none left.
 workers=(-n 2 --dist worksteal)
+# What depends on clusters, browsers and terminals is tried once more if it fails, and the report says so.
+again=(--reruns 1 -rR)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
 # Does what the pages say that need some extras, in an environment that has them and hatchling, for pip.
@@ -35,7 +37,7 @@ beside_pages() {
 }
 # Runs the tests with libraries that learn, those of the sweep or the others.
 with_libraries() {
-    .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" \
+    .venv-libraries/bin/python -m pytest -m "libraries and $1" "${workers[@]}" "${again[@]}" \
         tests/envs tests/scoring tests/e2e/test_examples.py tests/docs/test_benchmark.py
 }
 make_libraries() {
@@ -46,7 +48,7 @@ make_libraries() {
 }
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
-all) tests=(-m "not libraries and not sweep" --hypothesis-profile thorough) ;;
+all) tests=(-m "not libraries and not sweep" --hypothesis-profile thorough "${again[@]}") ;;
 sweep)
     make_libraries
     with_libraries sweep
@@ -65,9 +67,9 @@ jax)
     ;;
 ray)
     make_venv .venv-ray
-    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hatchling hypothesis pytest
+    .venv-ray/bin/pip install "${options[@]}" --editable ".[fast,ray]" hatchling hypothesis pytest pytest-rerunfailures
     pages .venv-ray ray
-    exec .venv-ray/bin/python -m pytest -m libraries tests/on_ray
+    exec .venv-ray/bin/python -m pytest -m libraries "${again[@]}" tests/on_ray
     ;;
 site)
     make_venv .venv-site
@@ -82,7 +84,7 @@ site)
     "$reader/venv/bin/pip" install "${options[@]}" . hatchling
     PYTHONPATH=tests "$reader/venv/bin/python" -m support.pages --bin "$reader/venv/bin" || status=$?
     wait "$built"
-    .venv-site/bin/python -m pytest -m libraries "${workers[@]}" tests/site || status=$?
+    .venv-site/bin/python -m pytest -m libraries "${workers[@]}" "${again[@]}" tests/site || status=$?
     exit "${status:-0}"
     ;;
 lowest)

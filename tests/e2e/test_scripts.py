@@ -87,7 +87,7 @@ def test_a_law_of_many_values_names_the_one_that_breaks_it(tmp_path: Path) -> No
 def test_the_steps_for_libraries_run_all_their_tests() -> None:
     """They name where these are, so that not all others are collected."""
     script = (ROOT / "scripts" / "check.sh").read_text("utf-8")
-    chosen = '-m "libraries and $1" "${workers[@]}" '
+    chosen = '-m "libraries and $1" "${workers[@]}" "${again[@]}" '
     named = tuple(script.partition(chosen)[2].partition("}")[0].replace("\\", "").split())
     mark = "pytest.mark." + "libraries"
     marked = [
