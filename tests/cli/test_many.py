@@ -136,7 +136,7 @@ def test_a_file_that_is_no_rows_is_left_alone() -> None:
 
 @pytest.mark.usefixtures("here")
 def test_an_interrupted_call_can_be_continued() -> None:
-    written("many.yaml", SUITE.replace("30", "500"))
+    written("many.yaml", SUITE.replace("30", "2000"))
     call = ["solve", "many.yaml", "-o", "rows.jsonl"]
     process = subprocess.Popen(
         [sys.executable, "-m", "babyrobot_levels", *call, "--jobs", "2"],
@@ -154,16 +154,16 @@ def test_an_interrupted_call_can_be_continued() -> None:
     count = kept.count(b"\n")
     assert (process.returncode, out) == (130, "")
     assert err == (
-        f"stopped: {count} of 500 rows are in rows.jsonl\n"
+        f"stopped: {count:,} of 2,000 rows are in rows.jsonl\n"
         "  help: continue with the same call and --resume\n"
     )
-    assert 0 < count < 500
+    assert 0 < count < 2000
     assert babyrobot(*call, "--resume").out == (
-        f"wrote {500 - count} rows to rows.jsonl; kept {count}\n"
+        f"wrote {2000 - count:,} rows to rows.jsonl; kept {count:,}\n"
     )
     whole = file.read_bytes()
     assert whole.startswith(kept)
-    assert [row["index"] for row in rows(whole.decode())] == [*range(500)]
+    assert [row["index"] for row in rows(whole.decode())] == [*range(2000)]
 
 
 @pytest.mark.usefixtures("here")
