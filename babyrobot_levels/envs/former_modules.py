@@ -29,7 +29,7 @@ MOVED = {
     "cli.git": "cli.diff",
     "cli.import_level": "cli.convert",
     "cli.list_packs": "cli.list_levels",
-    "cli.orders": "cli.generate",
+    "cli.orders": "cli.suite_options",
     "cli.print_schema": "cli.schema",
     "cli.progress": "cli.parallel",
     "cli.resolve": "cli.share",
