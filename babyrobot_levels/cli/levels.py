@@ -14,7 +14,7 @@ from babyrobot_levels.cli.console import FINDINGS, STANDARD_OUTPUT, fail, note
 from babyrobot_levels.cli.inputs import load_level
 from babyrobot_levels.cli.parallel import Workers, map_all
 from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text
-from babyrobot_levels.text.files import RESERVED
+from babyrobot_levels.text.files import RESERVED, make_folder
 
 if TYPE_CHECKING:
     from babyrobot_levels.generate.suites import Suite
@@ -134,7 +134,7 @@ def folder_for(output: Path) -> Path:
     """Return the folder to which files of several levels are written, made if there is none."""
     if not output.is_dir() and (output == STANDARD_OUTPUT or output.suffix or output.exists()):
         fail(f"{output} is not a folder", "several levels are written to one: -o FOLDER")
-    output.mkdir(parents=True, exist_ok=True)
+    make_folder(output)
     return output
 
 

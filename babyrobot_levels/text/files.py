@@ -155,6 +155,19 @@ def _unreadable(
     )
 
 
+def make_folder(path: Path) -> None:
+    """Make a folder, and those above it, unless it is there.
+
+    Raises:
+        NotADirectoryError: there is a file.
+        OSError: the folder cannot be made.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except FileExistsError:
+        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(path)) from None
+
+
 def write_text(path: Path, text: str, *, sync: bool = True) -> None:
     """Write a file atomically: under a temporary name beside it, which is then renamed.
 
@@ -174,7 +187,7 @@ def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
     import tempfile
 
     path = path.resolve()
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     try:
         mode = stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
@@ -212,7 +225,7 @@ def append_line(path: Path, line: bytes) -> bool:
     Raises:
         OSError: the file cannot be written. It is then as it was before.
     """
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     with uninterrupted(), path.open("ab+", buffering=0) as file:
         size = file.seek(0, os.SEEK_END)
         if size:
@@ -242,7 +255,7 @@ def written_folder(path: Path) -> Iterator[Path]:
     import tempfile
 
     path = path.resolve()
-    path.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(path.parent)
     temporary = Path(tempfile.mkdtemp(prefix=f".{path.name[:_MAX_PREFIX]}.", dir=path.parent))
     try:
         folder = temporary / "new"

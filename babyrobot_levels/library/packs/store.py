@@ -27,7 +27,7 @@ from babyrobot_levels.library.packs.known import (
     packs_folder,
     version_of,
 )
-from babyrobot_levels.text.files import is_folder, write_text
+from babyrobot_levels.text.files import is_folder, make_folder, write_text
 from babyrobot_levels.text.words import nearest
 
 LOCK = ".lock"
@@ -56,7 +56,7 @@ def locked(folder: Path) -> Iterator[None]:
 def _opened(path: Path) -> int:
     """Return the lock file's descriptor, locked."""
     while True:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(path.parent)
         with suppress(FileNotFoundError):
             # A broken link could be neither opened nor created.
             flags = os.O_RDWR | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
@@ -218,7 +218,7 @@ def _unpack(archive: Archive, folder: Path) -> None:
     """Write the files of an archive into a new folder, and sync them to the disk."""
     for path, data in archive.files.items():
         place = folder / path
-        place.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(place.parent)
         with place.open("xb") as file:
             file.write(data)
     # Syncing after all writes is much faster than after each.
