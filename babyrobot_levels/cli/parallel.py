@@ -24,6 +24,7 @@ from babyrobot_levels.parallel.executor import (
     Result,
     results,
 )
+from babyrobot_levels.text.files import uninterrupted
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -214,9 +215,11 @@ def working(label: str) -> Iterator[Report]:
     try:
         yield bar.report
     finally:
-        timer.cancel()
-        timer.join()
-        bar.stop()
+        # A bar that is half removed leaves no cursor.
+        with uninterrupted():
+            timer.cancel()
+            timer.join()
+            bar.stop()
 
 
 class _Bar:

@@ -58,10 +58,10 @@ class _Pool:
 
     def send(self, function: Callable[[Any], Any], chunk: Chunk[Any]) -> _Ticket:
         try:
-            future = self._pool.submit(_work, function, chunk)
+            future = _submit(self._pool, function, chunk)
         except BrokenProcessPool:
             self._pool = self._make(self.count)
-            future = self._pool.submit(_work, function, chunk)
+            future = _submit(self._pool, function, chunk)
         return _Ticket(function, chunk, future)
 
     def wait_for(self, ticket: _Ticket) -> Done[Any]:
@@ -74,7 +74,7 @@ class _Pool:
         """Do a chunk again, alone: when a process ends, all chunks that were sent are lost."""
         with self._make(1) as pool:
             try:
-                return pool.submit(_work, ticket.function, ticket.chunk).result()
+                return _submit(pool, ticket.function, ticket.chunk).result()
             except BrokenProcessPool:
                 raise WorkerDiedError("the process that worked on it ended twice") from None
 
@@ -83,6 +83,14 @@ class _Pool:
         with uninterrupted():
             self._stop.set()
             self._pool.shutdown(cancel_futures=True)
+
+
+def _submit(
+    pool: ProcessPoolExecutor, function: Callable[[Any], Any], chunk: Chunk[Any]
+) -> Future[Done[Any]]:
+    # It starts the processes, and Python drops what is raised while a process is forked.
+    with uninterrupted():
+        return pool.submit(_work, function, chunk)
 
 
 _stop: Event

@@ -387,7 +387,8 @@ def test_a_picture_that_takes_long_is_in_color_after_the_bar(tmp_path: Path) -> 
 
 @pytest.mark.slow
 def test_an_interrupt_while_a_picture_is_painted_leaves_no_file(tmp_path: Path) -> None:
-    text = "version: 1\nsize: [200, 200]\nmaze: {seed: 1}\n"
+    # It takes some seconds.
+    text = "version: 1\nsize: [500, 500]\nmaze: {seed: 1}\n"
     (tmp_path / "large.yaml").write_text(text, encoding="utf-8")
     outer, inner = pty.openpty()
     process = start(tmp_path, "preview", "large.yaml", "-o", "large.png", stdin=inner, stdout=inner,
@@ -405,6 +406,38 @@ def test_an_interrupt_while_a_picture_is_painted_leaves_no_file(tmp_path: Path) 
     # The cursor is shown again.
     assert sent.rfind(b"\x1b[?25h") > sent.rfind(b"\x1b[?25l")
     assert [path.name for path in tmp_path.iterdir()] == ["large.yaml"]
+
+
+@pytest.mark.slow
+def test_an_interrupt_while_a_bar_is_removed_shows_the_cursor_again() -> None:
+    program = """
+import signal, time
+from rich.live import Live
+from babyrobot_levels.cli.parallel import PATIENCE, working
+
+stop = Live.stop
+
+def interrupted(self):
+    signal.raise_signal(signal.SIGINT)
+    stop(self)
+
+Live.stop = interrupted
+try:
+    with working("waiting"):
+        time.sleep(PATIENCE + 1)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    outer, inner = pty.openpty()
+    process = subprocess.Popen([sys.executable, "-c", program], stdout=inner, stderr=inner)
+    os.close(inner)
+    sent = b""
+    while chunk := _rest(outer):
+        sent += chunk
+    os.close(outer)
+    assert process.wait(timeout=60) == 0
+    assert sent.endswith(b"interrupted\r\n")
+    assert sent.rfind(b"\x1b[?25h") > sent.rfind(b"\x1b[?25l") >= 0
 
 
 def _rest(descriptor: int) -> bytes:

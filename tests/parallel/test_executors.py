@@ -136,6 +136,25 @@ def test_a_wrong_choice_is_told(arguments: dict[str, Any], said: str) -> None:
         executor_for(**arguments)
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes are not forked here")
+def test_ctrl_c_while_a_process_is_forked_is_not_lost() -> None:
+    program = """
+import multiprocessing, os, signal
+from babyrobot_levels.parallel.processes import Processes
+
+multiprocessing.set_start_method("fork")
+os.register_at_fork(after_in_parent=lambda: signal.raise_signal(signal.SIGINT))
+try:
+    list(Processes(2).map(abs, range(10)))
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "interrupted\n", "")
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="pipes show which processes are there")
 def test_no_process_stays_when_the_one_that_started_it_is_killed() -> None:
     program = """
