@@ -48,7 +48,11 @@ make_libraries() {
 }
 case "${1:-fast}" in
 fast) tests=(-m "not slow and not libraries") ;;
-all) tests=(-m "not libraries and not sweep" --hypothesis-profile thorough "${again[@]}") ;;
+all)
+    tests=(-m "not libraries and not sweep" --hypothesis-profile thorough "${again[@]}")
+    # Those that wait for a browser or a terminal leave time to others.
+    workers=(-n 3 --dist worksteal)
+    ;;
 sweep)
     make_libraries
     with_libraries sweep
