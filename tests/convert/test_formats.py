@@ -66,7 +66,7 @@ def test_levels_come_back_as_files(level: str) -> None:
         assert_comes_back_as_a_file(name, brl.load(level))
 
 
-@pytest.mark.slow
+@pytest.mark.sweep
 @pytest.mark.parametrize("level", sorted({*GALLERY} - {*CAUSES}))
 def test_the_other_levels_of_the_gallery_come_back_as_files(level: str) -> None:
     for name in FORMATS:

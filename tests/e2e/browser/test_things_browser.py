@@ -59,7 +59,7 @@ def corners(ground: Playground, place: str) -> list[list[int]]:
 # -- episodes ----------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", [0, 2**40 + 7])
+@pytest.mark.parametrize("seed", [pytest.param(0, marks=pytest.mark.sweep), 2**40 + 7])
 def test_a_seed_and_the_same_actions_give_the_environments_episodes(
     seed: int, ground: Playground
 ) -> None:
