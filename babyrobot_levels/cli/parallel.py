@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import atexit
 import os
 import platform
 import sys
-from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
@@ -19,7 +20,6 @@ from babyrobot_levels.parallel.choice import executor_for
 from babyrobot_levels.parallel.executor import (
     Executor,
     ExecutorError,
-    Failure,
     Item,
     Result,
     results,
@@ -77,34 +77,25 @@ class Workers:
     def executor(self, count: int) -> Executor:
         """Return the executor for a number of items."""
         if self.are_elsewhere:
-            from babyrobot_levels.parallel.on_ray import OnRay
+            from babyrobot_levels.parallel.on_ray import OnRay, connect, is_connected
 
             # Ray reads it when it is imported. It would write among our results what happens to
             # the cluster, such as the loss of a node.
             os.environ.setdefault("RAY_DEDUP_LOGS_SKIP_REGEX", ".")
-            return _Connected(OnRay(self.ray_address, self.jobs))
+            if not is_connected():
+                connect(self.ray_address, self.jobs)
+                # What is registered last is done first: Ray would disconnect by itself.
+                atexit.register(_leave_cluster)
+            return OnRay(self.ray_address, self.jobs)
         return executor_for(jobs=jobs_for(count, self.jobs))
 
 
-@dataclass(frozen=True, slots=True)
-class _Connected:
-    """A cluster that is left when the work is done, unless there was a connection before."""
+def _leave_cluster() -> None:
+    """Disconnect without what Ray may tell of chunks that are left by an interrupted command."""
+    from babyrobot_levels.parallel.on_ray import disconnect
 
-    cluster: Executor
-
-    def map(
-        self, function: Callable[[Item], Result], items: Iterable[Item]
-    ) -> Generator[Result | Failure]:
-        from babyrobot_levels.parallel.on_ray import disconnect, is_connected
-
-        keep = is_connected()
-        try:
-            yield from self.cluster.map(function, items)
-        finally:
-            if not keep:
-                # Ray may tell of each chunk that is left when a command is interrupted.
-                with _silent_errors():
-                    disconnect()
+    with _silent_errors():
+        disconnect()
 
 
 @contextmanager
