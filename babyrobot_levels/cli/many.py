@@ -125,8 +125,8 @@ def write_rows(
     target = _target(columns, options, len(levels))
     first, errors = target.first, 0
     part = levels[first:]
-    executor = options.workers.executor(len(part))
     try:
+        executor = options.workers.executor(len(part))
         with closing(make(part, executor=executor, keep_going=True)) as rows:
             for found in track(rows, len(part), columns.verb):
                 row = replace(found, index=first + found.index)
