@@ -67,10 +67,11 @@ def replay(
 ) -> None:
     """Verify recorded episodes by the tables of their level, and show them.
 
-    An episode is valid if its level has the digest that it tells, each outcome is possible, the
-    rewards add up to the return, and the end is the one told. Luck is the probability of this
-    return or a higher one if the same actions are taken again. On a terminal, a single episode is
-    shown step by step. The exit status is 1 if an episode is not valid.
+    An episode is valid if its level has the digest that it tells, each outcome is possible and, if
+    it has a seed, drawn by this seed, the rewards add up to the return, and the end is the one
+    told. Luck is the probability of this return or a higher one if the same actions are taken
+    again. On a terminal, a single episode is shown step by step. The exit status is 1 if an episode
+    is not valid.
 
     Examples:
 

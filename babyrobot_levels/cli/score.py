@@ -319,9 +319,10 @@ def _score_plays(
 
 
 def _write_grades(grades: Grades, *, has_level: bool) -> None:
-    """Write a table; the column of help is left out if nobody was helped."""
+    """Write a table; the columns of help and notes are left out if they are empty."""
     rows = [_grade_cells(each) for each in grades]
-    is_shown = {"level": has_level, "help": any(row["help"] for row in rows)}
+    is_shown = {name: any(row[name] for row in rows) for name in ("help", "notes")}
+    is_shown["level"] = has_level
     heading = [name for name in rows[0] if is_shown.get(name, True)]
     write_table(heading, [[row[name] for name in heading] for row in rows], less=("verified",))
 
@@ -340,8 +341,19 @@ def _grade_cells(row: Grade) -> dict[str, str]:
         "success": _percent(row.success),
         "luck": _percent(row.luck),
         "help": help_text(row),
+        "notes": _notes(row),
         "verified": "yes" if row.fault is None else f"no: {printable(row.fault)}",
     }
+
+
+def _notes(row: Grade) -> str:
+    """Return what else there is to know about the plays of a player."""
+    told = {
+        "copies left out": row.copies,
+        f"shared with {printable(row.shared_with)}": row.shared,
+        "without a seed": row.unseeded,
+    }
+    return "; ".join(f"{text}: {count:,}" for text, count in told.items() if count)
 
 
 def _number(value: float) -> str:

@@ -8,9 +8,12 @@ import json
 import math
 import os
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache
+from hashlib import sha256
+from itertools import chain
 from pathlib import Path
 from typing import Any, overload
 
@@ -82,7 +85,8 @@ def reaches_exit(play: Play) -> bool:
 class Grade:
     """The plays of one player in one level.
 
-    Unfinished episodes are counted, but have no return. Plays that are not valid count in nothing.
+    Unfinished episodes are counted, but have no return. Plays that are not valid count in nothing,
+    and equal plays (the same seed, actions and states) count once.
 
     Attributes:
         player: the name of the file, without its suffix.
@@ -102,6 +106,10 @@ class Grade:
         hints: how many hints the player asked for, as the page tells.
         undone: how many steps the player took back, as the page tells.
         watched: how many steps the policy took that the player watched, as the page tells.
+        unseeded: how many plays have no seed, so that nothing tells whether chance was chosen.
+        copies: how many plays were left out, because they equal another one of the player.
+        shared: how many plays equal one of another player.
+        shared_with: these players, with commas between them.
         fault: what is wrong with the file or its first play that is not valid; None for nothing.
     """
 
@@ -122,6 +130,10 @@ class Grade:
     hints: int
     undone: int
     watched: int
+    unseeded: int
+    copies: int
+    shared: int
+    shared_with: str
     fault: str | None
 
 
@@ -191,20 +203,37 @@ def grade(files: Iterable[str | os.PathLike[str]], level: Any = None) -> Grades:
     wanted = None if level is None else load(level)
     if wanted is not None:
         wanted.compile()
-    return Grades([each for file in files for each in _grades_of(Path(file), wanted)])
+    found: list[tuple[Path, Grade, set[bytes]]] = []
+    players: dict[bytes, dict[Path, None]] = {}
+    for path in map(Path, files):
+        for each, episodes in _grades_of(path, wanted):
+            found.append((path, each, episodes))
+            for episode in episodes:
+                players.setdefault(episode, {})[path] = None
+    return Grades([_with_shared(*each, players) for each in found])
 
 
-def _grades_of(path: Path, wanted: Level | None) -> Iterator[Grade]:
-    """Yield the grades of a player: at least one."""
+def _with_shared(
+    path: Path, found: Grade, episodes: set[bytes], players: Mapping[bytes, Iterable[Path]]
+) -> Grade:
+    """Return a grade that tells which of its episodes other files have, too."""
+    others = [[each.stem for each in players[of] if each != path] for of in episodes]
+    names = sorted(set(chain.from_iterable(others)))
+    return replace(found, shared=sum(map(bool, others)), shared_with=", ".join(names))
+
+
+def _grades_of(path: Path, wanted: Level | None) -> Iterator[tuple[Grade, set[bytes]]]:
+    """Yield the grades of a player, at least one, and the episodes that each is of."""
     try:
         plays = read_plays(path)
     except (PlayError, OSError) as error:
         # The player's name says in which file.
         reason = str(error).removeprefix(f"{path}:").strip()
         fault = error.strerror if isinstance(error, OSError) else _LINE.sub(r"line \1:", reason)
-        yield _grade(path.stem, _name_of(wanted), [], fault)
+        yield _grade(path.stem, _name_of(wanted), [], 0, fault), set()
         return
-    groups: dict[_Conditions, list[Play]] = {}
+    groups: dict[_Conditions, dict[bytes, Play]] = {}
+    copies: Counter[_Conditions] = Counter()
     faults: dict[_Conditions, str] = {}
     for number, play in enumerate(plays, 1):
         if wanted is not None and play.digest != wanted.digest:
@@ -212,16 +241,26 @@ def _grades_of(path: Path, wanted: Level | None) -> Iterator[Grade]:
         conditions = wanted or play
         key = (play.digest, str(play.action_set), conditions.max_steps, conditions.discount)
         fault = _condition_fault(play, wanted) or verify_play(play).fault
-        if fault is None:
-            groups.setdefault(key, []).append(play)
-        else:
+        if fault is not None:
             faults.setdefault(key, f"line {number}: {fault}")
+            continue
+        group, episode = groups.setdefault(key, {}), _episode_of(play)
+        copies[key] += episode in group
+        group.setdefault(episode, play)
     if wanted is not None and not groups and not faults:
-        yield _grade(path.stem, _name_of(wanted), [], "it has no play of this level")
+        yield _grade(path.stem, _name_of(wanted), [], 0, "it has no play of this level"), set()
     for key in groups | faults:
-        group = groups.get(key, [])
-        name = _name_of(wanted or (group[0] if group else None)) or key[0]
-        yield _grade(path.stem, name, group, faults.get(key))
+        group = groups.get(key, {})
+        valid = [*group.values()]
+        name = _name_of(wanted or (valid[0] if valid else None)) or key[0]
+        yield _grade(path.stem, name, valid, copies[key], faults.get(key)), set(group)
+
+
+def _episode_of(play: Play) -> bytes:
+    """Return what valid plays have in common if they are the same episode, as a digest."""
+    seed = None if play.seed is None else int(play.seed)
+    told = play.digest, str(play.action_set), seed, play.actions, play.states
+    return sha256(repr(told).encode()).digest()
 
 
 def _name_of(found: Level | Play | None) -> str:
@@ -241,8 +280,8 @@ def _condition_fault(play: Play, wanted: Level | None) -> str | None:
     return None
 
 
-def _grade(player: str, level: str, plays: Sequence[Play], fault: str | None) -> Grade:
-    """Return the grade of valid plays under the same conditions."""
+def _grade(player: str, level: str, plays: Sequence[Play], copies: int, fault: str | None) -> Grade:
+    """Return the grade of valid plays under the same conditions, none of them equal."""
     ended = [play for play in plays if play.end != "unfinished"]
     returns = [play.return_ for play in ended]
     best = max(ended, key=lambda play: play.return_, default=None)
@@ -265,6 +304,10 @@ def _grade(player: str, level: str, plays: Sequence[Play], fault: str | None) ->
         hints=sum(play.hints for play in plays),
         undone=sum(play.undone for play in plays),
         watched=sum(play.watched for play in plays),
+        unseeded=sum(play.seed is None for play in plays),
+        copies=copies,
+        shared=0,
+        shared_with="",
         fault=fault,
     )
 

@@ -1,7 +1,7 @@
-"""Verification of plays by the tables of their level, without any generator; and their luck.
+"""Verification of plays by the tables of their level and by their seed; and their luck.
 
-Whether a play is genuine cannot be known: a cheat may compute a lucky one. What is verified is that
-it can have happened, and how likely that was.
+Whether a play is genuine cannot be known: a cheat may look for a lucky seed, or tell none. What is
+verified is that it can have happened, that its seed gives it, and how likely it was.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from babyrobot_levels.analysis.solver.distribution import (
 from babyrobot_levels.analysis.solver.results import action_names
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.envs.arguments import start_states
+from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import PlayError
 from babyrobot_levels.scoring.plays.files import Play
 from babyrobot_levels.text.errors import LevelError
@@ -133,7 +134,8 @@ def verify_play(play: Play) -> Verification:
 
     The level of its share code must have its digest. Its start must be one of the level's, or, if
     it was chosen, a state in which episodes can be told to start. Each outcome must be possible
-    after its action. The rewards must add up to its return, and its end must be the one told.
+    after its action, and, if it has a seed, the one that this seed draws. The rewards must add up
+    to its return, and its end must be the one told.
 
     Args:
         play: as `read_plays` returns it.
@@ -156,7 +158,7 @@ def verify_play(play: Play) -> Verification:
         if chance is None:
             return _refused(play, f"step {step} is not possible: {_step_text(play, space, step)}")
         total += math.log(chance)
-    fault = _end_fault(play, space)
+    fault = _end_fault(play, space) or _seed_fault(play, space)
     return _refused(play, fault) if fault is not None else Verification(play, None, total)
 
 
@@ -218,6 +220,26 @@ def _end_fault(play: Play, space: StateSpace) -> str | None:
         return "it was not truncated: it did not reach its time limit"
     if play.end == "unfinished" and is_late:
         return "it is not unfinished: it reached its time limit"
+    return None
+
+
+def _seed_fault(play: Play, space: StateSpace) -> str | None:
+    """Return where a play leaves the episode of its seed; None if it does not, or has no seed.
+
+    Pages draw the numbers that environments draw, and steps that were undone are drawn anew.
+    """
+    if play.seed is None:
+        return None
+    env = LevelEnv(play.level, observation="index", actions=play.action_set)
+    start = {"start": space.mdp.cell(play.states[0])} if play.start == "chosen" else None
+    env.reset(seed=int(play.seed), options=start)
+    if env.state != play.states[0]:
+        return f"with its seed {play.seed}, an episode starts in {space.text(env.state)}"
+    for step, action in enumerate(play.actions, 1):
+        _, reward, *_ = env.step(action)
+        if (env.state, reward) != (play.states[step], play.rewards[step - 1]):
+            drawn = f"leads to {space.text(env.state)} with the reward {reward:g}"
+            return f"with its seed {play.seed}, step {step} {drawn}"
     return None
 
 

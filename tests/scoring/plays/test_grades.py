@@ -87,6 +87,24 @@ def test_plays_that_do_not_count(tmp_path: Path) -> None:
         assert replace(grades[0], fault=None, player="eve") == honest
 
 
+def test_equal_plays_count_once(tmp_path: Path) -> None:
+    ada, ben, eve = (tmp_path / f"{name}.brlplay" for name in ("ada", "ben", "eve"))
+    record(ada, LAKE, episodes=3)
+    record(ben, LAKE, episodes=2, seed=7)
+    (honest,) = brl.grade([ada], LAKE)
+    assert (honest.copies, honest.shared, honest.unseeded) == (0, 0, 0)
+    first = brl.read_plays(ada)[0]
+    for copy in (first, forged(first, seed="000", hints=3), forged(first, seed_kind="page")):
+        append_play(ada, copy)
+    append_play(eve, first)
+    append_play(eve, forged(first, seed=None))
+    grades = brl.grade([ada, ben, eve], LAKE)
+    assert replace(grades[0], copies=0, shared=0, shared_with="") == honest
+    told = [(each.copies, each.shared, each.shared_with, each.unseeded) for each in grades]
+    assert told == [(3, 1, "eve", 0), (0, 0, "", 0), (0, 1, "ada", 1)]
+    assert grades.are_valid
+
+
 def test_files_that_cannot_be_read_have_a_row(tmp_path: Path) -> None:
     (tmp_path / "half.brlplay").write_bytes(b'{"format":')
     (tmp_path / "folder.brlplay").mkdir()

@@ -1,9 +1,10 @@
-"""Plays are verified by the tables alone; what is forged is refused, and luck is exact."""
+"""Plays are verified by tables and seed; what is forged is refused, and luck is exact."""
 
 from __future__ import annotations
 
 import itertools
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -59,6 +60,34 @@ def test_a_forged_play_is_refused(play: brl.Play) -> None:
         assert verification.fault is not None
         assert message in verification.fault
         assert (verification.probability, verification.luck) == (0.0, None)
+
+
+@pytest.mark.parametrize("kind", ["environment", "page"])
+@pytest.mark.parametrize("actions", ["all", "turns"])
+def test_the_seed_must_give_the_episode(tmp_path: Path, kind: str, actions: str) -> None:
+    played = recorded(tmp_path, "frozen-lake", actions, seed=3)
+    played = forged(played, seed_kind=kind)
+    assert brl.verify_play(played).is_valid
+    fault = brl.verify_play(forged(played, seed="4")).fault
+    assert fault is not None
+    assert re.match(r"with its seed 4, step \d+ leads to \[", fault)
+    # Without a seed, what is possible is all that can be known.
+    assert brl.verify_play(forged(played, seed=None)).is_valid
+
+
+def test_the_seed_must_give_the_start(tmp_path: Path) -> None:
+    level = brl.load({"version": 1, "size": [4, 4], "start": [[0, 0], [2, 2]], "max_steps": 2})
+    played = recorded(tmp_path, level)
+    faults = [brl.verify_play(forged(played, seed=str(seed))).fault for seed in range(9)]
+    assert faults[0] is None
+    assert any("an episode starts in [" in str(fault) for fault in faults)
+    env = brl.RecordPlay(brl.load("frozen-lake").make(), tmp_path / "chosen.brlplay")
+    env.reset(seed=5, options={"start": [2, 1]})
+    env.step(2)
+    env.close()
+    (chosen,) = brl.read_plays(tmp_path / "chosen.brlplay")
+    assert (chosen.seed, chosen.start) == ("5", "chosen")
+    assert brl.verify_play(chosen).is_valid
 
 
 def test_the_end_must_be_the_one_told(tmp_path: Path) -> None:
