@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +17,7 @@ from babyrobot_levels.cli.console import (
     TableOption,
     fact_lines,
     fail,
+    note,
     save,
     write,
     write_json,
@@ -96,6 +98,9 @@ def score(
         bool,
         typer.Option("--stochastic", help="Let a model sample, not take its likeliest action."),
     ] = False,
+    episodes: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Play models with memory N times in each level.")
+    ] = 1000,
     trust: Annotated[
         bool,
         typer.Option(
@@ -162,7 +167,10 @@ def score(
         observation=tuple(observation.split(",")) if "," in observation else observation,
         actions=str(actions),
         deterministic=not stochastic,
+        episodes=episodes,
     )
+    if scores.notice is not None:
+        note(f"warning: {scores.notice}")
     _put(scores, table_format, output, force=force)
 
 
@@ -177,7 +185,9 @@ def _scores(what: list[str], *, trust: bool, **options: Any) -> Scores:
 
     word, *names = what
     levels = levels_named(names)
-    with working("scoring"):
+    with working("scoring"), warnings.catch_warnings():
+        # The command itself notes that episodes are few.
+        warnings.filterwarnings("ignore", "of an agent with memory")
         try:
             agent = _agent(word, levels, options, trust=trust)
             return scores_of(agent, levels, **options)
@@ -261,7 +271,7 @@ def _save(makers: Mapping[str, Callable[[], Any]], output: Path, *, force: bool)
 def _score_cells(row: LevelScore) -> list[str]:
     earned = _number(row.expected_return)
     if row.episodes:
-        earned += f" ± {_number(row.high - row.expected_return)}"
+        earned += f" ({_number(row.low)} to {_number(row.high)})"
     return [
         printable(row.level),
         earned,
@@ -275,9 +285,10 @@ def _score_cells(row: LevelScore) -> list[str]:
 
 def _summary(scores: Scores) -> dict[str, str]:
     found = scores.summary
+    ends = "" if scores.is_exact else f" ({_number(found.low)} to {_number(found.high)})"
     return {
         "levels": f"{found.levels:,}",
-        "mean share": _number(found.mean),
+        "mean share": _number(found.mean) + ends,
         "median": _number(found.median),
         "interquartile mean": _number(found.iqm),
         "worst tenth": _number(found.worst_tenth),

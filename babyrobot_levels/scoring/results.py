@@ -9,11 +9,13 @@ import math
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, fields
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
+from babyrobot_levels.scoring.intervals import Floats, Played, interval
 from babyrobot_levels.text.files import write_bytes, write_text
 
 if TYPE_CHECKING:
@@ -21,6 +23,9 @@ if TYPE_CHECKING:
 
 SOLVED = 0.95
 """From this share of the optimum on, a level counts as solved."""
+
+FEW = 100
+"""Scores from fewer episodes in each level are told to be rough."""
 
 MAX_BARS = 100
 """The most levels in a picture."""
@@ -73,9 +78,13 @@ class LevelScore:
     @property
     def share_interval(self) -> tuple[float, float]:
         """The 95 % confidence interval of `share`; both ends equal it if the score is exact."""
-        way = self.optimum - self.random
-        low, high = ((end - self.expected_return) / way for end in (self.low, self.high))
-        return self.share + low, self.share + high
+        low, high = self.share_of(np.array([self.low, self.high])).tolist()
+        return low, high
+
+    def share_of(self, returns: Floats) -> Floats:
+        """Return the shares of returns in the level, as `share` is that of the expected return."""
+        way = math.nan if math.isnan(self.share) else self.optimum - self.random
+        return self.share + (returns - self.expected_return) / way
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +100,9 @@ class Summary:
         solved: how many of the levels are solved, 0 to 1: those with a share of 0.95 or more.
         regret: the mean of the regrets of all levels.
         success: the mean of the chances to reach an exit of all levels.
+        low: the lower end of the 95 % confidence interval of `mean`, in these levels; equal to it
+            if all scores are exact.
+        high: the upper end.
     """
 
     levels: int
@@ -101,6 +113,8 @@ class Summary:
     solved: float
     regret: float
     success: float
+    low: float
+    high: float
 
 
 class Scores(Sequence[LevelScore]):
@@ -108,8 +122,14 @@ class Scores(Sequence[LevelScore]):
 
     __module__ = "babyrobot_levels"
 
-    def __init__(self, scores: Sequence[LevelScore]) -> None:
-        self._scores = tuple(scores)
+    def __init__(self, scores: Sequence[LevelScore], played: Sequence[Played] = ()) -> None:
+        """Make scores.
+
+        Args:
+            scores: that of each level.
+            played: the episodes in each level, if there were any.
+        """
+        self._scores, self._played = tuple(scores), tuple(played)
 
     def __len__(self) -> int:
         return len(self._scores)
@@ -121,8 +141,9 @@ class Scores(Sequence[LevelScore]):
     def __getitem__(self, index: slice) -> Scores: ...
 
     def __getitem__(self, index: int | slice) -> LevelScore | Scores:
-        found = self._scores[index]
-        return Scores(found) if isinstance(found, tuple) else found
+        if isinstance(index, slice):
+            return Scores(self._scores[index], self._played[index])
+        return self._scores[index]
 
     def __iter__(self) -> Iterator[LevelScore]:
         return iter(self._scores)
@@ -133,6 +154,17 @@ class Scores(Sequence[LevelScore]):
         return not any(score.episodes for score in self)
 
     @property
+    def notice(self) -> str | None:
+        """What is to be known of scores from few episodes; None for nothing."""
+        least = min((score.episodes for score in self if score.episodes), default=FEW)
+        if least >= FEW:
+            return None
+        return (
+            f"of an agent with memory, {least:,} episodes in each level tell little: the intervals "
+            f"are wide; play {FEW} or more"
+        )
+
+    @cached_property
     def summary(self) -> Summary:
         """The scores of all levels in a few numbers."""
         shares = np.sort([score.share for score in self if not math.isnan(score.share)])
@@ -140,16 +172,35 @@ class Scores(Sequence[LevelScore]):
         if not count:
             shares = np.array([math.nan])
         middle = shares[count // 4 : count - count // 4]
+        mean = float(shares.mean())
+        low, high = (mean, mean) if self.is_exact else self._interval()
         return Summary(
             len(self),
-            float(shares.mean()),
+            mean,
             float(np.median(shares)),
             float(middle.mean()) if middle.size else math.nan,
             float(shares[: max(1, math.ceil(WORST * count))].mean()),
             float((shares >= SOLVED).mean()) if count else math.nan,
             _mean([score.regret for score in self]),
             _mean([score.success for score in self]),
+            low,
+            high,
         )
+
+    def _interval(self) -> tuple[float, float]:
+        """Return the 95 % confidence interval of the mean share; nan without episodes.
+
+        All episodes count as if each were in a level that is drawn, which makes it wider.
+        """
+        shares, ends = [], []
+        for score, played in zip(self, self._played, strict=False):
+            if not math.isnan(score.share):
+                shares.append(score.share_of(played.returns))
+                ends.append(score.share_of(np.array([played.lowest, played.highest])))
+        if not shares:
+            return math.nan, math.nan
+        lows, highs = np.array(ends).T
+        return interval(np.concatenate(shares), float(lows.min()), float(highs.max()))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything as a mapping that JSON can hold; null for nan."""
@@ -210,11 +261,12 @@ class Scores(Sequence[LevelScore]):
         return picture_mimebundle(self._scene(), repr(self))
 
     def __repr__(self) -> str:
-        summary = self.summary
+        summary, how = self.summary, "exact"
+        if not self.is_exact:
+            how = f"estimated low={summary.low:.4g} high={summary.high:.4g}"
         return (
             f"<Scores of {len(self)} levels: mean={summary.mean:.4g} iqm={summary.iqm:.4g} "
-            f"worst_tenth={summary.worst_tenth:.4g} solved={summary.solved:.4g} "
-            f"{'exact' if self.is_exact else 'estimated'}>"
+            f"worst_tenth={summary.worst_tenth:.4g} solved={summary.solved:.4g} {how}>"
         )
 
 

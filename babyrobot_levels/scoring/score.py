@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -26,11 +27,9 @@ from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.scoring.agents import Chooser, Floats, Player, Table, read_agent
+from babyrobot_levels.scoring.intervals import Played, extremes
 from babyrobot_levels.scoring.results import LevelScore, Scores
 from babyrobot_levels.scoring.tables import policy_of
-
-_CONFIDENCE = 1.959964
-"""The deviations from the mean of a 95 % confidence interval."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +60,8 @@ def score(
     """Return the scores of an agent: its expected return in each level, beside the best one.
 
     An agent without memory is turned into a table of what it does in each state, from which its
-    expected return follows exactly, whatever it observes. One with memory plays episodes.
+    expected return follows exactly, whatever it observes. One with memory plays episodes; if these
+    are fewer than 100, a warning says so.
 
     Args:
         agent: one of
@@ -104,19 +104,19 @@ def score(
     )
     best = _best(problems)
     chance = _worth(problems, [_read("random", problem) for problem in problems])
-    spread = np.zeros(len(problems))
+    played: list[Played] = []
     if isinstance(taken, Player):
-        worth, spread = _played(taken, problems, chosen, extent, actions, episodes, seed)
-        played = episodes
+        worth, played = _played(taken, problems, chosen, extent, actions, episodes, seed)
     else:
-        policies = [_policy(taken, problem, chosen, extent) for problem in problems]
-        worth, played = _worth(problems, policies), 0
-    return Scores(
-        [
-            _row(problem, worth, chance, best, spread, number, played)
-            for number, problem in enumerate(problems)
-        ]
-    )
+        worth = _worth(problems, [_policy(taken, problem, chosen, extent) for problem in problems])
+    rows = [
+        _row(problem, worth, chance, best, played[number] if played else None, number)
+        for number, problem in enumerate(problems)
+    ]
+    scores = Scores(rows, played)
+    if scores.notice is not None:
+        warnings.warn(scores.notice, stacklevel=2)
+    return scores
 
 
 def _levels(levels: Any, split: str | None, *, turns: bool) -> tuple[list[Level], Extent]:
@@ -211,18 +211,23 @@ def _played(
     actions: str,
     episodes: int,
     seed: int,
-) -> tuple[Worth, Floats]:
-    """Return what an agent with memory earned on average, and the half width of the interval."""
-    rows, spread = np.zeros((3, len(problems))), np.zeros(len(problems))
+) -> tuple[Worth, list[Played]]:
+    """Return what an agent with memory earned on average, and in each episode."""
+    if episodes < 1:
+        raise ValueError(f"episodes must be at least 1, not {episodes}")
+    rows, played = np.zeros((3, len(problems))), []
     for number, problem in enumerate(problems):
         env = _ScoredEnv(problem.level, observation, extent, actions)
-        # Seeded once: all episodes of a level are from one stream of random numbers.
-        seeds = [seed, *[None] * (episodes - 1)]
+        # Seeded once: all episodes of a level are from one stream of random numbers. Each level has
+        # its own stream: what is common to all would not average out.
+        entropy = [seed, int(problem.level.digest.removeprefix("sha256:"), 16)]
+        (first,) = np.random.SeedSequence(entropy).generate_state(1).tolist()
+        seeds = [first, *[None] * (episodes - 1)]
         runs = np.array([_episode(agent, env, problem, each) for each in seeds])
         rows[:, number] = runs.mean(axis=0)
-        if episodes > 1:
-            spread[number] = _CONFIDENCE * runs[:, 0].std(ddof=1) / math.sqrt(episodes)
-    return Worth(*rows), spread
+        limits = extremes(problem.space, problem.limit or MAX_STEPS, problem.discount)
+        played.append(Played(runs[:, 0], *limits))
+    return Worth(*rows), played
 
 
 class _ScoredEnv(LevelEnv):
@@ -261,15 +266,15 @@ def _row(
     worth: Worth,
     chance: Worth,
     best: Floats,
-    spread: Floats,
+    played: Played | None,
     number: int,
-    episodes: int,
 ) -> LevelScore:
     earned, optimum = float(worth.returns[number]), float(best[number])
     by_chance = float(chance.returns[number])
     way = optimum - by_chance
     scale = max(1.0, abs(optimum), abs(by_chance) if math.isfinite(by_chance) else 1.0)
     share = math.nan if way <= 1e-9 * scale else 1.0 - (optimum - earned) / way
+    low, high = (earned, earned) if played is None else played.interval()
     return LevelScore(
         level=problem.level.name or problem.level.digest,
         digest=problem.level.digest,
@@ -282,7 +287,7 @@ def _row(
         steps=float(worth.steps[number]),
         within=problem.limit,
         discount=problem.discount,
-        episodes=episodes,
-        low=earned - float(spread[number]),
-        high=earned + float(spread[number]),
+        episodes=0 if played is None else len(played.returns),
+        low=low,
+        high=high,
     )

@@ -60,7 +60,8 @@ def test_masked_and_recurrent_models_of_sb3_contrib() -> None:
     assert score.episodes == 0
     assert score.expected_return == pytest.approx(expected, abs=0.005)
     recurrent = RecurrentPPO("MlpLstmPolicy", level.make(observation="vector"), seed=3)
-    played = brl.score(recurrent, LEVEL, observation="vector", episodes=20)[0]
+    with pytest.warns(UserWarning, match="20 episodes in each level tell little"):
+        played = brl.score(recurrent, LEVEL, observation="vector", episodes=20)[0]
     assert played.episodes == 20
 
 
