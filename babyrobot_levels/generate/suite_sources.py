@@ -23,7 +23,7 @@ from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import AnySuite, SuiteListFields
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.suite_members import Member
-from babyrobot_levels.mdp.compiler.layers import MAX_STATES
+from babyrobot_levels.mdp.bounds import MAX_STATES
 from babyrobot_levels.mdp.configurations import largest_radices
 
 Numbers = range | tuple[int, ...]

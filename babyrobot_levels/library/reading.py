@@ -38,13 +38,19 @@ def load_document(document: Document, path: Path | None = None) -> Level:
 
 
 def _playable(checked: Checked[Level], document: Document) -> Checked[Level]:
-    """Refuse a level with things that cannot be compiled, by compiling it."""
+    """Refuse a level that cannot be compiled: where its fields leave that open, by compiling it."""
     level = checked.value
-    # Levels without things can always be compiled.
-    if level is None or not level.has_things or level.has_random_maze:
+    if level is None or level.has_random_maze:
         return checked
+    # What most levels need not import.
+    from babyrobot_levels.mdp.bounds import surely_fits
+    from babyrobot_levels.mdp.placement import check_placement
+
     try:
-        level.compile()
+        if not surely_fits(level):
+            level.compile()
+        elif level.stands_on_grid:
+            check_placement(level, level.grid())
     except UnplayableError as error:
         found = sorted(map(document.diagnostic, error.issues), key=lambda at: (at.line, at.column))
         return Checked(None, found)

@@ -55,13 +55,28 @@ class Graph:
         self.size, self.source, self.target = size, source, target
 
     @cached_property
+    def _rows(self) -> tuple[NDArray[np.signedinteger], NDArray[np.int32]]:
+        """The targets of all nodes, one node after the other, and where those of each begin."""
+        begin = np.zeros(self.size + 1, np.int32)
+        np.cumsum(np.bincount(self.source, minlength=self.size), out=begin[1:])
+        if (self.source[1:] >= self.source[:-1]).all():
+            return self.target, begin
+        if self.size < MANY:
+            return self.target[np.argsort(self.source, kind="stable")], begin
+        from scipy.sparse import csr_array  # type: ignore[import-untyped]
+
+        ones = np.ones(self.source.size, np.int8)
+        rows = csr_array((ones, (self.source, self.target)), shape=(self.size, self.size))
+        return rows.indices, rows.indptr
+
+    @cached_property
     def successors(self) -> Successors:
         """For each node, the nodes to which an edge leads; of many nodes, made when asked for."""
-        order = np.argsort(self.source, kind="stable")
-        bounds = np.searchsorted(self.source[order], np.arange(self.size + 1)).tolist()
+        ordered, begin = self._rows
+        bounds = begin.tolist()
         if self.size >= MANY:
-            return _Rows(self.target[order], bounds)
-        targets = self.target[order].tolist()
+            return _Rows(ordered, bounds)
+        targets = ordered.tolist()
         return [targets[first:last] for first, last in pairwise(bounds)]
 
     def reversed(self) -> Graph:
@@ -76,18 +91,19 @@ class Graph:
         if self.size < MANY and (self.size <= FEW or "scipy.sparse" not in sys.modules):
             nodes = sources.tolist() if isinstance(sources, np.ndarray) else sources
             return np.array(distances(nodes, self.successors), np.int32)
-        from scipy.sparse import csr_array  # type: ignore[import-untyped]
+        from scipy.sparse import csr_array
         from scipy.sparse.csgraph import breadth_first_order  # type: ignore[import-untyped]
 
         # One more node, from which an edge leads to each source.
         size, roots = self.size, sources
         if not isinstance(roots, np.ndarray):
             roots = np.unique(np.fromiter(roots, np.intp))
-        begins = np.append(self.source, np.full(roots.size, size, self.source.dtype))
-        weights = np.ones(begins.size, np.int8)
+        targets, begin = self._rows
+        targets = np.concatenate([targets, roots.astype(np.int32)], dtype=np.int32)
+        # SciPy wants a weight for each edge, of this type: one number serves all of them.
+        weights = np.broadcast_to(1.0, targets.size)
         graph = csr_array(
-            (weights, (begins, np.append(self.target, roots.astype(self.target.dtype)))),
-            shape=(size + 1, size + 1),
+            (weights, targets, np.append(begin, np.int32(targets.size))), shape=(size + 1, size + 1)
         )
         order, before = breadth_first_order(graph, size)
         # Each node knows the one before it: jumps of double length count the path in few rounds.

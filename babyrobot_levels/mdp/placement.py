@@ -12,12 +12,24 @@ from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.grid import BIT, OPPOSITE, Grid
 from babyrobot_levels.text.diagnostics import Issue
+from babyrobot_levels.text.errors import UnplayableError
 
 MAX_PROBLEMS = 100
 """At most so many errors are reported."""
 
 Doors = dict[tuple[int, str], int]
 """The number of the door at each cell and side, from both sides."""
+
+
+def check_placement(level: LevelFields, grid: Grid) -> None:
+    """Check that no doors stand on walls, and no walls or doors cut paths.
+
+    Raises:
+        UnplayableError: some do.
+    """
+    issues = placement_issues(level, grid) if level.stands_on_grid else []
+    if issues:
+        raise UnplayableError(issues)
 
 
 def placement_issues(level: LevelFields, grid: Grid) -> list[Issue]:

@@ -57,8 +57,7 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     """
     graph = transitions(mdp)
     backwards = graph.reversed()
-    steps = graph.distances(np.flatnonzero(mdp.start)).tolist()
-    over = mdp.is_terminal.tolist()
+    steps = graph.distances(np.flatnonzero(mdp.start))
     exits = np.flatnonzero(exit_states(level, mdp))
     free = ~level.grid().blocked.ravel()
     ends = np.flatnonzero(mdp.is_terminal.reshape(-1, mdp.cells) & free)
@@ -67,15 +66,15 @@ def reach_of(level: GridWorld, mdp: Mdp) -> Reach:
     to_end = to_exit
     if hits.size:
         # One more node, to which every hit that ends an episode leads.
-        source = np.append(graph.source, hits)
-        target = np.append(graph.target, np.full(hits.size, mdp.num_states))
+        source = np.append(graph.source, hits.astype(np.int32))
+        target = np.append(graph.target, np.full(hits.size, mdp.num_states, np.int32))
         more = Graph(mdp.num_states + 1, target, source)
         to_end = more.distances(np.append(ends, mdp.num_states)).tolist()[:-1]
     elif not np.array_equal(ends, exits):
         to_end = backwards.distances(ends).tolist()
     return Reach(
-        steps,
-        bytes(count >= 0 and not ended for count, ended in zip(steps, over, strict=True)),
+        steps.tolist(),
+        ((steps >= 0) & ~mdp.is_terminal).tobytes(),
         to_exit,
         to_end,
         graph,
@@ -122,4 +121,5 @@ def transitions(mdp: Mdp) -> Graph:
     targets.sort(axis=1)
     moves = targets != states
     moves[:, 1:] &= targets[:, 1:] != targets[:, :-1]
-    return Graph(mdp.num_states, moves.nonzero()[0], targets[moves])
+    source = np.repeat(states.ravel(), moves.sum(axis=1))
+    return Graph(mdp.num_states, source, targets[moves])

@@ -19,7 +19,7 @@ from babyrobot_levels.convert.minigrids.snapshot import (
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.compiler.movers import MAX_OUTCOMES
+from babyrobot_levels.mdp.bounds import MAX_OUTCOMES
 
 SOURCE = (
     "M. Chevalier-Boisvert et al., Minigrid & Miniworld: Modular & Customizable Reinforcement "

@@ -8,25 +8,27 @@ from __future__ import annotations
 
 from array import array
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
+from babyrobot_levels.mdp.bounds import MAX_STATES
 from babyrobot_levels.mdp.compiler.movers import Crowd
 from babyrobot_levels.mdp.compiler.moves import Moves, Warps, build_moves, build_warps
 from babyrobot_levels.mdp.compiler.outcomes import (
     Arrivals,
-    Branches,
     Flags,
     Floats,
     Ints,
     ended,
+    parts_of,
     plain_branches,
     stochastic_branches,
     stochastic_rows,
@@ -36,11 +38,14 @@ from babyrobot_levels.mdp.configurations import Things, Values
 from babyrobot_levels.mdp.doors import grid_with_doors
 from babyrobot_levels.mdp.grid import Grid
 
-MAX_STATES = 2_000_000
-"""The most states of a level with things."""
-
 LARGE = 50_000
 """From so many cells on, it is worth while to look first whether the level is too large."""
+
+MANY, BATCH = 64, 1 << 12
+"""From so many pairs on, steps among movers are taken together; so many at a time."""
+
+Ways = tuple[Ints, Ints, Floats]
+"""Steps of movers; see `Crowd.steps`."""
 
 REACHED, ON = 1, 2
 """What the search notes of a pair: an episode can be there; and it can go on from there."""
@@ -60,8 +65,9 @@ class Ground:
         terrain: the terrain, in which no cell is an exit.
         warps: the warps.
         first: `[cells * actions + 1]`: where the branches of each cell and action begin.
-        branches: the branches, by cell and action.
-        next_cell: where each of them ends.
+        probability: how likely each branch is, by cell and action.
+        bounced: whether the robot bounces off a wall of glass.
+        next_cell: where the branch ends.
         arrives: whether the robot arrives there: on another cell than before, or by a warp.
         plain: its reward on a plain cell.
         warp: its reward of a warp, nan where there is none.
@@ -74,13 +80,14 @@ class Ground:
     terrain: Terrain
     warps: Warps
     first: Ints
-    branches: Branches
+    probability: Floats
+    bounced: Flags
     next_cell: Ints
     arrives: Flags
     plain: Floats
     warp: Floats
     follow: array[int]
-    begin: Sequence[int]
+    begin: array[int]
 
 
 class Change(NamedTuple):
@@ -207,6 +214,7 @@ class Layers:
         self._exit_needs = [*self._columns(level.exit_keys)]
         self._grounds: dict[tuple[tuple[bool, ...], tuple[int, ...]], Ground] = {}
         self._overs: dict[tuple[tuple[int, ...], bool], bytes] = {}
+        self._ways: dict[tuple[bool, ...], Ways] = {}
         self._steps: dict[tuple[bool, ...], list[list[int]]] = {}
         terrain = build_terrain(level, grid)
         self._ends = terrain.ends.tobytes()
@@ -314,10 +322,16 @@ class Layers:
             self._grounds[key] = _build_ground(self.level, self.grid, layer)
         return self._grounds[key]
 
+    def ways(self, layer: Layer) -> Ways:
+        """Return where a step takes the movers; see `Crowd.steps`."""
+        if layer.closed not in self._ways:
+            self._ways[layer.closed] = self.crowd.steps(self.ground(layer).grid)
+        return self._ways[layer.closed]
+
     def steps(self, layer: Layer) -> list[list[int]]:
         """Return for each joint state of the movers those to which it leads."""
         if layer.closed not in self._steps:
-            first, following, _ = self.crowd.steps(self.ground(layer).grid)
+            first, following, _ = self.ways(layer)
             bounds, targets = first.tolist(), following.tolist()
             self._steps[layer.closed] = [
                 targets[bounds[joint] : bounds[joint + 1]] for joint in range(len(self.crowd))
@@ -385,8 +399,13 @@ class Layers:
         ground, steps, size = self.ground(layer), self.steps(layer), self.size
         follow, begin, stack = ground.follow, ground.begin, layer.waiting
         hit_ends, standing, cells = self.level.hit.ends, self._standing, self._cells
-        touched = {}
+        touched: dict[int, Layer] = {}
         while stack:
+            if len(stack) >= MANY:
+                pairs = np.array(stack[-BATCH:])
+                del stack[-BATCH:]
+                touched |= self._walk_together(layer, pairs)
+                continue
             joint, cell = divmod(stack.pop(), size)
             for number, target in enumerate((cell, *follow[begin[cell] : begin[cell + 1]])):
                 other = layer
@@ -410,6 +429,73 @@ class Layers:
                     elif not found[after * size + target]:
                         self._note(other, after, target, REACHED)
         return [*touched.values()]
+
+    def _walk_together(self, layer: Layer, pairs: Ints) -> dict[int, Layer]:
+        """Take a step from many pairs of a layer; return other layers that it leads to."""
+        ground, (first, following, _) = self.ground(layer), self.ways(layer)
+        joint, cell = np.divmod(pairs, self.size)
+        begin = np.frombuffer(ground.begin, np.intc)
+        source, edge = expanded(begin[cell], begin[cell + 1])
+        target = np.concatenate([cell, np.frombuffer(ground.follow, np.intc)[edge]])
+        source = np.concatenate([np.arange(cell.size), source])
+        each, step = expanded(first[joint[source]], first[joint[source] + 1])
+        arrives, target, source = each >= cell.size, target[each], source[each]
+        before, here, after = joint[source], cell[source], following[step]
+        hit = np.zeros(each.size, bool)
+        if self.level.hit.ends:
+            hit = hits(self.crowd.cells, before, here, after, target)
+        changing = np.zeros(self.size, bool)
+        changing[[*layer.arrivals]] = True
+        changes = arrives & changing[target]
+        self._note_all(layer, after[~changes], target[~changes], hit[~changes])
+        touched = {}
+        for at in np.unique(target[changes]).tolist():
+            other, where = self._led(layer, at), changes & (target == at)
+            if self._note_all(other, after[where], target[where], hit[where]):
+                touched[other.number] = other
+        return touched
+
+    def _note_all(self, layer: Layer, joint: Ints, cell: Ints, hit: Flags) -> bool:
+        """Note that an episode can come to many pairs; return whether it goes on from new ones."""
+        found, occurs = np.frombuffer(layer.found, np.uint8), np.frombuffer(layer.occurs, np.uint8)
+        known = occurs.sum()
+        occurs[joint] = 1
+        self.count += int(occurs.sum() - known)
+        if self.count > self._most:
+            raise TooManyStates
+        pair, ends = joint * self.size + cell, hit | np.frombuffer(layer.over, bool)[cell]
+        new = pair[~ends]
+        new = np.unique(new[found[new] != ON])
+        found[new] = ON
+        ended = pair[ends]
+        found[ended[found[ended] == 0]] = REACHED
+        layer.waiting += new.tolist()
+        return new.size > 0
+
+
+def hits(cells: Ints, before: Ints, here: Ints, after: Ints, there: Ints) -> Flags:
+    """Tell whether a mover hits the robot in a step: it comes to its cell, or they swap.
+
+    Args:
+        cells: the cell of each mover, `[joint states, movers]`.
+        before: the joint state before the step.
+        here: the robot's cell before it.
+        after: the joint state after it.
+        there: the robot's cell after it.
+    """
+    hit = np.zeros(here.size, bool)
+    for mover in range(cells.shape[1]):
+        was, now = cells[before, mover], cells[after, mover]
+        hit |= (now == there) | ((now == here) & (was == there) & (here != there))
+    return hit
+
+
+def expanded(first: Ints, last: Ints) -> tuple[Ints, Ints]:
+    """Return all numbers of some ranges, and before them, of which range each is."""
+    count = last - first
+    which = np.repeat(np.arange(count.size), count)
+    begin = np.cumsum(count) - count
+    return which, np.arange(which.size) + (first - begin)[which]
 
 
 def _swaps(before: list[int], after: list[int], cell: int, target: int) -> bool:
@@ -435,30 +521,60 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
     moves, warps = build_moves(level, grid), build_warps(level, grid)
     arrivals = Arrivals(level.rewards, terrain, warps)
     starts = np.array([y * width + x for x, y in level.starts])
-    stochastic = stochastic_rows(moves, terrain, warps)
-    branches = plain_branches(moves, terrain, warps).select(~stochastic.ravel())
-    branches = branches.joined(*stochastic_branches(moves, terrain, stochastic))
-    branches, next_cell = ended(branches.select(branches.probability > 0), arrivals, starts)
-    order = np.argsort(branches.row, kind="stable")
-    branches, next_cell = branches.select(order), next_cell[order]
-    cell = branches.row // NUM_ACTIONS
-    arrives = arrivals.is_sent(branches) | (next_cell != cell)
-    first = np.searchsorted(branches.row, np.arange(count * NUM_ACTIONS + 1))
-    ways = arrives & ~terrain.over[cell]
-    pairs = np.unique(cell[ways] * count + next_cell[ways])
-    begin = np.searchsorted(pairs, np.arange(count + 1) * count)
-    follow = array("i", (pairs % count).astype(np.intc).tobytes())
+    columns: list[tuple[NDArray[Any], ...]] = []
+    follow = array("i")
+    for part in parts_of(count):
+        stochastic = stochastic_rows(moves, terrain, warps, part)
+        branches = plain_branches(moves, terrain, warps, part).select(~stochastic.ravel())
+        branches = branches.joined(*stochastic_branches(moves, terrain, stochastic, part))
+        branches, next_cell = ended(branches.select(branches.probability > 0), arrivals, starts)
+        order = np.argsort(branches.row, kind="stable")
+        branches, next_cell = branches.select(order), next_cell[order]
+        cell = branches.row // NUM_ACTIONS
+        arrives = arrivals.is_sent(branches) | (next_cell != cell)
+        ways = arrives & ~terrain.over[cell]
+        leads, where = np.divmod(np.unique(cell[ways] * count + next_cell[ways]), count)
+        follow.frombytes(where.astype(np.intc).tobytes())
+        columns.append(
+            (
+                np.bincount(leads - part.start, minlength=part.stop - part.start),
+                np.bincount(
+                    branches.row - part.start * NUM_ACTIONS,
+                    minlength=(part.stop - part.start) * NUM_ACTIONS,
+                ),
+                branches.probability,
+                branches.bounced,
+                next_cell.astype(np.int32),
+                arrives,
+                arrivals.plain_rewards(branches, next_cell),
+                arrivals.warp_rewards(branches),
+            )
+        )
+    # One column after the other: two copies of all of them would need much.
+    turned = [*map(list, zip(*columns, strict=True))][::-1]
+    columns.clear()
+    led, length, probability, bounced, next_cells, arrive, plain, warp = (
+        np.concatenate(turned.pop()) for _ in range(len(turned))
+    )
     return Ground(
         grid=grid,
         moves=moves,
         terrain=terrain,
         warps=warps,
-        first=first,
-        branches=branches,
-        next_cell=next_cell,
-        arrives=arrives,
-        plain=arrivals.plain_rewards(branches, next_cell),
-        warp=arrivals.warp_rewards(branches),
+        first=_begins(length),
+        probability=probability,
+        bounced=bounced,
+        next_cell=next_cells,
+        arrives=arrive,
+        plain=plain,
+        warp=warp,
         follow=follow,
-        begin=begin.tolist(),
+        begin=array("i", _begins(led).tobytes()),
     )
+
+
+def _begins(lengths: Ints) -> NDArray[np.intc]:
+    """Return where each of some runs begins that follow each other, and where the last ends."""
+    begins = np.zeros(lengths.size + 1, np.intc)
+    np.cumsum(lengths, out=begins[1:])
+    return begins

@@ -12,13 +12,10 @@ from numpy.typing import NDArray
 
 from babyrobot_levels.language.base import SIDES
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.mdp.bounds import MAX_OUTCOMES
 from babyrobot_levels.mdp.grid import BIT, Grid
 
 Ints = NDArray[np.int64]
-
-
-MAX_OUTCOMES = 64
-"""The most outcomes of one state and action."""
 
 
 class TooManyWays(Exception):

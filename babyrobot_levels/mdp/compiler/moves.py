@@ -13,7 +13,7 @@ from babyrobot_levels.language.moves import Warp, shifts
 from babyrobot_levels.mdp.actions import NUM_MOVES
 from babyrobot_levels.mdp.grid import Grid
 
-States = NDArray[np.int64]
+States = NDArray[np.int32]
 Flags = NDArray[np.bool_]
 
 NORTH, EAST, SOUTH, WEST = range(NUM_MOVES)
@@ -49,9 +49,9 @@ class Moves:
 def build_moves(level: LevelFields, grid: Grid) -> Moves:
     """Walk every direction out of every cell."""
     count = grid.width * grid.height
-    states = np.arange(count)
+    states = np.arange(count, dtype=np.int32)
     open_ = np.ascontiguousarray(grid.open.reshape(count, NUM_MOVES).T)
-    delta = np.array([-grid.width, 1, grid.width, -1])[:, None]
+    delta = np.array([-grid.width, 1, grid.width, -1], np.int32)[:, None]
     step = np.where(open_, states + delta, states)
     glass = np.zeros((NUM_MOVES, count))
     for (cell, side), probability in grid.glass.items():
@@ -63,10 +63,11 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
 
     south, east = shifts(level.wind, grid.width, grid.height)
     pushes = {
-        True: np.tile(np.array(south, np.int64), grid.height),
-        False: np.repeat(np.array(east, np.int64), grid.width),
+        True: np.tile(np.array(south, np.int32), grid.height),
+        False: np.repeat(np.array(east, np.int32), grid.width),
     }
-    landing, through = np.empty_like(step), np.empty_like(step)
+    landing = np.empty_like(step)
+    through = np.empty_like(step) if grid.glass else landing
     refused = np.empty_like(open_)
 
     free = _free_runs(open_, grid)
@@ -84,8 +85,10 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
         along, across = pushes[vertical] + sign, pushes[not vertical]
         pushing = along * sign > 0
         landing[way] = walk(walk(states, along, vertical), across, not vertical)
-        glass[way] *= pushing
         refused[way] = pushing & ~open_[way]
+        if not grid.glass:
+            continue
+        glass[way] *= pushing
         behind = np.where(glass[way] > 0, states + delta[way], states)
         rest = np.where(glass[way] > 0, along - sign, 0)
         drift = np.where(glass[way] > 0, across, 0)
@@ -95,7 +98,7 @@ def build_moves(level: LevelFields, grid: Grid) -> Moves:
 
 def _free_runs(open_: Flags, grid: Grid) -> States:
     """Return, `[4, states]`, how many cells one can go in each direction until a wall."""
-    runs = np.zeros((NUM_MOVES, grid.height, grid.width), np.int64)
+    runs = np.zeros((NUM_MOVES, grid.height, grid.width), np.int32)
     for way, (is_open, run) in enumerate(zip(open_.reshape(runs.shape), runs, strict=True)):
         # Lines across the way, from the one where the grid ends.
         across, along = (is_open, run) if VERTICAL[way] else (is_open.T, run.T)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Self
 
@@ -12,6 +13,9 @@ from babyrobot_levels.language.moves import Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.compiler.moves import Moves, Warps
 from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
+
+PART = 1 << 15
+"""How many states are expanded at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +75,7 @@ class Arrivals:
         return sent
 
 
-Ints = NDArray[np.int64]
+Ints = NDArray[np.signedinteger]
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
@@ -107,36 +111,43 @@ class Branches:
         return self.row, self.probability, self.landing, self.bumped, self.bounced
 
 
-def plain_branches(moves: Moves, terrain: Terrain, warps: Warps) -> Branches:
-    """Return one branch for every state and action, in order: what happens without chance."""
-    count = terrain.over.size
-    states = np.arange(count)
-    landing = np.empty((count, NUM_ACTIONS), np.int64)
+def parts_of(states: int) -> Iterator[slice]:
+    """Yield the states in parts: what many branches come to needs much room at a time."""
+    return (slice(at, min(at + PART, states)) for at in range(0, states, PART))
+
+
+def plain_branches(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -> Branches:
+    """Return one branch for each state of a part and each action, in order: without chance."""
+    states, over = np.arange(part.start, part.stop), terrain.over[part]
+    landing = np.empty((states.size, NUM_ACTIONS), np.int64)
     landing[:, Action.STAY] = states
-    landing[:, 1:] = moves.landing.T
-    landing[terrain.over] = states[terrain.over, None]
-    bumped = np.zeros((count, NUM_ACTIONS), bool)
-    bumped[:, 1:] = moves.refused.T & ~warps.leaves[:, None]
-    rows = np.arange(count * NUM_ACTIONS)
+    landing[:, 1:] = moves.landing[:, part].T
+    landing[over] = states[over, None]
+    bumped = np.zeros((states.size, NUM_ACTIONS), bool)
+    bumped[:, 1:] = moves.refused[:, part].T & ~warps.leaves[part, None]
+    rows = np.arange(part.start * NUM_ACTIONS, part.stop * NUM_ACTIONS)
     return Branches(
         rows, np.ones(rows.size), landing.ravel(), bumped.ravel(), np.zeros(rows.size, bool)
     )
 
 
-def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps) -> Flags:
-    """Return, `[states, actions]`, the rows in which chance decides where the robot goes."""
-    can_move = ~terrain.over & ~warps.leaves
-    slips = (terrain.skid > 0) & can_move
-    glass = moves.glass > 0
-    sheltered = moves.refused & ~glass & (terrain.rule == OPEN_RULE)
-    stochastic = np.zeros((terrain.over.size, NUM_ACTIONS), bool)
+def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -> Flags:
+    """Return, `[states, actions]`, the rows of a part in which chance decides where it goes."""
+    can_move = ~terrain.over[part] & ~warps.leaves[part]
+    slips = (terrain.skid[part] > 0) & can_move
+    glass = moves.glass[:, part] > 0
+    sheltered = moves.refused[:, part] & ~glass & (terrain.rule[part] == OPEN_RULE)
+    stochastic = np.zeros((can_move.size, NUM_ACTIONS), bool)
     stochastic[:, 1:] = ((slips & ~sheltered) | (can_move & glass)).T
     return stochastic
 
 
-def stochastic_branches(moves: Moves, terrain: Terrain, stochastic: Flags) -> list[Branches]:
-    """Return all branches of the stochastic rows, in parts, also those with probability 0."""
+def stochastic_branches(
+    moves: Moves, terrain: Terrain, stochastic: Flags, part: slice
+) -> list[Branches]:
+    """Return all branches of the stochastic rows of a part, also those with probability 0."""
     states, ways = np.nonzero(stochastic[:, 1:])
+    states += part.start
     behind_glass = moves.glass[ways, states] > 0
     parts: list[Branches] = []
     if behind_glass.any():

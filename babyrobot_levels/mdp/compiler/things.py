@@ -10,33 +10,39 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from math import log10, prod
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
-from babyrobot_levels.mdp.compiler.layers import (
+from babyrobot_levels.mdp.bounds import (
+    MAX_OUTCOMES,
     MAX_STATES,
+    MAX_WIDE_STATES,
+    field_of,
+    most_outcomes,
+    too_large,
+)
+from babyrobot_levels.mdp.compiler.layers import (
     ON,
     Ground,
     Layer,
     Layers,
     TooManyStates,
+    Ways,
+    expanded,
+    hits,
 )
-from babyrobot_levels.mdp.compiler.movers import MAX_OUTCOMES, TooManyWays
+from babyrobot_levels.mdp.compiler.movers import TooManyWays
 from babyrobot_levels.mdp.compiler.obstructions import obstructions
 from babyrobot_levels.mdp.compiler.outcomes import Flags, Floats, Ints
+from babyrobot_levels.mdp.compiler.room import Outcomes, Room, merged
 from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.grid import Grid
-from babyrobot_levels.mdp.placement import placement_issues
+from babyrobot_levels.mdp.placement import check_placement
 from babyrobot_levels.mdp.tables import FREE, REFUSED, Mdp
 from babyrobot_levels.text.diagnostics import Issue, Key
 from babyrobot_levels.text.errors import UnplayableError
-
-MAX_WIDE_STATES = 5_000_000
-"""The most states times the outcomes of the longest row: the tables keep that room."""
 
 PART = 1 << 17
 """How many branches, about, are expanded at a time."""
@@ -49,9 +55,7 @@ def compile_things(level: LevelFields, grid: Grid) -> Mdp:
         UnplayableError: doors or paths are cut by walls; there are more than `MAX_STATES` states,
             or a row has more than `MAX_OUTCOMES` outcomes.
     """
-    issues = placement_issues(level, grid) if level.stands_on_grid else []
-    if issues:
-        raise UnplayableError(issues)
+    check_placement(level, grid)
     things = Things(level)
     try:
         layers = Layers(level, grid, things)
@@ -69,10 +73,10 @@ def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
         count = len(level.exit_one_of)
         costs.append((count, f"{count} exits to draw from", "exit_one_of"))
     factor = prod(len(item.places) + 1 for item in level.items)
-    costs.append((factor, _counted(len(level.items), "item", "items"), _field_of(level, "items")))
+    costs.append((factor, _counted(len(level.items), "item", "items"), field_of(level, "items")))
     factor = 2 ** len(level.switches)
     switches = _counted(len(level.switches), "switch", "switches")
-    costs.append((factor, switches, _field_of(level, "switches")))
+    costs.append((factor, switches, field_of(level, "switches")))
     factor = prod(things.radices[things.static :])
     costs.append((factor, _counted(len(level.movers), "mover", "movers"), "movers"))
     costs = sorted((cost for cost in costs if cost[0] > 1), key=lambda cost: -cost[0])
@@ -83,20 +87,6 @@ def _too_many_states(level: LevelFields, things: Things) -> UnplayableError:
     )
     help_text = "use fewer of them, fewer cells for them, or a smaller level"
     return UnplayableError([Issue("BR404", Key((costs[0][2],)), message, help_text)])
-
-
-def _field_of(level: LevelFields, field: str) -> str:
-    return "legend" if level._drawn.get(field) else field
-
-
-def _too_large(level: LevelFields, states: int, width: int) -> UnplayableError:
-    message = (
-        f"the tables are too large: {states:,} states, and {width} outcomes of an action; "
-        f"together at most {MAX_WIDE_STATES:,} are allowed"
-    )
-    help_text = "use fewer things that walk or skid at random, or a smaller level"
-    field = "movers" if level.movers else _field_of(level, "items")
-    return UnplayableError([Issue("BR404", Key((field,)), message, help_text)])
 
 
 def _counted(count: int, one: str, several: str) -> str:
@@ -146,8 +136,7 @@ class _Compiler:
         over = np.ones(count, bool)
         intended = np.repeat(np.arange(count, dtype=np.int32)[:, None], NUM_ACTIONS, axis=1)
         obstruction = np.full((count, NUM_ACTIONS), FREE, np.int8)
-        parts: list[_Outcomes] = []
-        width = 1
+        room = Room(count, max(1, min(most_outcomes(self.level), MAX_WIDE_STATES // count)))
         for ground, members in self._groups():
             hindered, targets = obstructions(ground.moves, ground.terrain, ground.warps)
             for layer in members:
@@ -159,14 +148,18 @@ class _Compiler:
                 there = (states - cells)[:, None] + target
                 intended[states] = np.where(target == self.size, count, there)
             for part in self._outcomes(ground, members):
-                parts.append(part)
-                width = max(width, int(part.slot.max()) + 1)
-                if width > MAX_OUTCOMES:
+                if part.width > MAX_OUTCOMES:
                     raise _too_many_outcomes(self.level)
-                if width * count > MAX_WIDE_STATES:
-                    raise _too_large(self.level, count, width)
+                if part.width * count > MAX_WIDE_STATES:
+                    raise too_large(self.level, count, part.width)
+                room.put(part)
         action_mask = (obstruction != REFUSED).astype(np.int8)
         action_mask[over, 1:] = 0
+        tables = room.tables()
+        ended = over.nonzero()[0]
+        tables["probability"][ended, :, 0] = 1.0
+        tables["next_state"][ended, :, 0] = ended[:, None]
+        tables["terminal"][ended, :, 0] = True
         start = np.zeros(count)
         starts = self.layers.starts
         for number, joint, cell in starts:
@@ -180,7 +173,7 @@ class _Compiler:
             intended_next_state=intended,
             obstruction=obstruction,
             configurations=self.configurations,
-            **_wide(parts, width, over),
+            **tables,
         ).freeze()
 
     def _groups(self) -> Iterator[tuple[Ground, list[Layer]]]:
@@ -197,7 +190,7 @@ class _Compiler:
         on = np.frombuffer(layer.found, np.uint8) == ON
         return np.divmod(on.nonzero()[0], self.size)
 
-    def _outcomes(self, ground: Ground, members: list[Layer]) -> Iterator[_Outcomes]:
+    def _outcomes(self, ground: Ground, members: list[Layer]) -> Iterator[Outcomes]:
         """Yield the outcomes in layers that have the same ground and exits, in parts."""
         shape = len(members), self.size
         after = np.empty(shape, np.int64)
@@ -216,15 +209,16 @@ class _Compiler:
         if not cell.size:
             return
         sizes = np.diff(ground.first[::NUM_ACTIONS])[cell]
-        if self.level.movers:
-            sizes = sizes * np.array([len(each) for each in self.layers.steps(members[0])])[joint]
+        ways = self.layers.ways(members[0]) if self.level.movers else None
+        if ways is not None:
+            sizes = sizes * np.diff(ways[0])[joint]
         bounds = np.cumsum(sizes)
         cuts = np.searchsorted(bounds, np.arange(PART, int(bounds[-1]), PART)).tolist()
         is_exit = np.zeros(self.size, bool)
         is_exit[list(members[0].exits)] = True
         for begin, end in pairwise(sorted({0, *cuts, cell.size})):
             part = slice(begin, end)
-            ends = self._ends(ground, joint[part], cell[part])
+            ends = self._ends(ground, ways, joint[part], cell[part])
             where = place[part][ends.pair], ends.next_cell
             own = numbers[place[part]][ends.pair]
             arrives = ground.arrives[ends.branch]
@@ -233,7 +227,7 @@ class _Compiler:
             leaves = self.is_open[layer_after] & is_exit[ends.next_cell]
             configuration = self.number[own, joint[part][ends.pair]]
             state = configuration * self.size + cell[part][ends.pair]
-            yield _merged(
+            yield merged(
                 state * NUM_ACTIONS + ends.action,
                 ends.probability,
                 self.number[layer_after, ends.joint] * self.size + ends.next_cell,
@@ -241,29 +235,24 @@ class _Compiler:
                 leaves | ground.terrain.ends[ends.next_cell] | (ends.hit & self.level.hit.ends),
             )
 
-    def _ends(self, ground: Ground, joint: Ints, cell: Ints) -> _Ends:
+    def _ends(self, ground: Ground, ways: Ways | None, joint: Ints, cell: Ints) -> _Ends:
         """Return the ends of steps from some pairs of joint state and cell."""
         first = ground.first
         rows = (cell[:, None] * NUM_ACTIONS + np.arange(NUM_ACTIONS)).ravel()
-        row, branch = _expanded(first[rows], first[rows + 1])
+        row, branch = expanded(first[rows], first[rows + 1])
         pair, action = np.divmod(row, NUM_ACTIONS)
-        probability = ground.branches.probability[branch]
+        probability = ground.probability[branch]
         next_cell = ground.next_cell[branch]
-        if not self.level.movers:
+        if ways is None:
             nobody = np.zeros(pair.size, bool)
             return _Ends(pair, action, branch, probability, next_cell, joint[pair], nobody)
-        begin, following, chance = self.layers.crowd.steps(ground.grid)
+        begin, following, chance = ways
         before = joint[pair]
-        each, step = _expanded(begin[before], begin[before + 1])
+        each, step = expanded(begin[before], begin[before + 1])
         pair, action, branch, before = pair[each], action[each], branch[each], before[each]
         probability, next_cell = probability[each] * chance[step], next_cell[each]
         after = following[step]
-        cells, here = self.layers.crowd.cells, cell[pair]
-        hit = np.zeros(pair.size, bool)
-        for mover in range(cells.shape[1]):
-            was, now = cells[before, mover], cells[after, mover]
-            swapped = (now == here) & (was == next_cell) & (here != next_cell)
-            hit |= (now == next_cell) | swapped
+        hit = hits(self.layers.crowd.cells, before, cell[pair], after, next_cell)
         return _Ends(pair, action, branch, probability, next_cell, after, hit)
 
     def _rewards(self, ground: Ground, ends: _Ends, item: Floats, leaves: Flags) -> Floats:
@@ -275,7 +264,7 @@ class _Compiler:
         reward = np.where(leaves, rewards.exit, reward)
         reward = np.where(np.isnan(warp), reward, warp)
         reward = np.where(ends.hit, self.level.hit.reward, reward)
-        return reward + np.where(ground.branches.bounced[ends.branch], rewards.bounce, 0.0)
+        return reward + np.where(ground.bounced[ends.branch], rewards.bounce, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -299,74 +288,3 @@ class _Ends:
     next_cell: Ints
     joint: Ints
     hit: Flags
-
-
-@dataclass(frozen=True, slots=True)
-class _Outcomes:
-    """Distinct outcomes, sorted by row, next state, reward and whether they end the episode.
-
-    `slot` is the number of each among those of its row.
-    """
-
-    row: Ints
-    slot: Ints
-    probability: Floats
-    next_state: Ints
-    reward: Floats
-    terminal: Flags
-
-
-def _expanded(first: Ints, last: Ints) -> tuple[Ints, Ints]:
-    """Return all numbers of some ranges, and before them, of which range each is."""
-    count = last - first
-    which = np.repeat(np.arange(count.size), count)
-    begin = np.cumsum(count) - count
-    return which, np.arange(which.size) + (first - begin)[which]
-
-
-def _merged(
-    row: Ints, probability: Floats, next_state: Ints, reward: Floats, terminal: Flags
-) -> _Outcomes:
-    """Return the outcomes sorted, those that are alike as one."""
-    order = np.lexsort((terminal, reward, next_state, row))
-    row, next_state, reward, terminal = (
-        row[order],
-        next_state[order],
-        reward[order],
-        terminal[order],
-    )
-    is_new = np.ones(row.size, bool)
-    is_new[1:] = (
-        (row[1:] != row[:-1])
-        | (next_state[1:] != next_state[:-1])
-        | (reward[1:] != reward[:-1])
-        | (terminal[1:] != terminal[:-1])
-    )
-    first = is_new.nonzero()[0]
-    total = np.add.reduceat(probability[order], first)
-    row = row[first]
-    begins = np.ones(row.size, bool)
-    begins[1:] = row[1:] != row[:-1]
-    begin = begins.nonzero()[0]
-    slot = np.arange(row.size) - np.repeat(begin, np.diff(np.append(begin, row.size)))
-    return _Outcomes(row, slot, total, next_state[first], reward[first], terminal[first])
-
-
-def _wide(parts: list[_Outcomes], width: int, over: Flags) -> dict[str, Any]:
-    """Return the tables with the outcomes in their rows; where it is over, states lead back."""
-    states = over.size
-    tables: dict[str, NDArray[Any]] = {
-        "probability": np.zeros((states * NUM_ACTIONS, width)),
-        "next_state": np.zeros((states * NUM_ACTIONS, width), np.int32),
-        "reward": np.zeros((states * NUM_ACTIONS, width)),
-        "terminal": np.zeros((states * NUM_ACTIONS, width), bool),
-    }
-    for part in parts:
-        for name, table in tables.items():
-            table[part.row, part.slot] = getattr(part, name)
-    shaped = {name: table.reshape(states, NUM_ACTIONS, width) for name, table in tables.items()}
-    ended = over.nonzero()[0]
-    shaped["probability"][ended, :, 0] = 1.0
-    shaped["next_state"][ended, :, 0] = ended[:, None]
-    shaped["terminal"][ended, :, 0] = True
-    return shaped

@@ -1,0 +1,86 @@
+"""Short files that ask for large tables: what they cost, and which of them are refused."""
+
+from __future__ import annotations
+
+import json
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from oracles.random_things import random_level
+from support.work import traced_memory
+
+import babyrobot_levels as brl
+from babyrobot_levels.library.reading import loads
+from babyrobot_levels.mdp.bounds import most_outcomes, surely_fits
+from babyrobot_levels.mdp.compiler import layers, outcomes, things
+from babyrobot_levels.mdp.tables import Mdp
+
+WANDERER = {"movers": [{"within": {"at": [0, 0], "size": [31, 31]}}]}
+DOOR = {"doors": [{"at": [0, 0], "side": "E", "length": 1024}]}
+
+
+def arrays(mdp: Mdp) -> dict[str, np.ndarray]:
+    return {name: value for name, value in vars(mdp).items() if isinstance(value, np.ndarray)}
+
+
+@pytest.mark.parametrize(("side", "fields"), [(31, WANDERER), (1024, DOOR)])
+def test_levels_whose_fields_show_that_they_fit_are_valid_uncompiled(
+    side: int, fields: dict[str, Any]
+) -> None:
+    level = loads(json.dumps({"version": 1, "size": [side, side], **fields}))
+    assert "_mdp" not in vars(level)
+
+
+def test_what_the_fields_show_is_so() -> None:
+    fitting = [brl.load(random_level(Random(number))) for number in range(150)]
+    fitting = [level for level in fitting if surely_fits(level)]
+    assert len(fitting) > 100
+    for level in fitting:
+        assert level.compile().probability.shape[2] <= most_outcomes(level)
+
+
+def test_too_many_starts_of_a_warp() -> None:
+    starts = [[x, 1] for x in range(200)]
+    level = {"version": 1, "size": [1024, 1024], "start": starts}
+    loads(json.dumps({**level, "warps": [{"at": [5, 5], "to": [6, 6]}]}))
+    with pytest.raises(brl.LevelError, match="1,048,576 states, and 200 outcomes") as caught:
+        loads(json.dumps({**level, "warps": [{"at": [5, 5], "to": "start"}]}))
+    assert [each.code for each in caught.value.diagnostics] == ["BR404"]
+    small = {**level, "size": [200, 100], "warps": [{"at": [5, 5], "to": "start"}]}
+    assert brl.load(small).compile().probability.shape == (20_000, 5, 200)
+
+
+@pytest.mark.parametrize("number", range(25))
+def test_parts_do_not_matter(number: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    fields = random_level(Random(number))
+    whole = brl.load(fields).compile()
+    monkeypatch.setattr(outcomes, "PART", 4)
+    monkeypatch.setattr(things, "PART", 9)
+    # Steps of one pair after the other, and of a few together.
+    for many in (1, 10**9):
+        monkeypatch.setattr(layers, "MANY", many)
+        monkeypatch.setattr(layers, "BATCH", 7)
+        parts = brl.load(fields).compile()
+        for name, values in arrays(whole).items():
+            assert np.array_equal(values, arrays(parts)[name]), name
+
+
+@pytest.mark.parametrize(
+    ("side", "fields", "times"),
+    [
+        (512, {"skid": {"probability": 0.5, "to": "others"}}, 3),
+        (512, {"wind": {"north": [511] * 512}}, 3),
+        (512, {"doors": [{"at": [0, 0], "side": "E", "length": 512}]}, 6),
+        (16, {"movers": [{"within": {"at": [0, 0], "size": [16, 16]}}]}, 2.5),
+    ],
+)
+def test_compiling_needs_little_more_than_the_tables(
+    side: int, fields: dict[str, Any], times: float
+) -> None:
+    level = brl.load({"version": 1, "size": [side, side], **fields})
+    level.grid()
+    with traced_memory() as work:
+        mdp = level.compile()
+    assert work.memory < times * sum(array.nbytes for array in arrays(mdp).values())
