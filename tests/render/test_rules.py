@@ -5,9 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from babyrobot_levels.language.looks import BUILTIN_THEMES
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.library.catalogue import levels, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page_data import page_data
 from babyrobot_levels.render.scene.build import build_scene
@@ -318,11 +320,52 @@ def test_a_panel_that_shows_nothing_else_shows_the_rules() -> None:
     assert "puddle" not in shown(build_scene(world, cells_only=True))
 
 
-def test_a_panel_without_room_for_all_says_that_there_are_more() -> None:
-    world = level(size=[3, 3], max_steps=100, display={"side_panel": 200})
-    assert "…" not in shown(build_scene(world))
-    low = level(size=[3, 2], max_steps=100, display={"side_panel": 140})
-    assert "each step: costs 1 …" in shown(build_scene(low))
+def test_panels_of_the_gallery_show_all_rules() -> None:
+    worlds = [load(info.name) for info in levels()]
+    panels = [
+        world
+        for world in worlds
+        if (world.display.side_panel, world.display.bottom_panel) != ("none", "none")
+    ]
+    assert {"deep-puddles", "lookout"} < {world.name for world in panels}
+    for world in panels:
+        assert " ".join(told(world)) in shown(build_scene(world)), world.name
+
+
+@given(
+    kinds=st.integers(0, 30),
+    side=st.sampled_from([0, 80, 130, 200, 400]),
+    bottom=st.sampled_from([0, 40, 60, 300]),
+    size=st.tuples(st.integers(1, 6), st.integers(1, 6)),
+)
+def test_a_panel_shows_all_rules_or_none_and_the_box_all(
+    kinds: int, side: int, bottom: int, size: tuple[int, int]
+) -> None:
+    cells = [(x, y) for x in range(size[0]) for y in range(size[1])][:kinds]
+    areas = [
+        {"at": [*cell], "reward": number + 2, "ends": number % 2 == 0, "label": f"kind {number}"}
+        for number, cell in enumerate(cells)
+    ]
+    display = {"side_panel": side, "bottom_panel": bottom}
+    world = level(size=[*size], start=[0, 0], exit="none", areas=areas[1:], display=display)
+    every = " ".join(told(world))
+    panel = build_scene(world)
+    assert (every in shown(panel)) or not any(rule in shown(panel) for rule in told(world))
+    asked = build_scene(world, overlay=WITH_RULES)
+    assert every in shown(asked)
+    assert max(text.y for text in asked.shapes if isinstance(text, Text)) < asked.height
+
+
+def test_kinds_of_cells_and_rules_that_are_not_told_are_counted() -> None:
+    areas = [{"at": [x, 0], "reward": -2 - x, "label": f"kind {x}"} for x in range(1, 40)]
+    assert "33 further kinds of cells with effects of their own" in told(
+        level(size=[41, 1], areas=areas)
+    )
+    keys = [{"name": f"key-{x}", "at": [x, 1]} for x in range(11)]
+    doors = [{"at": [x, 0], "side": "S", "needs": f"key-{x}"} for x in range(11)]
+    many = told(level(size=[12, 2], items=keys, doors=doors, areas=areas[:8]))
+    assert len(many) == MOST
+    assert many[-1].startswith("and ")
 
 
 def test_panels_with_hardly_any_room_and_the_column_of_the_compass_show_none() -> None:

@@ -27,6 +27,7 @@ from babyrobot_levels.render.scene.rule_rows import (
     SAMPLE,
     TEXT_LEFT,
     rows_in,
+    scale_for,
 )
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
@@ -36,6 +37,7 @@ from babyrobot_levels.render.scene.shapes import (
     Text,
     polygon,
     rounded,
+    scaled,
     shifted,
 )
 from babyrobot_levels.render.scene.tones import toned
@@ -85,7 +87,7 @@ def compass_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
 
 
 def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator[Shape]:
-    """Yield the rules of a level where the picture has room for them, each with its sample."""
+    """Yield the rules of a level where the picture has room for all, each with its sample."""
     room = rules_room(level, overlay, layout)
     if room is None:
         return
@@ -100,7 +102,10 @@ def rules_shapes(level: GridWorld, overlay: Overlay, layout: Layout) -> Iterator
         panel = display.side_panel if room.where == "side" else display.bottom_panel
         ink = _text_color(panel, colors)
     rows = [SampledRule(level, rule.sample, rule.text) for rule in rules_of(level)]
-    yield from shifted(rule_shapes(rows, room.width, room.height, ink), room.left, room.top)
+    scale = scale_for([rule.text for rule in rows], room.width, room.height)
+    if scale is not None:
+        shapes = rule_shapes(rows, room.width / scale, room.height / scale, ink)
+        yield from shifted(scaled(shapes, scale), room.left, room.top)
 
 
 class SampledRule(NamedTuple):
@@ -120,20 +125,17 @@ class SampledRule(NamedTuple):
 def rule_shapes(
     rules: Sequence[SampledRule], width: float, height: float, ink: str
 ) -> Iterator[Shape]:
-    """Yield rules in a box whose upper left corner is (0, 0), each with its sample."""
+    """Yield rules in a box with room for all, whose upper left corner is (0, 0), with samples."""
     from babyrobot_levels.render.scene.samples import sample_shapes
 
     for row in rows_in([rule.text for rule in rules], width, height):
-        left, top = row.left, row.top
-        if row.rule is not None:
-            sample = sample_shapes(rules[row.rule].level, rules[row.rule].sample, SAMPLE)
-            yield from toned(
-                shifted(sample, left, top), rules[row.rule].level.resolved_theme.colors
-            )
-            if sample:
-                # A sample may have the colour of the panel.
-                frame = rounded(left, top, SAMPLE, SAMPLE, 0)
-                yield Path(frame, stroke=ink, width=1, opacity=0.5)
+        left, top, rule = row.left, row.top, rules[row.rule]
+        sample = sample_shapes(rule.level, rule.sample, SAMPLE)
+        yield from toned(shifted(sample, left, top), rule.level.resolved_theme.colors)
+        if sample:
+            # A sample may have the colour of the panel.
+            frame = rounded(left, top, SAMPLE, SAMPLE, 0)
+            yield Path(frame, stroke=ink, width=1, opacity=0.5)
         # A single line stands beside the middle of its sample.
         top += max(0.0, (SAMPLE - RULE_LINE * len(row.lines)) / 2)
         for number, line in enumerate(row.lines):

@@ -27,25 +27,27 @@ TEXT_LEFT = SAMPLE + _GAP
 _COLUMN = 230.0
 """The least width of one of several columns."""
 
+_ROUNDING = 1e-6
+"""A box as high as its rules may be lower by rounding."""
+
 _CHARACTER_WIDTH = 0.54
 """The average width of a character, as a share of the font size."""
 
-_MORE = "…"
-_FEWEST = 3
-"""The fewest rows of a box that has no room for all."""
+_SCALES = (1.0, 0.9, 0.8, 0.7)
+"""The scales of rules in a box that is given, from the largest: smaller letters are not read."""
 
 
 class Row(NamedTuple):
     """A rule in a box.
 
     Attributes:
-        rule: its number; None for the sign that there are more.
+        rule: its number.
         left: its left edge, counted from that of the box.
         top: its upper edge, likewise.
         lines: the lines of its text.
     """
 
-    rule: int | None
+    rule: int
     left: float
     top: float
     lines: Sequence[str]
@@ -56,26 +58,25 @@ def height_for(texts: Sequence[str], width: float) -> float:
     heights = list(map(_height, _wrapped(texts, width)))
     room = max(heights, default=0.0)
     while not _fits(heights, room, _columns(width)):
-        room += RULE_LINE
+        room += 1.0
     return room - _BETWEEN + 2 * _EDGE
 
 
-def rows_in(texts: Sequence[str], width: float, height: float) -> list[Row]:
-    """Return the rows in a box; if there are too many, the last one says that there are more.
+def scale_for(texts: Sequence[str], width: float, height: float) -> float | None:
+    """Return the largest scale at which all rules have room in a box; None if there is none."""
+    fits = (each for each in _SCALES if each * height_for(texts, width / each) <= height)
+    return next(fits, None)
 
-    There are none where hardly any would fit.
-    """
+
+def rows_in(texts: Sequence[str], width: float, height: float) -> list[Row]:
+    """Return the rows in a box that has room for all."""
     rows: list[Row] = []
     column, down = 0, 0.0
     room, columns = height - 2 * _EDGE + _BETWEEN, _columns(width)
     for number, lines in enumerate(_wrapped(texts, width)):
         tall = _height(lines)
-        if down + tall > room and rows:
+        if down + tall > room + _ROUNDING and rows and column + 1 < columns:
             column, down = column + 1, 0.0
-        if column == columns or tall > room:
-            if len(rows) < _FEWEST:
-                return []
-            return [*rows[:-1], rows[-1]._replace(rule=None, lines=[_MORE])]
         rows.append(Row(number, _EDGE + column * width / columns, _EDGE + down, lines))
         down += tall
     return rows

@@ -19,11 +19,11 @@ from babyrobot_levels.render.words.things import thing_rules
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-MOST = 12
-"""The most rules that are told."""
+MOST = 20
+"""The most rules that are told: pages take no more from links."""
 
 _MOST_GROUNDS = 6
-"""The most kinds of ground that are told."""
+"""The most kinds of ground that are told one by one."""
 
 
 class Rule(NamedTuple):
@@ -48,10 +48,17 @@ Told = Iterator[Rule]
 def rules_of(level: GridWorld) -> tuple[Rule, ...]:
     """Return the rules of a level, the most important first, at most `MOST`.
 
+    Where there are more, the last one says how many.
+
     Raises:
         LevelError: the maze has no seed yet (`seed: random`).
     """
-    return tuple(islice(_told(level), MOST))
+    rules = tuple(_told(level))
+    if len(rules) <= MOST:
+        return rules
+    rest = rules[MOST - 1 :]
+    cells = tuple(sorted({cell for rule in rest for cell in rule.cells}))
+    return (*rules[: MOST - 1], Rule("", f"and {len(rest):,} further rules", cells))
 
 
 def _told(level: GridWorld) -> Told:
@@ -118,9 +125,13 @@ def _grounds(level: GridWorld, grounds: list[Ground]) -> Told:
         effects = list(_effects(level, ground, arrows=arrows))
         if effects:
             told[f"{ground.name}: {', '.join(effects)}"] += ground.cells
-    for text, cells in islice(told.items(), _MOST_GROUNDS):
+    kinds = iter(told.items())
+    for text, cells in islice(kinds, _MOST_GROUNDS):
         y, x = divmod(cells[0], level.size[0])
         yield Rule(f"cell:{x},{y}", text, tuple(sorted(cells)))
+    if more := list(kinds):
+        text = f"{phrases.counted(len(more), 'further kind')} of cells with effects of their own"
+        yield Rule("", text, tuple(sorted(number for _, cells in more for number in cells)))
 
 
 def _effects(level: GridWorld, ground: Ground, *, arrows: bool) -> Iterator[str]:
