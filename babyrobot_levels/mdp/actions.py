@@ -63,3 +63,12 @@ def unwrapped_policy(policy: Any) -> tuple[Any, int | None]:
     """
     first = getattr(policy, "first_action", None)
     return (policy if first is None else getattr(policy, "policy", policy)), first
+
+
+def drawn_policy(policy: Any) -> tuple[Any, int | None]:
+    """Return what a picture shows of a policy: its table, and the `Action` that is number 0 in it.
+
+    Of a solution it shows several actions in a cell, if all of them end the episode soonest.
+    """
+    table, first = unwrapped_policy(policy)
+    return getattr(policy, "fastest", getattr(table, "policy", table)), first

@@ -77,7 +77,7 @@ def test_a_solution_and_its_arrays_are_shown_as_the_optimum_is() -> None:
     picture = level.to_svg(values=True, policy="best", action_values=True)
     assert picture == level.to_svg(values=best, policy=best, action_values=best)
     assert picture == level.to_svg(
-        values=best.values, policy=best.greedy, action_values=best.action_values
+        values=best.values, policy=best.fastest, action_values=best.action_values
     )
     assert picture != level.to_svg(values=brl.solve(level, 0.9), policy=best, action_values=best)
     assert level.to_svg(values=False, policy=None) == level.to_svg()

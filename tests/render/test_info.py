@@ -166,7 +166,7 @@ def test_a_solution_stands_for_its_arrays(actions: str) -> None:
     solution = brl.solve(LEVEL, actions=actions)
     whole = read(values=solution, policy=solution, action_values=solution)
     parts = read(
-        values=solution.values, policy=solution.greedy, action_values=solution.action_values
+        values=solution.values, policy=solution.fastest, action_values=solution.action_values
     )
     assert whole == parts
     assert whole.actions is not None

@@ -104,7 +104,7 @@ def evaluation_of(
     chain = model.mixed(weights_of(policy, space)[model.states])
     values = chain_values(chain, discount, space)
     expected = space.at_start(model, values)
-    steps, success = episode(chain, space)
+    steps, success, _ = episode(chain, space)
     diverging = diverging_states(chain, expected, space)
     return Evaluation(
         values=space.spread(model, values),
@@ -159,10 +159,11 @@ def action_values(model: Model, values: Floats, discount: float) -> Floats:
     return ahead
 
 
-def episode(chain: Model, space: StateSpace) -> tuple[float, float]:
+def episode(chain: Model, space: StateSpace) -> tuple[float, float, Floats]:
     """Return the expected length of a chain's episodes and the probability to reach an exit.
 
-    Episodes that are too long for floating point have the length inf and the probability nan.
+    Episodes that are too long for floating point have the length inf and the probability nan. The
+    third is the expected steps to the end from each state, `[n]`.
     """
     ends = _may_reach(chain, chain.end)
     steps, success = np.zeros(chain.size), np.zeros(chain.size)
@@ -170,9 +171,9 @@ def episode(chain: Model, space: StateSpace) -> tuple[float, float]:
     try:
         steps[ends], success[ends] = expected_sums(chain.restrict(ends), columns, 1.0).T
     except EpisodeTooLongError:
-        return float("inf"), float("nan")
+        return float("inf"), float("nan"), np.full(chain.size, np.inf)
     steps[_may_reach(chain, np.append(~ends, False))] = np.inf
-    return space.at_start(chain, steps), probability(space.at_start(chain, success))
+    return space.at_start(chain, steps), probability(space.at_start(chain, success)), steps
 
 
 def _may_reach(chain: Model, goals: Flags) -> Flags:

@@ -96,7 +96,13 @@ def solve(
     policy[model.states] = found.policy
     finite = np.isfinite(found.values)
     chain, expected = model.under(found.policy), space.at_start(model, found.values)
-    steps, success = episode(chain, space)
+    steps, success, ahead_steps = episode(chain, space)
+    fastest = np.zeros_like(greedy)
+    fastest[model.states] = _fastest(model, greedy[model.states], found.policy, ahead_steps)
+    if discount < 1:
+        # Where no optimal policy surely ends, each of them is as good as the others.
+        endless = model.states[np.isinf(ahead_steps)]
+        fastest[endless] = greedy[endless]
     diverging = diverging_states(chain, expected, space)
     return Solution(
         values=space.spread(model, found.values),
@@ -109,6 +115,7 @@ def solve(
         diverging_cells=space.cells(diverging),
         diverging_condition=space.condition(diverging),
         greedy=greedy.reshape(*mdp.shape, -1),
+        fastest=fastest.reshape(*mdp.shape, -1),
         policy=policy.reshape(mdp.shape),
         method="policy iteration",
         iterations=found.rounds,
@@ -167,6 +174,25 @@ def _greedy(model: Model, ahead: Floats, best: Floats) -> Flags:
     size = np.where(np.isfinite(best), np.abs(best), 0.0)
     margin = TOLERANCE * np.maximum(size, min(1.0, rewards))
     return ahead >= (best - margin)[:, None]
+
+
+def _fastest(model: Model, greedy: Flags, policy: Ints, steps: Floats) -> Flags:
+    """Return the greedy actions that end an episode as soon as a policy does, `[n, actions]`.
+
+    Where the policy may never end, its own action is the only one.
+
+    Args:
+        model: the states and actions.
+        greedy: the greedy actions, `[n, actions]`.
+        policy: an optimal policy, which ends as soon as can be expected.
+        steps: its expected steps to the end from each state, `[n]`.
+    """
+    counting = model.with_rewards(np.where(model.allowed, -1.0, -np.inf))
+    left = -action_values(counting, -steps, 1.0)
+    ends = np.isfinite(steps)[:, None]
+    fastest: Flags = greedy & ends & (left <= (1 + TOLERANCE) * steps[:, None])
+    fastest[np.arange(model.size), policy] = True
+    return fastest
 
 
 # -- loops without a discount --------------------------------------------------------------

@@ -24,7 +24,7 @@ TURNS = "turns"
 ACTION_SETS = {"all": Action.STAY, "moves": Action.NORTH, TURNS: Turn.LEFT}
 """The sets of actions, and the action that is number 0 of each."""
 
-OVER_STATES = ("values", "action_values", "greedy", "policy")
+OVER_STATES = ("values", "action_values", "greedy", "fastest", "policy")
 """The arrays over states of all results."""
 
 MAX_LISTED = 5
@@ -279,6 +279,9 @@ class Solution(Evaluation):
     Attributes:
         greedy: all actions whose values are optimal but for a part in 10^9, bool
             `[height, width, actions]`; none at blocked and terminal cells.
+        fastest: those of them that policies take which end the episode surely and as soon as can be
+            expected, as `policy` does; where none surely does, without a discount only the action
+            of `policy`. Pictures show these. Bool `[height, width, actions]`.
         policy: one optimal action for each cell, int64 `[height, width]`; -1 at blocked and
             terminal cells. The array carries its set of actions (`policy.actions`), which
             `evaluate` and everything else that takes a policy respects. Among optimal actions it
@@ -296,6 +299,7 @@ class Solution(Evaluation):
     __module__ = "babyrobot_levels"
 
     greedy: Flags
+    fastest: Flags
     policy: Ints
     method: str
     iterations: int

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model
+from babyrobot_levels.analysis.solver.model import Flags, Floats, Model
 from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import Evaluation, Solution, num_actions, probability
 from babyrobot_levels.analysis.solver.space import StateSpace
@@ -76,7 +76,8 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
     for step in reversed(range(steps)):
         values, success, lengths = _by_action(model, ahead, discount)
         greedy = _greedy(model, values)
-        action = _fastest(greedy, success, lengths)
+        fastest = _fastest(greedy, success, lengths)
+        action = fastest.argmax(axis=1)
         policies[step, model.states] = action
         now = _Ahead(values[rows, action], success[rows, action], lengths[rows, action])
         rounds += 1
@@ -85,13 +86,15 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
             policies[:step] = policies[step]
             break
         ahead = now
-    table = np.zeros((mdp.num_states, greedy.shape[1]), bool)
-    table[model.states] = greedy
+    tables = np.zeros((2, mdp.num_states, greedy.shape[1]), bool)
+    tables[:, model.states] = greedy, fastest
+    tables = tables.reshape(2, *mdp.shape, -1)
     return Solution(
         **_facts(space, model, now, values),
         discount=discount,
         within=steps,
-        greedy=table.reshape(*mdp.shape, -1),
+        greedy=tables[0],
+        fastest=tables[1],
         policy=policies[0].astype(np.int64).reshape(mdp.shape),
         policies=policies.reshape(steps, *mdp.shape),
         method="backward induction",
@@ -108,13 +111,13 @@ def _greedy(model: Model, values: Floats) -> Flags:
     return greedy
 
 
-def _fastest(greedy: Flags, success: Floats, lengths: Floats) -> Ints:
-    """Return among greedy actions one that most likely reaches an exit, the fastest of these."""
+def _fastest(greedy: Flags, success: Floats, lengths: Floats) -> Flags:
+    """Return those of the greedy actions that most likely reach an exit, the fastest of these."""
     likely = np.where(greedy, success, -np.inf)
     likeliest = likely >= likely.max(axis=1, keepdims=True) - _EQUAL
     durations = np.where(likeliest, lengths, np.inf)
     shortest = durations.min(axis=1, keepdims=True)
-    fastest: Ints = (durations <= shortest + _EQUAL * np.maximum(1.0, shortest)).argmax(axis=1)
+    fastest: Flags = durations <= shortest + _EQUAL * np.maximum(1.0, shortest)
     return fastest
 
 

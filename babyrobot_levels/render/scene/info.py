@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.looks import PATTERN
-from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, unwrapped_policy
+from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action, drawn_policy
 from babyrobot_levels.render.scene.number_labels import short
 from babyrobot_levels.render.scene.overlay import Note, Overlay
 from babyrobot_levels.text.words import did_you_mean
@@ -192,8 +192,7 @@ def policy_actions(policy: Any, level: GridWorld) -> list[list[tuple[Action, ...
     Raises:
         ValueError: it has another size than the level, or contains an invalid action.
     """
-    table, first = unwrapped_policy(policy)
-    table = getattr(policy, "greedy", getattr(table, "policy", table))
+    table, first = drawn_policy(policy)
     if len(shape_of(table, 3)) == 3 and hasattr(table, "shape"):
         rows = cells_of(table, "policy", level, deep=True)
         return [[_most_likely(cell) for cell in row] for row in rows]
@@ -203,10 +202,7 @@ def policy_actions(policy: Any, level: GridWorld) -> list[list[tuple[Action, ...
 
 def _probabilities(policy: Any, level: GridWorld) -> list[list[dict[int, float]]] | None:
     """Return the probability of each action in each cell; None where these are all equal."""
-    if hasattr(policy, "greedy"):
-        return None
-    table, _ = unwrapped_policy(policy)
-    table = getattr(table, "policy", table)
+    table, _ = drawn_policy(policy)
     if len(shape_of(table, 3)) != 3 or not hasattr(table, "shape"):
         return None
     rows = [

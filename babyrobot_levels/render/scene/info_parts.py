@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, unwrapped_policy
+from babyrobot_levels.mdp.actions import HEADINGS, NUM_ACTIONS, Action, Turn, drawn_policy
 from babyrobot_levels.mdp.states import initial_configuration
 from babyrobot_levels.render.scene.overlay import Overlay
 
@@ -94,8 +94,7 @@ def _array_of(info: Mapping[str, Any], key: str, level: GridWorld) -> _Array | N
     """Return an array of a mapping that differs by configuration or heading, else None."""
     given = info[key]
     if key == "policy":
-        table, first = unwrapped_policy(given)
-        table = getattr(given, "greedy", getattr(table, "policy", table))
+        table, first = drawn_policy(given)
     else:
         table, first = getattr(given, key, given), None
     if not hasattr(table, "shape"):

@@ -20,6 +20,7 @@ from babyrobot_levels.analysis.solver.evaluation import evaluate, simulate, succ
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import PolicyArray
+from babyrobot_levels.render.scene.info import policy_actions
 
 CORNER = world(rows=["S  ", "  #", " XE"], skid={"probability": 0.2, "to": "others"})
 
@@ -273,3 +274,35 @@ def test_probabilities_that_almost_add_up_to_one_are_normalised() -> None:
     assert read_policy(table, level.compile(), "all", level.things()).sum(axis=1)[
         0
     ] == pytest.approx(1, abs=1e-15)
+
+
+# -- what pictures show ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("within", [None, "max_steps"])
+def test_pictures_show_neither_stay_nor_bumps_where_these_lead_nowhere(within: str | None) -> None:
+    for name in ("frozen-lake", "frozen-lake-8x8-dry"):
+        solution = solve(name, within=within)
+        assert within or solution.greedy[..., 0].any()
+        assert not solution.fastest[..., 0].any()
+    drawn = policy_actions(solve("frozen-lake", within=within), brl.load("frozen-lake"))
+    assert drawn[0][0] == (brl.Action.WEST,)
+
+
+@given(worlds(5), st.sampled_from([1.0, 0.8]), st.sampled_from(["all", "moves"]))
+def test_who_takes_any_action_of_a_picture_ends_as_soon_as_the_optimal_policy(
+    world: World, discount: float, actions: str
+) -> None:
+    level = level_of(world)
+    try:
+        best = solve(level, discount, actions=actions)
+    except ArithmeticError:
+        return
+    assert not (best.fastest & ~best.greedy).any()
+    if not np.isfinite(best.expected_return):
+        return
+    weights = best.fastest / np.maximum(best.fastest.sum(axis=-1, keepdims=True), 1)
+    found = evaluate(level, weights, discount, actions)
+    np.testing.assert_allclose(found.expected_return, best.expected_return, atol=1e-7)
+    if np.isfinite(best.expected_steps):
+        np.testing.assert_allclose(found.expected_steps, best.expected_steps, rtol=1e-7)
