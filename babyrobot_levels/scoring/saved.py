@@ -4,12 +4,17 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import zipfile
+import zlib
+from lzma import LZMAError
 from pathlib import Path
 from pkgutil import resolve_name
+from tokenize import TokenError
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from babyrobot_levels.text.files import read_bytes
 
@@ -18,6 +23,19 @@ MAX_BYTES = 256 << 20
 
 _MAX_HEAD = 16 << 20
 """The most bytes of what a model of Stable-Baselines3 says about itself."""
+
+_FAULTS = (
+    ValueError,
+    TypeError,
+    KeyError,
+    RuntimeError,
+    EOFError,
+    TokenError,
+    zipfile.BadZipFile,
+    zlib.error,
+    LZMAError,
+)
+"""What reading a file raises that is damaged, or of another kind."""
 
 _MODELS = {
     "stable_baselines3.common.policies": "stable_baselines3:PPO",
@@ -57,7 +75,7 @@ def load_policy(path: Path) -> Any:
         raise AgentError(f"{path}: the file is larger than {MAX_BYTES >> 20} MiB")
     try:
         found = _json_policy(data) if path.suffix.lower() == ".json" else _array_policy(data)
-    except (ValueError, TypeError, KeyError, RecursionError, EOFError, zipfile.BadZipFile):
+    except _FAULTS:
         raise AgentError(f"{path} is not a saved policy") from None
     tables = found.values() if isinstance(found, dict) else [found]
     if not all(table.dtype.kind in "iuf" for table in tables):
@@ -75,13 +93,33 @@ def _json_policy(data: bytes) -> Any:
 
 
 def _array_policy(data: bytes) -> Any:
-    found = np.load(io.BytesIO(data), allow_pickle=False)
-    if isinstance(found, np.ndarray):
-        return found
-    with found:
-        if sum(each.file_size for each in found.zip.infolist()) > MAX_BYTES:
+    if not data.startswith(b"PK"):
+        return _array(data)
+    with zipfile.ZipFile(io.BytesIO(data)) as archive:
+        if sum(each.file_size for each in archive.infolist()) > MAX_BYTES:
             raise ValueError("the arrays are too large")
-        return {name: found[name] for name in found.files}
+        return {
+            name.removesuffix(".npy"): _array(archive.read(name)) for name in archive.namelist()
+        }
+
+
+def _array(data: bytes) -> NDArray[Any]:
+    """Return the array of a `.npy` file. NumPy makes room for what its header claims: look first.
+
+    Raises:
+        ValueError: it is none, has less than it claims, or has objects.
+    """
+    stream = io.BytesIO(data)
+    version = np.lib.format.read_magic(stream)
+    read_header = (
+        np.lib.format.read_array_header_1_0
+        if version == (1, 0)
+        else np.lib.format.read_array_header_2_0
+    )
+    shape, _, dtype = read_header(stream)
+    if math.prod(shape) * dtype.itemsize > len(data):
+        raise ValueError("the array has less than its header claims")
+    return np.lib.format.read_array(io.BytesIO(data), allow_pickle=False)
 
 
 def load_model(path: Path) -> Any:
@@ -97,7 +135,7 @@ def load_model(path: Path) -> Any:
                 raise AgentError(f"{path} is not a model of Stable-Baselines3")
             head = json.loads(archive.read("data"))
         kind = _MODELS[head["policy_class"]["__module__"]]
-    except (ValueError, KeyError, TypeError, zipfile.BadZipFile):
+    except _FAULTS:
         raise AgentError(f"{path} is not a model of Stable-Baselines3 or sb3-contrib") from None
     try:
         return resolve_name(kind).load(path, device="cpu")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 import pickle
@@ -24,6 +25,20 @@ class Bomb:
 
     def __reduce__(self) -> tuple[Any, ...]:
         return Path("ran").touch, ()
+
+
+def header(shape: str) -> bytes:
+    """Return a `.npy` file that has nothing but its header."""
+    text = f"{{'descr': '<i8', 'fortran_order': False, 'shape': {shape}}}".ljust(117) + "\n"
+    return b"\x93NUMPY\1\0" + len(text).to_bytes(2, "little") + text.encode()
+
+
+def zipped(data: bytes) -> bytes:
+    """Return a `.npz` file of one array."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("maze.npy", data)
+    return stream.getvalue()
 
 
 def test_policies_come_back(tmp_path: Path) -> None:
@@ -59,6 +74,10 @@ def test_the_output_of_solve_is_a_policy(tmp_path: Path) -> None:
         ("words.json", b'[["north"]]'),
         ("number.json", b'{"policy": "best"}'),
         ("zip.npz", b"PK\3\4 and no more"),
+        ("claims.npy", header("(100000000000,)")),
+        ("claims.npz", zipped(header("(100000, 100000, 100000)"))),
+        ("damaged.npz", zipped(np.arange(999).tobytes()).replace(b"\3", b"\4")),
+        ("brackets.npy", header("(((")),
     ],
 )
 def test_what_is_no_policy_is_refused(
