@@ -16,6 +16,9 @@ from babyrobot_levels.mdp.grid import Grid
 from babyrobot_levels.mdp.tables import Mdp
 
 DIGEST_VERSION = 1
+PART = 1 << 15
+"""How many states are hashed at a time."""
+
 _HEADER = f"babyrobot-levels game {DIGEST_VERSION}\n".encode("ascii")
 
 
@@ -30,30 +33,37 @@ def digest(level: LevelFields, grid: Grid, mdp: Mdp) -> str:
     `things`, their number and that of configurations, the configurations, and the open sides in
     each of them. Names are no part of it.
     """
-    happens = mdp.probability > 0
-    sides = "NESW"
-    glass = sorted((cell, sides.index(side), p) for (cell, side), p in grid.glass.items())
-    parts: list[bytes | NDArray[Any]] = [
-        np.array([grid.width, grid.height], "<u4"),
-        grid.open_bits,
-        grid.blocked_cells,
-        np.array([len(glass)], "<u4"),
-        np.array([(cell, side) for cell, side, _ in glass], "<u4"),
-        np.array([probability for _, _, probability in glass], "<f8"),
-        mdp.start.astype("<f8"),
-        mdp.is_terminal.astype("u1"),
-        happens.sum(axis=2).astype("<u4"),
-        mdp.probability[happens].astype("<f8"),
-        mdp.next_state[happens].astype("<u4"),
-        mdp.reward[happens].astype("<f8"),
-        mdp.terminal[happens].astype("u1"),
-    ]
-    if level.has_things:
-        parts += _things(level, grid, mdp)
     hashed = hashlib.sha256(_HEADER)
-    for part in parts:
+    for part in _parts(level, grid, mdp):
         hashed.update(part if isinstance(part, bytes) else part.tobytes())
     return f"sha256:{hashed.hexdigest()}"
+
+
+def _parts(level: LevelFields, grid: Grid, mdp: Mdp) -> Iterator[bytes | NDArray[Any]]:
+    """Yield what is hashed, part by part: copies of large tables take much room."""
+    sides = "NESW"
+    glass = sorted((cell, sides.index(side), p) for (cell, side), p in grid.glass.items())
+    yield np.array([grid.width, grid.height], "<u4")
+    yield grid.open_bits
+    yield grid.blocked_cells
+    yield np.array([len(glass)], "<u4")
+    yield np.array([(cell, side) for cell, side, _ in glass], "<u4")
+    yield np.array([probability for _, _, probability in glass], "<f8")
+    yield mdp.start.astype("<f8")
+    yield mdp.is_terminal.astype("u1")
+    parts = [slice(at, at + PART) for at in range(0, mdp.num_states, PART)]
+    for part in parts:
+        yield (mdp.probability[part] > 0).sum(axis=2).astype("<u4")
+    for table, kind in (
+        (mdp.probability, "<f8"),
+        (mdp.next_state, "<u4"),
+        (mdp.reward, "<f8"),
+        (mdp.terminal, "u1"),
+    ):
+        for part in parts:
+            yield table[part][mdp.probability[part] > 0].astype(kind)
+    if level.has_things:
+        yield from _things(level, grid, mdp)
 
 
 def _things(level: LevelFields, grid: Grid, mdp: Mdp) -> Iterator[bytes | NDArray[Any]]:

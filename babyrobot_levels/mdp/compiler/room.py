@@ -49,8 +49,9 @@ class Room:
     def put(self, outcomes: Outcomes) -> None:
         """Put outcomes in their rows."""
         self._used = max(self._used, outcomes.width)
+        place = outcomes.row * self._shape[2] + outcomes.slot
         for name, table in self._tables.items():
-            table[outcomes.row, outcomes.slot] = getattr(outcomes, name)
+            table.reshape(-1)[place] = getattr(outcomes, name)
 
     def tables(self) -> dict[str, Any]:
         """Return the tables `[states, actions, outcomes]`, as wide as the longest row needs."""

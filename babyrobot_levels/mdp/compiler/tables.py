@@ -60,12 +60,14 @@ def compile_cells(level: LevelFields, grid: Grid) -> Mdp:
         branches = branches.select(branches.probability > 0)
         if branches.row.size:
             branches, next_state = ended(branches, arrivals, starts)
+            # Before equal ones are merged: rewards decide nothing.
+            width = int(np.bincount(branches.row - plain.row[0]).max())
+            if width * count > MAX_WIDE_STATES:
+                raise too_large(level, count, width)
             reward = arrivals.rewards_of(branches, next_state)
             outcomes = merged(
                 branches.row, branches.probability, next_state, reward, terrain.over[next_state]
             )
-            if outcomes.width * count > MAX_WIDE_STATES:
-                raise too_large(level, count, outcomes.width)
             room.put(outcomes)
 
     obstruction, intended = obstructions(moves, terrain, warps)
