@@ -413,21 +413,26 @@ def straightest_path(
     (dx, dy) than the step before it; waiting for movers is not one.
     """
     width, cells = size[0], size[0] * size[1]
+    successors, to_exit = steps.successors, steps.to_exit
     # By pose: the turns so far, and the pose before.
     layers: list[dict[Pose, tuple[int, Pose]]] = [{(start, None): (0, (start, None))}]
-    for left in range(steps.to_exit[start] - 1, -1, -1):
+    for left in range(to_exit[start] - 1, -1, -1):
         found: dict[Pose, tuple[int, Pose]] = {}
         for pose, (turns, _) in layers[-1].items():
             state, heading = pose
-            y, x = divmod(state % cells, width)
-            for other in steps.successors[state]:
-                if steps.to_exit[other] == left:
-                    at_y, at_x = divmod(other % cells, width)
-                    moves = (at_x, at_y) != (x, y)
-                    direction = (at_x - x, at_y - y) if moves else heading
+            cell = state % cells
+            x, y = cell % width, cell // width
+            for other in successors[state]:
+                if to_exit[other] == left:
+                    there = other % cells
+                    direction = heading
+                    if there != cell:
+                        direction = (there % width - x, there // width - y)
                     count = turns + (heading is not None and direction != heading)
-                    if (other, direction) not in found or count < found[other, direction][0]:
-                        found[other, direction] = (count, pose)
+                    key = other, direction
+                    known = found.get(key)
+                    if known is None or count < known[0]:
+                        found[key] = (count, pose)
         layers.append(found)
     pose = min(layers[-1], key=lambda last: layers[-1][last][0])
     turns = layers[-1][pose][0]
