@@ -86,7 +86,15 @@ class Loader:
         """
         given = levels_in(levels)
         if len(given) != room.levels:
-            raise ValueError(f"there must be {room.levels:,} levels, not {len(given):,}")
+            raise ValueError(
+                f"there must be {room.levels:,} levels, as many as the environment was made with, "
+                f"not {len(given):,}; "
+                + (
+                    "give some of them several times, so that all together fill the number"
+                    if len(given) < room.levels
+                    else "give fewer, or make the environment with as many"
+                )
+            )
         arrays, needed = self._read(self._fitting(given), len(given))
         problem = room.misfit(needed)
         if problem is not None:

@@ -130,12 +130,23 @@ class EnvParams:
 
         Args:
             weights: `[levels]`, none below 0 and one at least above it. A share of less than
-                one in 2**30 counts as 0.
+                one in 2**30 counts as 0. In compiled code, only their shape is checked.
+
+        Raises:
+            ValueError: they are none.
         """
         given = jnp.asarray(weights, self.reward.dtype)
+        if given.shape[-1:] != (self.num_levels,):
+            raise ValueError(
+                f"weights must be one for each of the {self.num_levels:,} levels, not an array of "
+                f"shape {list(given.shape)}"
+            )
         shares = given / jnp.sum(given, axis=-1, keepdims=True)
-        whole = (shares * _WEIGHTS).astype(jnp.int32)
-        return replace(self, weights=jnp.cumsum(whole, axis=-1, dtype=jnp.int32))
+        whole = jnp.cumsum((shares * _WEIGHTS).astype(jnp.int32), axis=-1, dtype=jnp.int32)
+        is_right = jnp.all((given >= 0) & (given < jnp.inf)) & jnp.all(whole[..., -1] > 0)
+        if not isinstance(is_right, jax.core.Tracer) and not is_right:
+            raise ValueError("weights must be finite, none of them below 0, and one above it")
+        return replace(self, weights=whole)
 
     def drawn_level(self, word: Array) -> Array:
         """Return the level that a word draws, int32."""

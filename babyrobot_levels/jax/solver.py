@@ -26,6 +26,10 @@ MAX_SWEEPS = 10_000
 """Without a time limit, what has not converged after so many sweeps is nan."""
 
 
+_ROUNDING = 1e-2
+"""By so much, sums of probabilities may be off: of half precision, too."""
+
+
 @register_dataclass
 @dataclass(frozen=True)
 class Optimum:
@@ -96,8 +100,9 @@ def evaluate(
     Args:
         params: the levels.
         policy: the action of each state, int `[states]`, or the probabilities of all actions,
-            float `[states, actions]`, which are scaled to add up to 1; if all are 0, all actions
-            are equally likely. Where the episode is over, it does not matter.
+            float `[states, actions]`, whose rounding is scaled away; if all are 0, all actions are
+            equally likely. Where the episode is over, it does not matter. In compiled code, only
+            its shape and type are checked.
         discount: above 0 and at most 1; by default, that of each level.
         within: as in `optimum`.
 
@@ -443,11 +448,21 @@ def _checked(params: EnvParams, policy: Any) -> Array:
     policy = jnp.asarray(policy)
     states, actions = params.num_states, params.num_actions
     if policy.shape == (states,) and jnp.issubdtype(policy.dtype, jnp.integer):
-        return policy
-    if policy.shape == (states, actions) and jnp.issubdtype(policy.dtype, jnp.floating):
-        return policy
-    raise ValueError(
-        f"a policy for these levels is an array of integers [{states}], the actions, or an array "
-        f"of floats [{states}, {actions}], their probabilities, not one of {policy.dtype} and "
-        f"shape {list(policy.shape)}"
-    )
+        is_right = (policy >= 0) & (policy < actions)
+        rule = f"an action is from 0 to {actions - 1}"
+    elif policy.shape == (states, actions) and jnp.issubdtype(policy.dtype, jnp.floating):
+        total = policy.sum(axis=1)
+        is_right = (policy >= 0).all(axis=1) & ((jnp.abs(total - 1) <= _ROUNDING) | (total == 0))
+        rule = "probabilities are not below 0, and add up to 1"
+    else:
+        raise ValueError(
+            f"a policy for these levels is an array of integers [{states}], the actions, or an "
+            f"array of floats [{states}, {actions}], their probabilities, not one of "
+            f"{policy.dtype} and shape {list(policy.shape)}"
+        )
+    ends = (params.outcome[: params.num_rows] & TERMINAL) > 0
+    is_wrong = ~is_right & ~ends.reshape(states, actions).all(axis=1)
+    if not isinstance(is_wrong, jax.core.Tracer) and is_wrong.any():
+        state = int(is_wrong.argmax())
+        raise ValueError(f"{rule}, and in state {state:,} the policy has {policy[state].tolist()}")
+    return policy

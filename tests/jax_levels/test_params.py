@@ -122,9 +122,27 @@ def test_other_levels_are_played_without_compiling_anew() -> None:
 
 
 @pytest.mark.parametrize(
+    ("weights", "message"),
+    [
+        ([1.0] * 3, r"one for each of the 2 levels, not an array of shape \[3\]"),
+        (1.0, r"one for each of the 2 levels, not an array of shape \[\]"),
+        ([0.0, 0.0], "must be finite, none of them below 0, and one above it"),
+        ([2.0, -1.0], "must be finite"),
+        ([1.0, np.nan], "must be finite"),
+        ([1.0, np.inf], "must be finite"),
+    ],
+)
+def test_weights_that_are_none_are_refused(weights: Any, message: str) -> None:
+    _, params = brl_jax.make(["default", "maze"])
+    with pytest.raises(ValueError, match=message):
+        params.weighted(weights)
+
+
+@pytest.mark.parametrize(
     ("levels", "message"),
     [
-        ("four-rooms", "there must be 2 levels, not 1"),
+        ("maze", "there must be 2 levels, .*, not 1; give some of them several times"),
+        (["maze"] * 3, "not 3; give fewer, or make the environment with as many"),
         (["default", "four-rooms"], "'four-rooms'.* does not fit: it has 11x11 cells, and the"),
         (["default", "first-key"], "does not fit: it has 1 items, and the spaces have 0"),
         (["maze", "maze"], "they have 80 states together, and there is room for 49"),

@@ -242,11 +242,15 @@ def test_single_levels_and_many_policies_by_vmap() -> None:
     assert np.array_equal(known, found[0])
 
 
-def test_probabilities_count_as_weights() -> None:
+def test_rounding_of_probabilities_is_scaled_away() -> None:
     _, params = brl_jax.make(MAZES)
     policy = brl_jax.random_policy(params)
-    twice = brl_jax.evaluate(params, 2 * policy, within=9)
-    assert np.array_equal(twice.values, brl_jax.evaluate(params, policy, within=9).values)
+    rounded = brl_jax.evaluate(params, 1.001 * policy, within=9)
+    exact = brl_jax.evaluate(params, policy, within=9)
+    assert np.allclose(rounded.values, exact.values, rtol=1e-5)
+    # What is traced cannot be checked.
+    twice = jax.jit(lambda policy: brl_jax.evaluate(params, policy, within=9))(2 * policy)
+    assert np.array_equal(twice.values, exact.values)
 
 
 # -- arguments -------------------------------------------------------------------------------
@@ -270,3 +274,26 @@ def test_arguments_are_checked_when_a_function_is_compiled(
     _, params = brl_jax.make(MAZES)
     with pytest.raises(ValueError, match=message):
         jax.jit(lambda given: brl_jax.regret(params, given, **arguments))(policy)
+
+
+@pytest.mark.parametrize(
+    ("policy", "message"),
+    [
+        (np.full(96, 5), r"an action is from 0 to 4, and in state 0 the policy has 5"),
+        (np.full(96, -1), r"an action is from 0 to 4, and in state 0 the policy has -1"),
+        (np.full((96, 5), 0.4), r"add up to 1, and in state 0 the policy has \[0.4"),
+        (np.full((96, 5), np.nan), r"in state 0 the policy has \[nan"),
+        (np.tile([2.0, -1, 0, 0, 0], (96, 1)), r"are not below 0, .* has \[2.0, -1.0"),
+    ],
+)
+def test_policies_that_are_none_are_refused(policy: Any, message: str) -> None:
+    _, params = brl_jax.make(MAZES)
+    with pytest.raises(ValueError, match=message):
+        brl_jax.evaluate(params, policy)
+    # Where the episode is over, it does not matter what a policy has.
+    ends = np.asarray(params.outcome[: params.num_rows]).reshape(96, 5) & 1
+    is_over = ends.all(axis=1)
+    assert is_over.any()
+    right = np.asarray(brl_jax.random_policy(params)) if policy.ndim == 2 else np.zeros(96, int)
+    policy = np.where(is_over.reshape(-1, *[1] * (policy.ndim - 1)), policy, right)
+    assert np.isfinite(brl_jax.evaluate(params, policy, within=9).returns).all()

@@ -94,6 +94,7 @@ class ViewPainter:
         self._radius, self._see_through = radius, see_through
         self._width, self._cells = level.size[0], prod(level.size)
         self._things = level.things()
+        self._last: tuple[int, Configuration] | None = None
         # By the doors that are closed: the planes that things do not change, and what hides.
         self._grounds: dict[tuple[bool, ...], tuple[Bits, NDArray[np.bool_] | None]] = {}
 
@@ -105,7 +106,7 @@ class ViewPainter:
         rest, cell = divmod(state, self._cells)
         number, heading = divmod(rest, self._headings)
         y, x = divmod(cell, self._width)
-        now = self._things.at(self._level.compile().configurations[number].tolist())
+        now = self._configuration(number)
         ground, passable = self._ground(now)
         radius, side = self._radius, 2 * self._radius + 1
         view = ground[y : y + side, x : x + side].copy()
@@ -122,6 +123,13 @@ class ViewPainter:
         for picture in held_pictures(self._level, now):
             view[..., _PLANE[f"held-{picture}"]] = 1
         return view
+
+    def _configuration(self, number: int) -> Configuration:
+        """Return what is where; that of the view before is kept, which mostly is the same."""
+        if self._last is None or self._last[0] != number:
+            values = self._level.compile().configurations[number].tolist()
+            self._last = number, self._things.at(values)
+        return self._last[1]
 
     def _ground(self, now: Configuration) -> tuple[Bits, NDArray[np.bool_] | None]:
         """Return the planes that do not change while no door does, and what hides other cells.
