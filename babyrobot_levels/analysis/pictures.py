@@ -5,6 +5,7 @@ The methods of `Level` and the command line make them here, and therefore make t
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
@@ -453,10 +454,15 @@ def _turning_guide(level: Level) -> Guide | None:
 
 
 def _expected_return(level: Level, solution: Solution) -> float:
-    """Return the expected return of the optimal policy, within the level's time limit."""
+    """Return the expected return of the optimal policy, within the level's time limit.
+
+    It is nan where that takes too long to be computed.
+    """
     if level.max_steps is None:
         return solution.expected_return
-    return _worth(level, solution, solution.actions)
+    with suppress(ArithmeticError):
+        return _worth(level, solution, solution.actions)
+    return math.nan
 
 
 def _worth(level: Level, policy: Any, actions: str) -> float:
@@ -468,7 +474,7 @@ def _worth(level: Level, policy: Any, actions: str) -> float:
     assert level.max_steps is not None
     space = space_of(level, actions)
     weights = weights_of(policy, space)
-    found = worth_within([space], [level.max_steps], [level.discount], [weights])
+    found = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
     return float(found.returns[0])
 
 
@@ -479,18 +485,21 @@ def _luck(level: Level, solution: Solution) -> dict[str, Any]:
     """
     import numpy as np
 
-    from babyrobot_levels.analysis.solver.distribution import return_distribution
+    from babyrobot_levels.analysis.solver.distribution import distribution_of
+    from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS as FOLLOWED
+    from babyrobot_levels.analysis.solver.space import space_of
 
-    actions = solution.actions
-    # Each stands for one in a hundred episodes.
-    quantiles = return_distribution(level, solution, actions=actions).quantiles(
-        (np.arange(100) + 0.5) / 100
-    )
-    alike = np.unique(quantiles).size == 1
-    return {
-        "random_return": random_return(level, actions),
-        "quantiles": quantiles[: 1 if alike else None].tolist(),
-    }
+    actions, limit = solution.actions, level.max_steps or FOLLOWED
+    luck: dict[str, Any] = {"random_return": random_return(level, actions)}
+    with suppress(ArithmeticError):
+        # Each stands for one in a hundred episodes.
+        found = distribution_of(
+            space_of(level, actions), solution, level.discount, limit, quick=True
+        )
+        quantiles = found.quantiles((np.arange(100) + 0.5) / 100)
+        alike = np.unique(quantiles).size == 1
+        luck["quantiles"] = quantiles[: 1 if alike else None].tolist()
+    return luck
 
 
 def random_return(level: Level, actions: str = "all") -> float | None:
@@ -500,8 +509,8 @@ def random_return(level: Level, actions: str = "all") -> float | None:
     """
     from babyrobot_levels.analysis.solver.evaluation import evaluation_of
 
-    if level.max_steps is not None:
-        return _worth(level, RANDOM, actions)
     with suppress(ArithmeticError):
+        if level.max_steps is not None:
+            return _worth(level, RANDOM, actions)
         return evaluation_of(level, RANDOM, actions=actions).expected_return
     return None

@@ -160,9 +160,11 @@ def solution_of(
 ) -> Solution:
     """Return the solution of a level; end the command if it has none."""
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.analysis.solver.results import UndefinedReturnError
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
 
     try:
         return solve(level, discount, actions=actions, within=within)
     except UndefinedReturnError as error:
         _end_unsolved(error)
+    except EpisodeTooLongError as error:
+        fail(str(error))

@@ -46,6 +46,9 @@ if TYPE_CHECKING:
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Things
 
+MAX_WRITTEN = 10_000_000
+"""The most actions of a policy by step in JSON."""
+
 
 class ActionSet(StrEnum):
     """The sets of actions that a robot may have."""
@@ -219,16 +222,20 @@ def _refuse_within(within: str | None) -> NoReturn:
 
 def _note_limit(level: Level, solution: Solution) -> None:
     """Say that the level has a time limit, if that changes what an optimal policy earns."""
-    from babyrobot_levels.analysis.solver.horizon import MAX_STATE_STEPS, best_return_within
+    from babyrobot_levels.analysis.solver.horizon import best_return_within
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 
     steps = level.max_steps
     if steps is None:
         return
     ignored = f"max_steps ({steps}) is ignored: these are episodes without a time limit"
-    if solution.values.size * steps > MAX_STATE_STEPS:
+    try:
+        within = best_return_within(
+            level, steps, actions=solution.actions, discount=solution.discount, quick=True
+        )
+    except EpisodeTooLongError:
         note(ignored)
         return
-    within = best_return_within(level, steps, actions=solution.actions, discount=solution.discount)
     if not math.isclose(within, solution.expected_return, rel_tol=1e-6, abs_tol=1e-6):
         note(f"{ignored}; within it, the best expected return is {within:.4g} (--within max_steps)")
 
@@ -264,6 +271,12 @@ def _data(level: Level, solution: Solution) -> dict[str, Any]:
         "greedy": solution.greedy.tolist(),
     }
     if solution.policies is not None:
+        if solution.policies.size > MAX_WRITTEN:
+            fail(
+                f"a policy of {solution.policies.size:,} actions is too large for JSON; the limit "
+                f"is {MAX_WRITTEN:,}",
+                "give a smaller --within, or leave out --format json",
+            )
         data["policies"] = solution.policies.tolist()
     if solution.actions == ActionSet.TURNS:
         data["headings"] = list(SIDES)

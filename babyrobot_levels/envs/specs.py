@@ -26,6 +26,9 @@ from babyrobot_levels.text.errors import BabyRobotError
 MAX_STATES = 100_000
 """The threshold of a level that may have more states is not computed: see `reward_threshold`."""
 
+MAX_STATE_STEPS = 5_000_000
+"""Nor is that of a level with more states times steps."""
+
 
 class MadeSpec(EnvSpec):
     """The spec of an environment that was made from a level or a suite."""
@@ -189,8 +192,6 @@ def _best_return(given: Mapping[str, Any], steps: int | None) -> float | None:
     except (BabyRobotError, TypeError, LookupError):
         return None
     states = prod(level.size) * prod(level.things().radices) * (HEADINGS if actions.turns else 1)
-    from babyrobot_levels.analysis.solver.horizon import MAX_STATE_STEPS
-
     if level.has_random_maze or states > MAX_STATES or states * steps > MAX_STATE_STEPS:
         return None
     name = "turns" if actions.turns else "moves" if actions.first else "all"
@@ -198,10 +199,14 @@ def _best_return(given: Mapping[str, Any], steps: int | None) -> float | None:
 
 
 @lru_cache(maxsize=16)
-def _solved(level: Level, steps: int, actions: str) -> float:
+def _solved(level: Level, steps: int, actions: str) -> float | None:
     from babyrobot_levels.analysis.solver.horizon import best_return_within
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 
-    return best_return_within(level, steps, actions=actions)
+    try:
+        return best_return_within(level, steps, actions=actions, quick=True)
+    except EpisodeTooLongError:
+        return None
 
 
 def _plain(value: Any) -> Any:

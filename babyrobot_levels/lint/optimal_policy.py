@@ -23,6 +23,9 @@ MAX_SOLVED = 5_000
 MAX_WORK = 200_000_000
 """States times steps: the limit up to which the exit probability is computed step by step."""
 
+_STEP = 2_000
+"""As how many states a step counts, however few there are."""
+
 
 def solution_of(level: Level) -> Solution | None:
     """Solve a level; return None if it has no optimal value or takes too long to solve."""
@@ -149,7 +152,7 @@ def is_within_limit(level: Level, solution: Solution, share: float) -> bool | No
     targets = mdp.next_state[states, policy[states]]
     chances = np.where(ends_by_hit(mdp)[states, policy[states]], 0.0, chances)
     arrived = exit_states(level, mdp).astype(np.float64)
-    most = MAX_WORK // chances.size
+    most = MAX_WORK // (chances.size + _STEP)
     for _ in range(min(limit, most)):
         ahead = (chances * arrived[targets]).sum(axis=1)
         if (ahead == arrived[states]).all():

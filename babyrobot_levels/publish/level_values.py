@@ -47,7 +47,7 @@ def shown_values(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]
     """Yield what is known about the returns and steps of policies, each with its name."""
     if facts.best_return is not None:
         yield "Optimal return", rounded(facts.best_return)
-    if guide is not None and facts.max_steps is not None:
+    if guide and facts.max_steps is not None and not math.isnan(guide.expected_return):
         within = rounded(guide.expected_return)
         if facts.best_return is None or within != rounded(facts.best_return):
             yield f"Optimal return within {facts.max_steps:,} steps", within

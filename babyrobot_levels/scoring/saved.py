@@ -88,7 +88,7 @@ def _json_policy(data: bytes) -> Any:
     if not isinstance(found, dict):
         return np.array(found)
     if "policy" in found:
-        return np.array(found["policy"])
+        return np.array(found.get("policies", found["policy"]))
     return {name: np.array(table) for name, table in found.items()}
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, evaluation_of
 from babyrobot_levels.analysis.solver.many import Worth, best_returns_within, worth_within
 from babyrobot_levels.analysis.solver.optimum import solve
-from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import check_discount, check_within
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
+from babyrobot_levels.analysis.solver.within import ByStep, evaluate_within, weights_by_step
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.observations import Observation, make_observer
@@ -66,8 +66,9 @@ def score(
     Args:
         agent: one of
 
-            - a policy, as `brl.evaluate` takes it (`"random"`, a `Solution`, an array), or a
-              mapping from names or digests of levels to policies;
+            - a policy, as `brl.evaluate` takes it (`"random"`, a `Solution`, an array; within a
+              limit also one for each step), or a mapping from names or digests of levels to
+              policies;
             - a function from an observation to an action, or to the probabilities of all actions;
               with `batched`, from many observations `[n, …]` at once (of JAX, for example);
             - a model of Stable-Baselines3 or sb3-contrib, or an `RLModule` of RLlib;
@@ -92,6 +93,7 @@ def score(
         LevelError: a level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value, or there is no limit and the optimum of
             a level is infinite.
+        EpisodeTooLongError: the limit of a level is so large that this takes too long.
         TypeError: the agent is none that scoring knows.
     """
     check_choice("actions", actions, ACTION_SETS)
@@ -103,7 +105,9 @@ def score(
         agent, ACTION_SETS[actions].num_actions, deterministic=deterministic, batched=batched
     )
     best = _best(problems)
-    chance = _worth(problems, [_read("random", problem) for problem in problems])
+    chance = _worth(
+        problems, [weights_by_step("random", each.space, each.limit) for each in problems]
+    )
     played: list[Played] = []
     if isinstance(taken, Player):
         worth, played = _played(taken, problems, chosen, extent, actions, episodes, seed)
@@ -142,16 +146,11 @@ def _problem(
     )
 
 
-def _read(policy: Any, problem: _Problem) -> Floats:
-    space = problem.space
-    return read_policy(policy, space.mdp, space.actions, problem.level.things())
-
-
 def _policy(
     agent: Table | Chooser, problem: _Problem, observation: Observation, extent: Extent
-) -> Floats:
+) -> ByStep:
     observer = make_observer(problem.level, observation, extent)
-    return policy_of(agent, problem.space, observer)
+    return policy_of(agent, problem.space, observer, problem.limit)
 
 
 def _limited(problems: Sequence[_Problem]) -> list[int]:
@@ -176,19 +175,20 @@ def _best(problems: Sequence[_Problem]) -> Floats:
     return found
 
 
-def _worth(problems: Sequence[_Problem], policies: Sequence[Floats]) -> Worth:
+def _worth(problems: Sequence[_Problem], policies: Sequence[ByStep]) -> Worth:
     """Return what policies are worth, each in its level."""
-    found, limited = np.zeros((3, len(problems))), _limited(problems)
-    worth = worth_within(*_arguments(problems, limited), [policies[number] for number in limited])
-    found[:, limited] = worth.returns, worth.success, worth.steps
-    for number, each in enumerate(problems):
+    found = np.zeros((3, len(problems)))
+    together = [number for number in _limited(problems) if len(policies[number].runs) == 1]
+    tables = [policies[number](0) for number in together]
+    worth = worth_within(*_arguments(problems, together), tables)
+    found[:, together] = worth.returns, worth.success, worth.steps
+    for number in sorted({*range(len(problems))} - {*together}):
+        each, policy = problems[number], policies[number]
         if each.limit is None:
-            alone = evaluation_of(each.level, policies[number], each.discount, each.space.actions)
-            found[:, number] = (
-                alone.expected_return,
-                alone.exit_probability,
-                alone.expected_steps,
-            )
+            alone = evaluation_of(each.level, policy(0), each.discount, each.space.actions)
+        else:
+            alone = evaluate_within(each.space, policy, each.discount, each.limit)
+        found[:, number] = alone.expected_return, alone.exit_probability, alone.expected_steps
     return Worth(*found)
 
 

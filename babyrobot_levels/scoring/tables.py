@@ -7,29 +7,33 @@ from typing import Any
 import numpy as np
 from gymnasium import spaces
 
-from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.space import StateSpace
+from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
 from babyrobot_levels.envs.observations import Observer
-from babyrobot_levels.scoring.agents import Chooser, Floats, Table
+from babyrobot_levels.scoring.agents import Chooser, Table
 
 BATCH = 4096
 """The most observations that an agent is asked about at once."""
 
 
-def policy_of(agent: Table | Chooser, space: StateSpace, observer: Observer) -> Floats:
-    """Return what an agent does in each state, as probabilities `[states, actions]`.
+def policy_of(
+    agent: Table | Chooser, space: StateSpace, observer: Observer, limit: int | None
+) -> ByStep:
+    """Return what an agent does in each state, and in each step if it takes that into account.
 
     Args:
         agent: an agent without memory.
         space: the states of the level.
         observer: makes the observations of the level.
+        limit: the number of steps after which episodes are truncated; None for no limit.
 
     Raises:
-        ValueError: its answers are no actions, or no probabilities that add up to 1.
+        ValueError: its answers are no actions, or no probabilities that add up to 1; or it is a
+            policy for another limit.
     """
     if isinstance(agent, Table):
         policy = agent.of(space.level.name, space.level.digest)
-        return read_policy(policy, space.mdp, space.actions, space.level.things())
+        return weights_by_step(policy, space, limit)
     mdp, first = space.mdp, space.first_action
     states = np.flatnonzero(~mdp.is_terminal & ~space.without_value)
     table = np.zeros((mdp.num_states, mdp.num_actions - first))
@@ -39,7 +43,7 @@ def policy_of(agent: Table | Chooser, space: StateSpace, observer: Observer) -> 
         part = states[begin : begin + BATCH]
         seen = stacked(observer.space, [observer.at(state)() for state in part.tolist()])
         table[part] = agent(seen, mdp.action_mask[part, first:].astype(np.int8))
-    return read_policy(table, mdp, space.actions, space.level.things())
+    return weights_by_step(table, space, limit)
 
 
 def stacked(space: spaces.Space[Any], observations: list[Any]) -> Any:

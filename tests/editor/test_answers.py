@@ -57,6 +57,13 @@ def test_the_best_average_is_that_within_the_time_limit() -> None:
     assert asked(short, do="state")["state"]["answers"]["best"] == -2.0
 
 
+def test_a_best_average_that_takes_too_long_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("babyrobot_levels.analysis.solver.horizon.QUICK_WORK", 0)
+    answers = asked(Session(CORRIDOR + "max_steps: 2\n"), do="state")["state"]["answers"]
+    assert (answers["status"], answers["best"], answers["best_text"]) == ("done", None, "")
+    assert answers["reason"] == "what is earned within 2 steps takes too long to compute"
+
+
 def test_another_size_has_no_changed_cells() -> None:
     session = Session(CORRIDOR)
     text = session.text.replace("[5, 1]", "[6, 1]").replace("exit: [4, 0]", "exit: [5, 0]")

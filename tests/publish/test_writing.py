@@ -190,7 +190,7 @@ def test_a_gallery_without_answers_is_written_without_solving(
     for place in (
         "solver.optimum.solve",
         "solver.evaluation.evaluation_of",
-        "solver.distribution.return_distribution",
+        "solver.distribution.distribution_of",
         "solver.many.worth_within",
     ):
         monkeypatch.setattr(f"babyrobot_levels.analysis.{place}", refuse)

@@ -253,3 +253,14 @@ def test_without_a_limit_an_infinite_optimum_is_explained() -> None:
     level = {"version": 1, "name": "pit", "size": [2, 1], "start": [0, 0], "walls": [wall]}
     with pytest.raises(ValueError, match=r"pit has no score: .*within=200"):
         brl.score("random", level)
+
+
+def test_the_optimum_within_a_limit_has_no_regret() -> None:
+    best = brl.solve("frozen-lake", within="max_steps")
+    for agent in (best, best.policies, {"frozen-lake": best}):
+        (found,) = brl.score(agent, "frozen-lake")
+        assert found.regret == pytest.approx(0, abs=1e-12)
+        assert found.success == pytest.approx(best.exit_probability)
+    assert brl.success_within("frozen-lake", best) == pytest.approx(best.exit_probability)
+    with pytest.raises(ValueError, match="one for episodes of 100 steps; give within=100"):
+        brl.score(best, "frozen-lake", within=99)

@@ -10,7 +10,11 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.solver.chain import Chain, chain_of, chains
-from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS, limit_of, simulate
+from babyrobot_levels.analysis.solver.evaluation import (
+    MAX_STEPS,
+    limit_of,
+    simulated_episodes,
+)
 from babyrobot_levels.analysis.solver.model import Floats
 from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import Result, check_discount
@@ -20,6 +24,12 @@ from babyrobot_levels.library.catalogue import load
 
 MAX_OUTCOMES = 4_000_000
 """The most outcomes that are followed, over all steps: about a second."""
+
+_STEP, _QUICK_STEP = 400, 1000
+"""As how many outcomes a step counts, however few there are; and where it is to be quick."""
+
+MAX_SIMULATED, QUICK_SIMULATED = 150_000_000, 20_000_000
+"""The most steps that simulated episodes take together, and where it is to be quick: a second."""
 
 EPISODES = 10_000
 """The number of simulated episodes where there are more."""
@@ -95,18 +105,45 @@ def return_distribution(
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
+        EpisodeTooLongError: episodes take so many steps that simulating them takes too long.
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
-    space = space_of(level, actions)
+    return distribution_of(space_of(level, actions), policy, discount, limit)
+
+
+def distribution_of(
+    space: StateSpace, policy: Policy, discount: float, limit: int, *, quick: bool = False
+) -> ReturnDistribution:
+    """Do what `return_distribution` does.
+
+    Args:
+        space: the states of the level.
+        policy: the policy.
+        discount: the discount factor.
+        limit: the number of steps after which episodes are truncated.
+        quick: whether simulated episodes may take a second at most.
+
+    Raises:
+        EpisodeTooLongError: they would take longer.
+    """
     chain_at = chains(space, weights_by_step(policy, space, limit))
     largest = float(np.abs(space.mdp.reward).max(initial=0.0))
-    followed = _followed(chain_at, space.mdp.start, discount, limit, largest)
+    overhead = _QUICK_STEP if quick else _STEP
+    followed = _followed(chain_at, space.mdp.start, discount, limit, largest, overhead)
     if followed is not None:
         values, probabilities = followed
         return ReturnDistribution(values, probabilities, 0, discount, limit)
-    simulated = simulate(level, policy, EPISODES, discount=discount, within=limit, actions=actions)
+    simulated = simulated_episodes(
+        space,
+        policy,
+        EPISODES,
+        0,
+        discount=discount,
+        limit=limit,
+        most=QUICK_SIMULATED if quick else MAX_SIMULATED,
+    )
     values, counts = np.unique(simulated.returns, return_counts=True)
     return ReturnDistribution(values, counts / EPISODES, EPISODES, discount, limit)
 
@@ -148,6 +185,7 @@ def _followed(
     discount: float,
     limit: int,
     largest_reward: float,
+    overhead: int = _STEP,
 ) -> tuple[Floats, Floats] | None:
     """Return the possible returns and their probabilities; None if there are too many."""
     unit = _EQUAL * max(1.0, largest_reward)
@@ -157,7 +195,7 @@ def _followed(
     factor, outcomes = 1.0, 0
     for step in range(limit):
         chain = chain_at(step)
-        outcomes += state.size * chain.probability.shape[1] + ended[0].size
+        outcomes += state.size * chain.probability.shape[1] + ended[0].size + overhead
         if outcomes > MAX_OUTCOMES:
             return None
         ahead = mass[:, None] * chain.probability[state]

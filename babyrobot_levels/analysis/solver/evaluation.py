@@ -76,7 +76,7 @@ def evaluate(
         ValueError: another argument has an invalid value.
         UndefinedReturnError: there is no discount, and rewards cancel out in a loop without end.
         EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
-            end.
+            end; or the limit is so large that this takes too long.
     """
     found = evaluation_of(level, policy, discount, actions, within)
     if found.explanation:
@@ -225,15 +225,38 @@ def simulate(
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, not {episodes}")
-    space = space_of(level, actions)
+    return simulated_episodes(
+        space_of(level, actions), policy, episodes, seed, discount=discount, limit=limit
+    )
+
+
+def simulated_episodes(
+    space: StateSpace,
+    policy: Policy,
+    episodes: int,
+    seed: int,
+    *,
+    discount: float,
+    limit: int,
+    most: float = math.inf,
+) -> Simulation:
+    """Simulate episodes of a policy, as `simulate` does.
+
+    Raises:
+        EpisodeTooLongError: they take more than so many steps together.
+    """
     mdp, chain_at = space.mdp, chains(space, weights_by_step(policy, space, limit))
     rng = np.random.default_rng(check_seed(seed))
     state = rng.choice(mdp.num_states, size=episodes, p=mdp.start)
     returns, steps = np.zeros(episodes), np.zeros(episodes, np.int64)
     ended = np.zeros(episodes, bool)
     going = np.arange(episodes)
-    factor = 1.0
+    factor, taken = 1.0, 0
     for step in range(limit):
+        # A step of few episodes takes as long as one of some thousand.
+        taken += max(going.size, 5000)
+        if taken > most:
+            raise EpisodeTooLongError("episodes take too many steps to be simulated")
         here, chain = state[going], chain_at(step)
         which = (rng.random(going.size)[:, None] >= chain.cumulated[here]).sum(axis=1)
         returns[going] += factor * chain.reward[here, which]
@@ -262,7 +285,8 @@ def success_within(
     Args:
         level: a name, a path, a mapping or a `Level`.
         policy: as `evaluate` takes it.
-        steps: how many steps there are; by default, the level's `max_steps`.
+        steps: how many steps there are; by default those of the policy, if it is a `Solution`
+            within a limit, else the level's `max_steps`.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
 
     Raises:
@@ -270,20 +294,13 @@ def success_within(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value, or neither `steps` nor `max_steps` of
             the level is given.
+        EpisodeTooLongError: there are so many steps that this takes too long.
     """
     level = load(level)
-    steps = level.max_steps if steps is None else steps
+    if steps is None:
+        steps = getattr(policy, "within", None) or level.max_steps
     if steps is None or steps < 0:
         raise ValueError("steps must be 0 or more; the level has no max_steps of its own")
     space = space_of(level, actions)
-    model = space.model()
-    chain = model.mixed(weights_of(policy, space)[model.states])
-    success = np.zeros(chain.size)
-    for _ in range(steps):
-        following = np.append(success, 0.0)[chain.next_state[:, 0]]
-        ahead = np.einsum("so,so->s", chain.probability[:, 0], following)
-        ahead += chain.success[:, 0]
-        if np.array_equal(ahead, success):
-            break
-        success = ahead
-    return probability(space.at_start(chain, success))
+    weights = weights_by_step(policy, space, steps, "steps")
+    return evaluate_within(space, weights, 1.0, steps).exit_probability if steps else 0.0

@@ -1,4 +1,4 @@
-"""Episodes with a time limit: optimal values by the number of steps that are left.
+"""Episodes with a time limit: backward induction, and optimal values by the steps that are left.
 
 What is optimal then depends on the time: with few steps left, it can be better to take a small
 reward than to begin a way to a large one. Backward induction gives all of it exactly: the values
@@ -7,22 +7,46 @@ with k + 1 steps left follow from those with k.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from itertools import islice
 from typing import Any
 
 import numpy as np
 
-from babyrobot_levels.analysis.solver.model import Floats, Model
-from babyrobot_levels.analysis.solver.space import StateSpace, space_of
+from babyrobot_levels.analysis.solver.model import Floats
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+from babyrobot_levels.analysis.solver.space import space_of
 from babyrobot_levels.library.catalogue import load
 
-MAX_STATE_STEPS = 5_000_000
-"""Up to this many states times steps, it takes about a second at most."""
+MAX_WORK = 10_000_000_000
+"""About how many nanoseconds backward induction may take."""
+
+QUICK_WORK = 1_000_000_000
+"""The same where it is to be quick."""
+
+_ROUND = 100_000
+"""How long a round takes in a small level, in nanoseconds."""
+
+_OUTCOME = 30
+"""How long it takes to add up an outcome with NumPy, in nanoseconds."""
+
+_ALWAYS = 2000
+"""So many rounds are computed in any level unless it is to be quick."""
+
+_FIRST_LOOK = 1024
+"""From so many rounds on, it is looked for changes that repeat."""
+
+_MOST_PERIODS = 4
+"""How many periods are tried at a time."""
+
+_EXACT = 1e-9
+"""By which share values may be wrong after all repetitions."""
+
+_EPS = float(np.finfo(np.float64).eps)
 
 
 def best_return_within(
-    level: Any, steps: int, *, actions: str = "all", discount: float = 1.0
+    level: Any, steps: int, *, actions: str = "all", discount: float = 1.0, quick: bool = False
 ) -> float:
     """Return the largest expected return of episodes that are truncated after a number of steps.
 
@@ -34,36 +58,155 @@ def best_return_within(
         steps: how many steps an episode has at most.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
         discount: the discount factor, by default 1: none.
+        quick: whether this may take a second at most; see `induction`.
 
     Raises:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: there is no such set of actions, or there are fewer than 0 steps.
+        EpisodeTooLongError: it would take longer.
     """
-    space = space_of(load(level), actions)
-    return _at_start(space, space.model(), steps, discount)
-
-
-def _at_start(space: StateSpace, model: Model, steps: int, discount: float) -> float:
-    """Return the largest expected return from the starts with a number of steps left."""
     if steps < 0:
         raise ValueError(f"steps must be 0 or more, not {steps}")
-    values = np.zeros(model.size)
-    for more in islice(values_by_steps_left(model, discount), 1, steps + 1):
-        if np.array_equal(more, values):
-            # Further steps add nothing.
-            break
-        values = more
-    return space.at_start(model, values)
+    space = space_of(load(level), actions)
+    model = space.model()
+
+    def step(values: Floats) -> Floats:
+        best: Floats = model.action_values(values, discount).max(axis=1)
+        return best
+
+    return space.at_start(
+        model, after(step, np.zeros(model.size), steps, model.probability.size, quick)
+    )
 
 
-def values_by_steps_left(model: Model, discount: float) -> Iterator[Floats]:
-    """Yield the optimal values, `[n]`, with 0 steps left, with 1, with 2, and so on, without end.
+def after(
+    step: Callable[[Floats], Floats], values: Floats, count: int, size: int, quick: bool = False
+) -> Floats:
+    """Return the values after all rounds of `induction`."""
+    found = values
+    for _, found, _, _ in induction(step, values, count, size, quick):  # noqa: B007
+        pass
+    return found
 
-    With k + 1 steps left, the best actions are those of the largest
-    `model.action_values(values, discount)`, where `values` are those with k.
+
+def induction(
+    step: Callable[[Floats], Floats], values: Floats, count: int, size: int, quick: bool = False
+) -> Iterator[tuple[int, Floats, int, int]]:
+    """Yield the values after each round of backward induction but those that are like others.
+
+    Once a round changes nothing, or rounds change values by the same again and again, all that
+    remain but the last ones are one sum.
+
+    Args:
+        step: returns from the values with k steps left, `[states, …]`, those with k + 1. It takes
+            the best of sums with positive weights, or one such sum.
+        values: those with no steps left.
+        count: how many rounds there are.
+        size: how many outcomes a round adds up with NumPy.
+        quick: whether this may take a second at most, because nobody asked for the figure
+            alone. Else it may take some seconds, and 2,000 rounds whatever they take.
+
+    Yields:
+        The number of steps that are left, from 1 on, and the values; and a period and a number of
+        repetitions: what is best in this round is also best the period later, twice the period
+        later and so on, so many times. Such later rounds are not yielded.
+
+    Raises:
+        EpisodeTooLongError: it would take longer.
     """
-    values = np.zeros(model.size)
-    while True:
-        yield values
-        values = model.action_values(values, discount).max(axis=1)
+    rounds, cost = 0, _ROUND + _OUTCOME * size
+    allowed = QUICK_WORK // cost if quick else max(_ALWAYS, MAX_WORK // cost)
+
+    def counted(values: Floats) -> Floats:
+        nonlocal rounds
+        rounds += 1
+        if rounds > allowed:
+            raise EpisodeTooLongError(
+                f"what is earned within {count:,} steps takes too long to compute; "
+                "give a smaller limit of steps"
+            )
+        return step(values)
+
+    done, look = 0, _FIRST_LOOK
+    mix = np.sqrt(np.arange(1, values.size + 1)).reshape(values.shape)
+    sums = []
+    while done < count:
+        past, values = values, counted(values)
+        done += 1
+        if np.array_equal(past, values):
+            yield done, values, 1, count - done
+            return
+        yield done, values, 0, 0
+        sums.append(float((mix * values).sum()))
+        if done < look or done == count:
+            continue
+        look *= 2
+        rounding = 64 * _EPS * float((mix * np.abs(values)).sum())
+        for period in _periods(np.diff(sums[-look // 4 :]), rounding):
+            periods = (count - done) // period
+            if not _repeats(counted, values, period, periods):
+                continue
+            # At both ends, more can be equally good than in between: see `_repeats`.
+            for _ in range(3 * period):
+                values = counted(values)
+                done += 1
+                yield done, values, 0, 0
+            begin, repetitions = values, periods - 6
+            for _ in range(period):
+                values = counted(values)
+                done += 1
+                yield done, values, period, repetitions
+            values = values + repetitions * _growth(begin, values)
+            done += period * repetitions
+            break
+
+
+def _periods(growth: Floats, least: float) -> list[int]:
+    """Return the shortest periods in which numbers repeat but for less than some difference."""
+    lags = np.arange(1, growth.size // 2 + 1)
+    close = lags[np.abs(growth[-1 - lags] - growth[-1]) <= least]
+    found = (
+        lag
+        for lag in close[: 8 * _MOST_PERIODS].tolist()
+        if (np.abs(growth[lag:] - growth[:-lag]) <= least).all()
+    )
+    return list(islice(found, _MOST_PERIODS))
+
+
+def _repeats(step: Callable[[Floats], Floats], values: Floats, period: int, periods: int) -> bool:
+    """Return whether values go on to change by the same, period after period.
+
+    With F for the rounds of a period and d for what one of them adds, F(v + j d) is convex in j:
+    a maximum of sums that grow with j. If it is v + (j + 1) d for j = 0, 1 and the last period, it
+    is so for all in between, and what is best in one of these is best in all. Where success and
+    number of steps choose among the best, each of them loses a period at both ends.
+    """
+    if periods < 16:
+        return False
+    rows = [values]
+    for _ in range(3):
+        values = rows[-1]
+        for _ in range(period):
+            values = step(values)
+        rows.append(values)
+    numbers = np.array([0, 1, 2, 3, periods - 2, periods - 1, periods])
+    rows += [rows[0] + number * _growth(*rows[:2]) for number in numbers[4:]]
+    for _ in range(period + 1):
+        growth = _growth(*rows[:2])
+        line = [rows[0] + number * growth for number in numbers]
+        largest = np.abs(line[-1]).max(axis=0)
+        for number, row, expected in zip(numbers, rows, line, strict=True):
+            # Errors of the first periods add up in all that follow.
+            share = _EXACT / periods if number <= 3 else 64 * _EPS
+            if (np.abs(row - expected) > share * largest).any():
+                return False
+        rows = [step(row) for row in rows]
+    return True
+
+
+def _growth(before: Floats, after: Floats) -> Floats:
+    """Return by what values grow, without rounding errors, which many repetitions would spread."""
+    unit = np.exp2(np.ceil(np.log2(16 * _EPS * np.maximum(np.abs(after).max(axis=0), 1e-300))))
+    growth: Floats = np.rint((after - before) / unit) * unit
+    return growth

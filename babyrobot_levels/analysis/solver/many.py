@@ -13,11 +13,15 @@ from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.horizon import after
 from babyrobot_levels.analysis.solver.model import Floats, Model
 from babyrobot_levels.analysis.solver.space import StateSpace
 
 MAX_STATES = 100_000
 """The most states of levels that are solved together; a level with more stands alone."""
+
+_FASTER = 8
+"""How much faster a product with a sparse matrix is than the same sums with NumPy, about."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,18 +48,23 @@ def best_returns_within(
         spaces: the levels' states, all with the same set of actions.
         limits: after how many steps the episodes of each are truncated.
         discounts: the discount factor of each.
+
+    Raises:
+        EpisodeTooLongError: a limit is so large that this takes too long.
     """
     found = np.zeros(len(spaces))
     for part, limit in _parts(spaces, limits):
         models = [spaces[number].model() for number in part]
         ahead, reward = _transitions(models), np.concatenate([model.reward for model in models])
         discount = _by_state([discounts[number] for number in part], models)[:, None]
-        values = np.zeros(len(reward))
-        for _ in range(limit):
-            more = (reward + discount * (ahead @ values).reshape(reward.shape)).max(axis=1)
-            if np.array_equal(more, values):
-                break
-            values = more
+
+        def step(
+            values: Floats, ahead: Any = ahead, reward: Floats = reward, factor: Floats = discount
+        ) -> Floats:
+            best: Floats = (reward + factor * (ahead @ values).reshape(reward.shape)).max(axis=1)
+            return best
+
+        values = after(step, np.zeros(len(reward)), limit, ahead.nnz // _FASTER)
         found[part] = _at_starts(values, [spaces[number] for number in part], models)
     return found
 
@@ -65,6 +74,7 @@ def worth_within(
     limits: Sequence[int],
     discounts: Sequence[float],
     policies: Sequence[Floats],
+    quick: bool = False,
 ) -> Worth:
     """Return what policies are worth, each in its level.
 
@@ -73,6 +83,10 @@ def worth_within(
         limits: after how many steps the episodes of each are truncated.
         discounts: the discount factor of each.
         policies: the probability of each action, `[states, actions]` for each level.
+        quick: whether this may take a second at most; see `induction`.
+
+    Raises:
+        EpisodeTooLongError: a limit is so large that it would take longer.
     """
     found = np.zeros((3, len(spaces)))
     for part, limit in _parts(spaces, limits):
@@ -88,12 +102,14 @@ def worth_within(
         )
         factors = np.ones_like(gains)
         factors[:, 0] = _by_state([discounts[number] for number in part], chains)
-        sums = np.zeros_like(gains)
-        for _ in range(limit):
-            more = gains + factors * (ahead @ sums)
-            if np.array_equal(more, sums):
-                break
-            sums = more
+
+        def step(
+            sums: Floats, ahead: Any = ahead, gains: Floats = gains, factors: Floats = factors
+        ) -> Floats:
+            more: Floats = gains + factors * (ahead @ sums)
+            return more
+
+        sums = after(step, np.zeros_like(gains), limit, ahead.nnz // _FASTER, quick)
         for row, column in zip(found, sums.T, strict=True):
             row[part] = _at_starts(column, own, models)
     return Worth(found[0], np.clip(found[1], 0.0, 1.0), found[2])

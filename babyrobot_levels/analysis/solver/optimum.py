@@ -79,7 +79,7 @@ def solve(
             end in which rewards cancel out: +1, -1, +1, … Where ending is at least as good as any
             partial sum of such a loop, this does not matter.
         EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
-            end.
+            end; or the limit is so large that this takes too long, or the policy is too large.
     """
     level = load(level)
     discount = check_discount(discount, level.discount)

@@ -56,12 +56,16 @@ class UndefinedReturnError(BabyRobotError, ArithmeticError):
 
 
 class EpisodeTooLongError(BabyRobotError, ArithmeticError):
-    """Episodes are too long for floating point to compute their undiscounted return."""
+    """Episodes are too long to compute their expected return.
+
+    Raised where floating point cannot tell it without a discount, and where a limit of steps is so
+    large that it would take too long.
+    """
 
     __module__ = "babyrobot_levels"
 
     def __str__(self) -> str:
-        return (
+        return super().__str__() or (
             "the expected episode length exceeds 10^10 steps, too many for an exact return; "
             "give a discount below 1"
         )

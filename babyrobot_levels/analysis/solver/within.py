@@ -7,53 +7,50 @@ with k + 1 steps left follow from those with k. Nothing is infinite.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from bisect import bisect_right
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.solver.horizon import after, induction
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Model
 from babyrobot_levels.analysis.solver.policies import read_policy
-from babyrobot_levels.analysis.solver.results import Evaluation, Solution, num_actions, probability
+from babyrobot_levels.analysis.solver.results import (
+    EpisodeTooLongError,
+    Evaluation,
+    Solution,
+    num_actions,
+    probability,
+)
 from babyrobot_levels.analysis.solver.space import StateSpace
 
 MAX_POLICY_SIZE = 200_000_000
 """The most actions of a policy by step: states times steps, a byte each."""
 
 TOLERANCE = 1e-9
-"""Actions whose values differ by no more than this share of the best one are all greedy."""
+"""By which share of a reward what counts as equally good may differ, in all steps together."""
+
+_ROUNDING = 4 * np.finfo(np.float64).eps
 
 _EQUAL = 1e-12
 """Probabilities and numbers of steps that differ by no more are equal."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Ahead:
-    """What is expected from each state with some steps left, `[n]` each."""
+def _by_action(model: Model, ahead: Floats, discount: float) -> tuple[Floats, Floats, Floats]:
+    """Return values, success and steps if an action is taken first, `[n, actions]` each.
 
-    values: Floats
-    success: Floats
-    steps: Floats
-
-    def equals(self, other: _Ahead) -> bool:
-        """Return whether one more step changed nothing."""
-        return all(
-            np.array_equal(mine, its)
-            for mine, its in zip(vars(self).values(), vars(other).values(), strict=True)
-        )
-
-
-def _nothing(model: Model) -> _Ahead:
-    zeros = np.zeros(model.size)
-    return _Ahead(zeros, zeros, zeros)
-
-
-def _by_action(model: Model, ahead: _Ahead, discount: float) -> tuple[Floats, Floats, Floats]:
-    """Return values, success and steps if an action is taken first, `[n, actions]` each."""
-    following = np.append(np.stack([ahead.success, ahead.steps]), np.zeros((2, 1)), axis=1)
+    Args:
+        model: the states.
+        ahead: values, success and steps that are expected after that, `[n, 3]`.
+        discount: the discount factor.
+    """
+    following = np.append(ahead[:, 1:].T, np.zeros((2, 1)), axis=1)
     success, steps = np.einsum("sao,ksao->ksa", model.probability, following[:, model.next_state])
-    return model.action_values(ahead.values, discount), model.success + success, 1.0 + steps
+    return model.action_values(ahead[:, 0], discount), model.success + success, 1.0 + steps
 
 
 def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
@@ -63,29 +60,36 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
     these the fastest.
 
     Raises:
-        ValueError: there are too many states and steps for a policy by step.
+        EpisodeTooLongError: there are too many states and steps for a policy by step, or to be
+            computed.
     """
     model, mdp = space.model(), space.mdp
     if mdp.num_states * steps > MAX_POLICY_SIZE:
-        raise ValueError(
+        raise EpisodeTooLongError(
             f"an optimal policy of {mdp.num_states:,} states within {steps:,} steps is too large; "
-            f"the limit is {MAX_POLICY_SIZE:,} actions"
+            f"the limit is {MAX_POLICY_SIZE:,} actions; give a smaller limit of steps"
         )
     policies = np.full((steps, mdp.num_states), -1, np.int8)
-    rows, ahead, rounds = np.arange(model.size), _nothing(model), 0
-    for step in reversed(range(steps)):
+    rows, rounds = np.arange(model.size), 0
+    values, action = np.zeros((model.size, 0)), rows
+    greedy = fastest = np.zeros((model.size, 0), bool)
+    # What is lost by what is taken for equally good: in all steps together, a share of a reward.
+    slack = TOLERANCE * float(np.abs(model.reward).max(initial=0.0)) / steps
+
+    def step(ahead: Floats) -> Floats:
+        nonlocal values, greedy, fastest, action
         values, success, lengths = _by_action(model, ahead, discount)
-        greedy = _greedy(model, values)
+        greedy = _greedy(values, slack)
         fastest = _fastest(greedy, success, lengths)
         action = fastest.argmax(axis=1)
-        policies[step, model.states] = action
-        now = _Ahead(values[rows, action], success[rows, action], lengths[rows, action])
+        return np.stack([values.max(axis=1), success[rows, action], lengths[rows, action]], axis=1)
+
+    now = nothing = np.zeros((model.size, 3))
+    for left, ahead, period, repeats in induction(step, nothing, steps, 3 * model.probability.size):
+        now = ahead
+        first = steps - left - period * repeats
+        policies[first : steps - left + 1 : period or 1, model.states] = action
         rounds += 1
-        if now.equals(ahead):
-            # More steps change nothing any more.
-            policies[:step] = policies[step]
-            break
-        ahead = now
     tables = np.zeros((2, mdp.num_states, greedy.shape[1]), bool)
     tables[:, model.states] = greedy, fastest
     tables = tables.reshape(2, *mdp.shape, -1)
@@ -99,15 +103,14 @@ def solve_within(space: StateSpace, discount: float, steps: int) -> Solution:
         policies=policies.reshape(steps, *mdp.shape),
         method="backward induction",
         iterations=rounds,
-        residual=0.0,
+        residual=float(np.abs(now[:, 0] - values.max(axis=1)).max(initial=0.0)),
     )
 
 
-def _greedy(model: Model, values: Floats) -> Flags:
+def _greedy(values: Floats, slack: float) -> Flags:
     """Return the actions whose values are those of the best one, `[n, actions]`."""
-    best = values.max(axis=1, keepdims=True, initial=-np.inf)
-    rewards = min(1.0, float(np.abs(model.reward).max(initial=0.0)))
-    greedy: Flags = values >= best - TOLERANCE * np.maximum(np.abs(best), rewards)
+    best = values.max(axis=1, keepdims=True)
+    greedy: Flags = values >= best - np.maximum(_ROUNDING * np.abs(best), slack)
     return greedy
 
 
@@ -122,81 +125,110 @@ def _fastest(greedy: Flags, success: Floats, lengths: Floats) -> Flags:
 
 
 def evaluate_within(space: StateSpace, policy: Any, discount: float, steps: int) -> Evaluation:
-    """Return the values of a policy, which may depend on the step, in truncated episodes."""
+    """Return the values of a policy, which may depend on the step, in truncated episodes.
+
+    Raises:
+        ValueError: it does not fit, or was made for another limit.
+        EpisodeTooLongError: there are so many steps that this takes too long.
+    """
     model, weights = space.model(), weights_by_step(policy, space, steps)
-    ahead, settled = _nothing(model), None
-    for step in reversed(range(steps)):
-        chosen = weights(step)
-        if chosen is settled:
-            # One more step of this policy changes nothing; an earlier step may have another one.
-            continue
-        values, success, lengths = _by_action(model, ahead, discount)
-        # Actions that are not taken add nothing, even if they may not be taken.
-        taken = chosen[model.states]
-        now = _Ahead(
-            *(
-                np.where(taken > 0, taken * each, 0.0).sum(axis=1)
-                for each in (values, success, lengths)
-            )
-        )
-        settled = chosen if now.equals(ahead) else None
-        ahead = now
-    return Evaluation(**_facts(space, model, now, values), discount=discount, within=steps)
+    ahead = before = np.zeros((model.size, 3))
+    for same in reversed(weights.runs):
+        chain = model.mixed(weights(same.start)[model.states])
+
+        def step(ahead: Floats, chain: Model = chain) -> Floats:
+            return np.concatenate(_by_action(chain, ahead, discount), axis=1)
+
+        before = after(step, ahead, len(same) - 1, 3 * chain.probability.size)
+        ahead = step(before)
+    values, *_ = _by_action(model, before, discount)
+    return Evaluation(**_facts(space, model, ahead, values), discount=discount, within=steps)
 
 
-def _facts(space: StateSpace, model: Model, now: _Ahead, values: Floats) -> dict[str, Any]:
+def _facts(space: StateSpace, model: Model, now: Floats, values: Floats) -> dict[str, Any]:
     """Return what the results of solving and of evaluating have in common.
 
     Args:
         space: the states.
         model: their model.
-        now: what is expected with all steps left.
+        now: values, success and steps that are expected with all steps left, `[n, 3]`.
         values: the same values if an action is taken first, `[n, actions]`.
     """
     return {
-        "values": space.spread(model, now.values),
+        "values": space.spread(model, now[:, 0]),
         "action_values": space.spread(model, values),
-        "expected_return": space.at_start(model, now.values),
-        "expected_steps": space.at_start(model, now.steps),
-        "exit_probability": probability(space.at_start(model, now.success)),
+        "expected_return": space.at_start(model, now[:, 0]),
+        "expected_steps": space.at_start(model, now[:, 2]),
+        "exit_probability": probability(space.at_start(model, now[:, 1])),
         "actions": space.actions,
         "level": space.level,
     }
 
 
-def weights_by_step(policy: Any, space: StateSpace, steps: int) -> Callable[[int], Floats]:
-    """Return a function from a step, 0 the first, to a policy's probabilities, `[states, actions]`.
+@dataclass(frozen=True, eq=False)
+class ByStep:
+    """A policy that may depend on the step; called with a step, 0 the first, it is a table.
 
-    Of a policy that does not depend on the step, all are the same array.
+    Attributes:
+        space: the states.
+        policy: as `read_policy` takes it, or an array of policies with an axis of steps first.
+        runs: the steps in which it is the same.
+    """
+
+    space: StateSpace
+    policy: Any
+    runs: Sequence[range]
+
+    def __call__(self, step: int) -> Floats:
+        """Return the probability of each action in a step, `[states, actions]`.
+
+        It is the same array for all steps of a run, while few others are asked for.
+        """
+        return self._of_run(bisect_right(self.runs, step, key=lambda run: run.start) - 1)
+
+    @cached_property
+    def _of_run(self) -> Callable[[int], Floats]:
+        @lru_cache(256)
+        def read(run: int) -> Floats:
+            policy = self.policy if len(self.runs) == 1 else self.policy[self.runs[run].start]
+            space = self.space
+            return read_policy(policy, space.mdp, space.actions, space.level.things())
+
+        return read
+
+
+def weights_by_step(
+    policy: Any, space: StateSpace, steps: int | None, option: str = "within"
+) -> ByStep:
+    """Return a policy as one that may depend on the step.
 
     Args:
         policy: as `read_policy` takes it; or a `Solution` within a limit, its `policies`, or
             another array with an axis of `steps` before the others.
         space: the states.
-        steps: the limit of steps.
+        steps: the limit of steps; None for none.
+        option: the argument that sets this limit, for messages.
 
     Raises:
         ValueError: it is none of these, or was made for another limit.
     """
+    if isinstance(policy, ByStep):
+        return policy
     table = getattr(policy, "policies", None)
     shape = getattr(policy, "shape", ())
     shapes = (space.mdp.shape, (*space.mdp.shape, num_actions(space.actions)))
     if table is None and shape[1:] in shapes and shape not in shapes:
         table = policy
-    things = space.level.things()
     if table is None:
-        weights = read_policy(policy, space.mdp, space.actions, things)
-        return lambda step: weights
-    if len(table) != steps:
-        raise ValueError(
-            f"the policy is one for episodes of {len(table)} steps; give within={len(table)}"
-        )
-    last: tuple[int, Floats] | None = None
-
-    def at(step: int) -> Floats:
-        nonlocal last
-        if last is None or not np.array_equal(table[last[0]], table[step]):
-            last = step, read_policy(table[step], space.mdp, space.actions, things)
-        return last[1]
-
-    return at
+        found = ByStep(space, policy, [range(steps or 1)])
+    else:
+        if len(table) != steps:
+            raise ValueError(
+                f"the policy is one for episodes of {len(table)} steps; give {option}={len(table)}"
+            )
+        changes = (table[1:] != table[:-1]).any(axis=tuple(range(1, table.ndim)))
+        borders = [0, *(np.flatnonzero(changes) + 1).tolist(), steps]
+        runs = [range(*border) for border in pairwise(borders)]
+        found = ByStep(space, table[0] if len(runs) == 1 else table, runs)
+    found(0)
+    return found

@@ -191,7 +191,7 @@ class Answers:
         return {
             "status": "done",
             "best": finite(best),
-            "best_text": rounded(best),
+            "best_text": "" if math.isnan(best) else rounded(best),
             "before": finite(before.expected_return) if before is not None else None,
             "changed": [[*cell] for cell in self._changed()],
             "reason": optimum.reason,
@@ -221,7 +221,10 @@ def solved(level: Level) -> Optimum:
         solution = solve(level)
     except ArithmeticError as error:
         return Optimum(level, None, str(error))
-    return Optimum(level, solution_guide(level, solution), endless(solution), solution)
+    guide, reason = solution_guide(level, solution), endless(solution)
+    if math.isnan(guide.expected_return):
+        reason = f"what is earned within {level.max_steps:,} steps takes too long to compute"
+    return Optimum(level, guide, reason, solution)
 
 
 def unreachable(level: Level, reach: Reach) -> list[list[int]]:

@@ -51,7 +51,7 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
     weights[:, cells] = np.eye(NUM_ACTIONS)[drawn[cells]]
     guide = optimum.guide
     best = guide.expected_return if guide is not None else math.nan
-    told: dict[str, Any] = {"worth": "", "best": rounded(best) if guide is not None else ""}
+    told: dict[str, Any] = {"worth": "", "best": "" if math.isnan(best) else rounded(best)}
     told |= {"share": None, "exits": None}
     try:
         worth, exits, reason = _evaluated(level, weights.reshape(-1, NUM_ACTIONS))
@@ -74,5 +74,5 @@ def _evaluated(level: Level, weights: Floats) -> tuple[float, float, str]:
         found = evaluation_of(level, weights)
         return found.expected_return, found.exit_probability, endless(found)
     space = space_of(level, "all")
-    worth = worth_within([space], [level.max_steps], [level.discount], [weights])
+    worth = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
     return float(worth.returns[0]), float(worth.success[0]), ""

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.analysis.solver.policies import read_policy
 from babyrobot_levels.analysis.solver.results import check_actions, check_seed
+from babyrobot_levels.analysis.solver.space import StateSpace
+from babyrobot_levels.analysis.solver.within import ByStep, weights_by_step
 from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.engine.draws import SharedDraws
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of, make_engine
@@ -19,6 +20,8 @@ from babyrobot_levels.envs.engine.tables import (
     ALWAYS,
     Flags,
     Floats,
+    Ints,
+    Tables,
     build_tables,
     info_dtype,
     part_of,
@@ -78,14 +81,14 @@ def rollout(
     Args:
         level: a name, a path, a mapping or a `Level`; or a list of them or a suite, of which
             environment i has number `i % len(level)`.
-        policy: a policy as for `brl.evaluate`; for several levels, a word or a list with a policy
-            for each level that is used.
+        policy: a policy as for `brl.evaluate`, also one for each step of an episode; for several
+            levels, a word or a list with a policy for each level that is used.
         num_envs: how many environments there are.
         num_steps: how many steps each of them takes.
         seed: a number that seeds all randomness; None for an unpredictable one.
         actions: `"all"`, `"moves"` without stay, or `"turns"`.
-        max_episode_steps: the time limit of episodes, -1 for none. By default, each level's
-            `max_steps`.
+        max_episode_steps: the time limit of episodes, -1 for none. By default, that of the policy,
+            if it is a `Solution` within one, else each level's `max_steps`.
         engine: `"numpy"`, `"compiled"`, `"jax"`, or None for `"compiled"` where Numba is installed,
             else `"numpy"`. All give the same results.
 
@@ -107,15 +110,23 @@ def rollout(
         raise ValueError("there must be at least one level")
     mdps = [ACTION_SETS[actions].tables(each) for each in levels]
     parts = [part_of(each, mdp, first) for each, mdp in zip(levels, mdps, strict=True)]
-    tables = build_tables(parts, limits_of(levels, max_episode_steps))
-    thresholds = np.concatenate(
-        [
-            _thresholds(read_policy(each, mdp, actions, one.things()))
-            for each, one, mdp in zip(
-                _policies(policy, len(levels), several), levels, mdps, strict=True
-            )
+    policies = _policies(policy, len(levels), several)
+    limits = limits_of(levels, max_episode_steps)
+    if max_episode_steps is None:
+        limits = [
+            getattr(each, "within", None) or limit
+            for each, limit in zip(policies, limits, strict=True)
         ]
-    )
+    weights = [
+        weights_by_step(each, StateSpace(one, mdp, actions), limit, "max_episode_steps")
+        for each, one, mdp, limit in zip(policies, levels, mdps, limits, strict=True)
+    ]
+    tables = build_tables(parts, limits)
+    thresholds = np.concatenate([_thresholds(each(0)) for each in weights])
+    is_by_step = any(len(each.runs) > 1 for each in weights)
+    if is_by_step:
+        # Where steps choose, each action has an even share of the chances.
+        thresholds[:] = np.arange(1, tables.num_actions) / tables.num_actions
     nothing = np.empty((tables.state_info.size, 0), np.int64)
     stepper = make_engine(engine, tables, nothing, size)
     envs, record = EnvStates(size, len(levels)), Record.empty(steps, size)
@@ -134,7 +145,13 @@ def rollout(
         if is_random:
             choosing.random(out=drawn)
         draws.reserve()
-        stepper.run(envs, thresholds, drawn, draws, part)
+        if not is_by_step:
+            stepper.run(envs, thresholds, drawn, draws, part)
+            continue
+        for row in range(len(drawn)):
+            taken = _taken(weights, tables, envs, drawn[row])
+            even = (taken[None] + 0.5) / tables.num_actions
+            stepper.run(envs, thresholds, even, draws, part.rows(row, row + 1))
     return Rollout(
         observations=record.observations,
         actions=record.actions,
@@ -144,6 +161,18 @@ def rollout(
         next_observations=record.next_observations,
         action_masks=record.words.view(info_dtype(tables.num_actions))["mask"],
     )
+
+
+def _taken(weights: Sequence[ByStep], tables: Tables, envs: EnvStates, chances: Floats) -> Ints:
+    """Return the action of each environment, in the step that its episode has come to."""
+    steps = tables.limit[envs.level] - (envs.deadline - envs.clock)
+    taken = np.zeros(chances.size, np.intp)
+    for number, policy in enumerate(weights):
+        for step in np.unique(steps[envs.level == number]).tolist():
+            here = (envs.level == number) & (steps == step)
+            rows = policy(step)[envs.state[here] - tables.offset[number]]
+            taken[here] = (chances[here, None] >= _thresholds(rows)).sum(axis=1)
+    return taken
 
 
 def _policies(policy: Any, count: int, several: bool) -> Sequence[Any]:

@@ -197,3 +197,19 @@ def test_what_cannot_be(arguments: dict[str, Any], message: str) -> None:
 def test_a_level_without_a_seed_for_its_maze_has_no_tables() -> None:
     with pytest.raises(brl.LevelError, match="seed"):
         brl.rollout("random-maze")
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_policy_may_depend_on_the_step(engine: str) -> None:
+    level = Level.from_fields({"version": 1, "size": [4, 1], "start": [0, 0], "exit": [3, 0]})
+    ways = np.tile(np.array([2, 4, 2, 2, 0, 2])[:, None, None], (1, 1, 4))
+    given: dict[str, Any] = {"num_steps": 15, "seed": 1, "engine": engine}
+    rolled = brl.rollout(level, ways, 3, max_episode_steps=6, **given)
+    assert rolled.actions[:, 0].tolist() == [2, 4, 2, 2, 0, 2] * 2 + [2, 4, 2]
+    assert rolled.terminations[5].all()
+    lake = brl.solve("frozen-lake", within=30)
+    rolled = brl.rollout("frozen-lake", lake, 200, 600, seed=2, engine=engine)
+    ends = int((rolled.terminations | rolled.truncations).sum())
+    assert rolled.rewards.sum() / ends == pytest.approx(lake.expected_return, abs=0.03)
+    with pytest.raises(ValueError, match="one for episodes of 6 steps; give max_episode_steps=6"):
+        brl.rollout(level, ways, 3, **given)
