@@ -83,13 +83,15 @@ def prepare(session: Session, message: dict[str, Any]) -> dict[str, Any] | None:
 def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
     """Do what a message asks for, and return the reply."""
     fields = dict(message)
-    reply: dict[str, Any] = {"id": fields.pop("id", None)}
+    number = fields.pop("id", None)
+    reply: dict[str, Any] = {"id": None}
     is_current = fields.pop("revision", None) == session.revision
     is_question = fields.get("do") in QUESTIONS
     try:
+        _check(message)
+        reply["id"] = number
         if is_question:
             return reply | _asked(session, fields, is_current=is_current)
-        _check(message)
         if not is_current:
             raise RefusedError(STALE)
         reply |= _changed(session, fields)
@@ -101,11 +103,13 @@ def answer(session: Session, message: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check(message: dict[str, Any]) -> None:
-    """Refuse texts that no file can hold."""
+    """Refuse what no reply could repeat, and texts that no file can hold."""
     try:
-        json.dumps(message, ensure_ascii=False).encode("utf-8")
+        json.dumps(message, ensure_ascii=False, allow_nan=False).encode("utf-8")
     except UnicodeEncodeError:
         raise RefusedError("the message is not valid Unicode") from None
+    except ValueError:
+        raise RefusedError("a number of the message is too large") from None
     except RecursionError:
         raise RefusedError("the message is nested too deep") from None
     for text in (message.get("text"), message.get("source")):

@@ -222,6 +222,23 @@ def test_a_malformed_message_is_refused(client: Client, body: bytes) -> None:
     assert client.post(body).status == 400
 
 
+@pytest.mark.parametrize("number", [b"1e999", b'"\\ud800"'])
+def test_what_no_reply_can_repeat_is_refused_in_a_sentence(client: Client, number: bytes) -> None:
+    assert client.post(b'{"do": "levels", "id": ' + number + b"}").status == 200
+    assert json.loads(client.content)["error"]
+
+
+def test_a_client_that_goes_away_amid_a_message_leaves_no_traceback(
+    client: Client, caplog: pytest.LogCaptureFixture
+) -> None:
+    head = f"POST {client.path}message HTTP/1.1\r\nHost: {client.host}:{client.port}\r\n"
+    with socket.create_connection((client.host, client.port)) as connection:
+        connection.sendall(f"{head}Content-Type: application/json\r\n".encode())
+        connection.sendall(b'Content-Length: 99\r\n\r\n{"id"')
+    assert client.post(b'{"id": 1, "do": "state"}').status == 200
+    assert caplog.records == []
+
+
 def test_a_message_that_is_too_large_is_not_read_to_its_end(client: Client) -> None:
     assert client.post(b" " * (MAX_BODY + 1)).status == 413
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from contextlib import suppress
 from random import Random
 from typing import Any
@@ -149,6 +150,62 @@ def test_comments_on_lines_of_their_own_survive_fifty_gestures(
         assert session.level is not None
         draw_on(session, gesture(rng, session.level))
     assert Counter(own_lines(session.text)) >= Counter(written)
+
+
+ALL_KINDS = """\
+version: 1
+size: [4, 2]
+start: [[0, 0], [0, 1]]
+exit_one_of: [[3, 0], [3, 1]]
+exit_needs: [key, lever]
+walls: [{at: [0, 0], side: E, length: 2, pass: 0.5}]
+doors: [{at: [2, 0], side: E, needs: key, unless: [lever]}]
+items: [{name: key, one_of: [[1, 0], [2, 0]]}]
+switches: [{name: lever, at: [2, 1]}]
+movers: [{path: [[2, 0], [2, 1]], back: true}, {within: {at: [0, 0], size: [2, 1]}, start: [0, 0]}]
+warps: [{at: [1, 1], to: [0, 1]}]
+areas: [{at: [0, 0], size: [2, 1], skid: {probability: 0.5}}]
+wind: {north: [0, 1, 0, 0]}
+rewards: {exit: 5, step: -1}
+theme: {colors: {robot: red}}
+"""
+
+DRAWN = """\
+version: 1
+map: |
+  +---+---+---+---+
+  | S   k /   : E |
+  +---+---+---+---+
+legend: {k: {item: key}}
+doors: [{at: [1, 0], side: E, needs: key}]
+walls: [{at: [2, 0], side: E, pass: 0.2}]
+"""
+
+
+@pytest.mark.usefixtures("put_off")
+@pytest.mark.parametrize("text", [ALL_KINDS, DRAWN])
+def test_gestures_at_any_route_are_done_or_refused_in_a_sentence(text: str) -> None:
+    session = Session(text)
+    assert session.document is not None
+    moved = {"do": "move", "from": [0, 0], "to": [1, 0]}
+    for route in routes(session.document.data):
+        for change in ({"do": "remove"}, {"do": "set", "value": "x"}, moved):
+            error = draw_on(session, change | {"route": route})
+            assert error is None or (0 < len(error) < 500 and session.text == text)
+            assert session.is_valid
+            if error is None:
+                session.undo()
+
+
+def routes(value: Any) -> Iterator[list[str | int]]:
+    """Yield the routes to all that is in plain data, and a last one to what is not there."""
+    inner = value.items() if isinstance(value, dict) else enumerate(value)
+    for key, each in inner:
+        yield [key]
+        yield from (
+            [key, *rest] for rest in (routes(each) if isinstance(each, dict | list) else [[0]])
+        )
+    yield ["at"]
 
 
 def own_lines(text: str) -> list[str]:

@@ -121,4 +121,5 @@ def _names(draft: Draft) -> list[str]:
         for kind in ("item", "switch")
         if entry.get(kind) is not None
     ]
-    return [*(thing["name"] for thing in things), *drawn]
+    # One whose name was removed has none; the level tells that it needs one.
+    return [*(thing["name"] for thing in things if "name" in thing), *drawn]

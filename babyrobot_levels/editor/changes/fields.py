@@ -109,6 +109,7 @@ def _remove(draft: Draft, route: Route) -> None:
 def _remove_cell(draft: Draft, cells: Route, route: Route) -> None:
     """Remove a cell from a list of cells; one that is left alone is no list."""
     *above, field = cells
+    routes.get(draft.data, route)
     left = routes.get(draft.data, cells)
     if len(left) == 1:
         _remove(draft, cells)

@@ -24,7 +24,7 @@ from starlette.background import BackgroundTask
 from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
 from starlette.middleware.base import BaseHTTPMiddleware, RequestResponseEndpoint
-from starlette.requests import Request
+from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, JSONResponse, PlainTextResponse, Response
 from starlette.routing import Mount, Route
 
@@ -215,12 +215,16 @@ async def _message(request: Request) -> dict[str, Any]:
     if kind != "application/json":
         raise RequestError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, "a message is application/json")
     body = bytearray()
-    async for chunk in request.stream():
-        body += chunk
-        if len(body) > MAX_BODY:
-            raise RequestError(
-                HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a message has at most {MAX_BODY:,} bytes"
-            )
+    try:
+        async for chunk in request.stream():
+            body += chunk
+            if len(body) > MAX_BODY:
+                raise RequestError(
+                    HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a message has at most {MAX_BODY:,} bytes"
+                )
+    except ClientDisconnect:
+        # Nobody hears this.
+        raise RequestError(HTTPStatus.BAD_REQUEST, "the message has no end") from None
     try:
         message = json.loads(body, parse_constant=_refuse)
     except (ValueError, RecursionError):
