@@ -104,19 +104,8 @@ def work_on(path: Path) -> Outcome:
         result = format_source(source, None if path == STANDARD_INPUT else path)
     except LevelError as error:
         return Outcome(errors=error.diagnostics)
-    differs = result.text != source.text or (result.kept is None and _has_mark(path))
+    differs = result.text != source.text or (result.kept is None and bool(source.mark))
     return Outcome(source.text, result.text, differs, kept=result.kept)
-
-
-def _has_mark(path: Path) -> bool:
-    """Return whether a file begins with a byte order mark, which its text does not show."""
-    from codecs import BOM_UTF8
-
-    try:
-        with path.open("rb") as file:
-            return file.read(len(BOM_UTF8)) == BOM_UTF8
-    except OSError:
-        return False
 
 
 def _write(path: Path, outcome: Outcome) -> bool:

@@ -62,6 +62,7 @@ class Outcome:
         before: the original text, None if it could not be read.
         text: the text after fixes, None if they changed nothing.
         count: the number of fixes that were applied.
+        mark: the byte order mark of the file, empty if it has none.
         fingerprint: a number that equivalent levels share, if equivalent levels are reported.
     """
 
@@ -69,6 +70,7 @@ class Outcome:
     before: str | None = None
     text: str | None = None
     count: int = 0
+    mark: str = ""
     fingerprint: int | None = None
 
 
@@ -224,7 +226,7 @@ def lint_path(options: Options, path: Path) -> Outcome:
         report = lint_source(source, rules, origin)
     compares = any(rule.code == EQUIVALENT_MDP for rule in rules)
     fingerprint = report.fingerprint if compares else None
-    return Outcome(report.diagnostics, source.text, text, count, fingerprint)
+    return Outcome(report.diagnostics, source.text, text, count, source.mark, fingerprint)
 
 
 def _write_fixed(path: Path, outcome: Outcome) -> None:
@@ -232,10 +234,10 @@ def _write_fixed(path: Path, outcome: Outcome) -> None:
     from babyrobot_levels.text.files import write_text
 
     if path == STANDARD_INPUT:
-        write(outcome.text or outcome.before or "")
+        write(outcome.mark + (outcome.text or outcome.before or ""))
     elif outcome.text is not None:
         try:
-            write_text(path, outcome.text)
+            write_text(path, outcome.mark + outcome.text)
         except OSError as error:
             fail(f"cannot write {path}: {error.strerror or error}")
 

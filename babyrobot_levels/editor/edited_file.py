@@ -8,6 +8,7 @@ from pathlib import Path
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source, write_text
+from babyrobot_levels.text.source import BOM
 
 
 class ConflictError(RefusedError):
@@ -25,7 +26,8 @@ class ConflictError(RefusedError):
 class EditedFile:
     """A file, and what it held when it was read or written last.
 
-    Texts have LF at the end of lines, as browsers do; a file with CRLF keeps it.
+    Texts have LF at the end of lines, as browsers do, and no byte order mark; a file with CRLF,
+    or with such a mark, keeps it.
 
     Args:
         path: the file, which need not exist. A link to a file stands for that file.
@@ -44,7 +46,7 @@ class EditedFile:
     @property
     def text(self) -> str:
         """What it held when it was read or written last; nothing if it did not exist."""
-        return (self._held or "").replace("\r\n", "\n").replace("\r", "\n")
+        return (self._held or "").removeprefix(BOM).replace("\r\n", "\n").replace("\r", "\n")
 
     def reread(self) -> None:
         """Read it again.
@@ -72,8 +74,11 @@ class EditedFile:
             RefusedError: it cannot be written.
         """
         self._check(force=force)
-        if "\r\n" in (self._held or ""):
+        held = self._held or ""
+        if "\r\n" in held:
             text = text.replace("\n", "\r\n")
+        if held.startswith(BOM):
+            text = BOM + text
         try:
             write_text(self.path, text)
         except OSError as error:
@@ -107,12 +112,15 @@ class EditedFile:
         if found is None:
             raise ConflictError(f"{self._name} was deleted by another program", None)
         done = "changed" if self._held is not None else "made"
-        raise ConflictError(f"{self._name} was {done} by another program meanwhile", found)
+        raise ConflictError(
+            f"{self._name} was {done} by another program meanwhile", found.removeprefix(BOM)
+        )
 
     def _on_disk(self) -> str | None:
         """Return what it holds now, None if it does not exist."""
         try:
-            return read_source(self.path).text
+            source = read_source(self.path)
+            return source.mark + source.text
         except LevelError:
             if not os.path.lexists(self.path):
                 return None

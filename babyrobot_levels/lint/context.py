@@ -11,7 +11,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.finding import cell_mark, cells_text, count_drawn
 from babyrobot_levels.lint.suppressions import MARK, Suppression, suppressions
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
-from babyrobot_levels.text.comments import Comment, comments
+from babyrobot_levels.text.comments import Comment
 from babyrobot_levels.text.diagnostics import Location, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
@@ -60,7 +60,7 @@ class LintContext:
     @cached_property
     def comments(self) -> list[Comment]:
         """The comments of the text."""
-        return comments(self.document)
+        return self.document.comments
 
     @cached_property
     def suppressions(self) -> list[Suppression]:

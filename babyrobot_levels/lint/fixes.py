@@ -27,7 +27,8 @@ def replace(document: Document, route: Route, text: str) -> Edit:
 def remove(document: Document, route: Route) -> Edit:
     """Return the edit that removes a field or an entry of a list.
 
-    A list or mapping that would be left empty is removed as well.
+    A list or mapping that would be left empty is removed as well. Comments stay, on lines of
+    their own.
 
     Raises:
         KeyError: the file has no such value.
@@ -43,8 +44,8 @@ def remove(document: Document, route: Route) -> Edit:
     source = document.source
     if _is_flow(parent) or not _has_its_lines(route[-1], first, source):
         if number + 1 < len(places):
-            return _cut(source, first, _extent(parent, places[number + 1])[0])
-        return _cut(source, _extent(parent, places[number - 1])[1], last)
+            return _cut(document, first, _extent(parent, places[number + 1])[0])
+        return _cut(document, _extent(parent, places[number - 1])[1], last)
     start, end = source.position(first).line, source.position(last - 1).line
     if isinstance(route[-1], int):
         # The dash may be on a line of its own.
@@ -52,7 +53,7 @@ def remove(document: Document, route: Route) -> Edit:
             start -= 1
     while not source.line(end).strip():
         end -= 1
-    return Edit(Span(Position(start, 1), Position(end + 1, 1)), "")
+    return _cut(document, source.index(Position(start, 1)), source.index(Position(end + 1, 1)))
 
 
 def merge(
@@ -171,8 +172,23 @@ def _has_its_lines(key: str | int, first: int, source: SourceFile) -> bool:
     return before in (("", "-") if isinstance(key, int) else ("",))
 
 
-def _cut(source: SourceFile, first: int, last: int) -> Edit:
-    return Edit(Span(source.position(first), source.position(last)), "")
+def _cut(document: Document, first: int, last: int) -> Edit:
+    """Return the edit that removes a part of the text, but for its comments."""
+    source = document.source
+    span = Span(source.position(first), source.position(last))
+    cut = source.text[first:last]
+    if "#" not in cut:
+        return Edit(span, "")
+    newline = "\r\n" if "\r\n" in source.text else "\n"
+    line = source.line(span.start.line if span.start.column == 1 else span.end.line)
+    rest = newline + line[: len(line) - len(line.lstrip())]
+    within = (each for each in document.comments if span.start <= each.span.start < span.end)
+    kept = rest.join(each.text for each in within)
+    if not kept:
+        return Edit(span, "")
+    if span.start.column == 1:
+        return Edit(span, f"{rest.removeprefix(newline)}{kept}{newline}")
+    return Edit(span, ("" if source.text[first - 1].isspace() else "  ") + kept + rest)
 
 
 def _is_shared(document: Document, route: Route) -> bool:

@@ -5,12 +5,15 @@ from __future__ import annotations
 import re
 import unicodedata
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
 
 MAX_BYTES = 1 << 20
 """The most bytes of a file that is read as a text."""
+
+BOM = "\N{ZERO WIDTH NO-BREAK SPACE}"
+"""The byte order mark, with which some programs begin a text."""
 
 EXCERPT_WIDTH = 96
 """The most columns of a source line that a message shows; longer lines are cut around the caret."""
@@ -45,14 +48,17 @@ class SourceFile:
     """A text and the name under which messages speak of it.
 
     Lines end as in editors, with LF, CRLF or CR; a form feed or a Unicode separator ends none.
+    A byte order mark before the text is `mark`, else empty: whoever writes the file keeps it.
     """
 
     name: str
     text: str
+    mark: str = field(default="", init=False, compare=False)
 
     def __post_init__(self) -> None:
         # Parsers count a byte order mark as a character; editors do not.
-        object.__setattr__(self, "text", self.text.removeprefix("\ufeff"))
+        object.__setattr__(self, "mark", BOM if self.text.startswith(BOM) else "")
+        object.__setattr__(self, "text", self.text.removeprefix(BOM))
 
     @cached_property
     def lines(self) -> tuple[str, ...]:

@@ -1,8 +1,8 @@
 """Changed values written into an existing text, so that comments and layout stay as they are.
 
 Mappings and lists whose entries stand on lines of their own are changed entry by entry, at any
-depth; every other value that changes is written anew in its place. Comments on lines of their own
-always stay, those behind a value as long as there is an entry that they can stand behind.
+depth; every other value that changes is written anew in its place. Comments always stay; those
+behind an entry that goes, or that needs other lines, stand on lines of their own then.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from difflib import SequenceMatcher
 from itertools import takewhile
 from typing import Any
 
-from babyrobot_levels.text.comments import Comment, comments
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.emitter import emit_entry, emit_field, flow
 from babyrobot_levels.text.errors import LevelError
@@ -76,7 +75,6 @@ class _Splicer:
     document: Document
     is_deep: bool
     _changes: list[tuple[int, int, list[str]]] = field(default_factory=list)
-    _comments: list[Comment] | None = None
 
     def result(self) -> str:
         """Return the text with all changes."""
@@ -151,7 +149,7 @@ class _Splicer:
             lead = " " * indent + ("- " if name is None else f"{name}: ")
             shown = new[0][len(lead) :] if new[0].startswith(lead) else flow(value)
             return [old[: span.start.column - 1] + shown + old[span.end.column - 1 :]]
-        return [*self._kept(place, indent, behind=True), *new]
+        return [*self._kept(place, indent), *new]
 
     def _is_canonical(self, name: str | None, node: Node, place: Lines, indent: int) -> bool:
         """Tell whether an entry is laid out in the canonical way, without any comment."""
@@ -167,20 +165,12 @@ class _Splicer:
             (" " * indent + line) if line else "" for line in emit_field(name, value).splitlines()
         ]
 
-    def _kept(self, place: Lines, indent: int, *, behind: bool = False) -> list[str]:
-        """Return the comments on an entry's lines, as lines of their own.
-
-        Args:
-            place: the lines of the entry.
-            indent: the indentation of the new lines.
-            behind: whether those that stand behind a value are kept too.
-        """
-        if self._comments is None:
-            self._comments = comments(self.document)
+    def _kept(self, place: Lines, indent: int) -> list[str]:
+        """Return the comments on an entry's lines, as indented lines of their own."""
         return [
             " " * indent + comment.text
-            for comment in self._comments
-            if place[0] < comment.span.start.line <= place[1] and (comment.is_alone or behind)
+            for comment in self.document.comments
+            if place[0] < comment.span.start.line <= place[1]
         ]
 
     def _lines_of(self, start: Node, value: Node) -> Lines:

@@ -64,3 +64,12 @@ def test_notes_do_not_affect_the_exit_status() -> None:
     assert result.out.endswith("\n1 info in 1 file\n")
     Path("maze.yaml").write_text(maze + "walls: []\n")
     assert babyrobot("lint", "maze.yaml").status == 1
+
+
+def test_fixes_keep_byte_order_mark_and_comments() -> None:
+    path, wall = Path("twice.yaml"), "  - {at: [0, 0], side: E}"
+    path.write_text(f"\ufeffversion: 1\nsize: [3, 1]\nwalls:\n{wall}\n{wall}  # again\n", "utf-8")
+    babyrobot("lint", "--fix", str(path))
+    assert path.read_text("utf-8") == (
+        f"\ufeffversion: 1\nsize: [3, 1]\nwalls:\n{wall}\n  # again\n"
+    )

@@ -164,14 +164,15 @@ def test_what_is_opened_in_a_file_is_saved_to_that_file(file: Path) -> None:
 # -- saving ----------------------------------------------------------------------------------
 
 
-def test_saving_writes_the_text_and_keeps_line_ends(file: Path) -> None:
-    file.write_bytes(TEXT.replace("\n", "\r\n").encode())
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_saving_writes_the_text_and_keeps_line_ends_and_mark(file: Path, mark: str) -> None:
+    file.write_bytes((mark + TEXT.replace("\n", "\r\n")).encode())
     session = session_of(file)
     ask(session, "text", text=OTHER)
     assert not session.is_saved
     reply = ask(session, "save")
     assert reply["state"]["is_saved"] is True
-    assert file.read_bytes() == OTHER.replace("\n", "\r\n").encode()
+    assert file.read_bytes() == (mark + OTHER.replace("\n", "\r\n")).encode()
     ask(session, "text", text=TEXT)
     assert "error" not in ask(session, "save")
 

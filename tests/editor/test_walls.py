@@ -113,9 +113,9 @@ def test_removed_part_leaves_the_rest_of_an_entry_as_it_is(
     assert added(text) == "walls:\n  # the long one\n" + entries
 
 
-def test_removed_entry_leaves_the_comment_above_it() -> None:
+def test_removed_entry_leaves_its_comments() -> None:
     text = build(Session(LONG), 0, 0, "S", "none", length=5)
-    assert added(text) == "# the long one\n"
+    assert added(text) == "# the long one\n# red\n"
 
 
 def test_entry_along_the_same_sides_keeps_its_looks() -> None:

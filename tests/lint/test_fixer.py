@@ -37,7 +37,7 @@ def without(text: str, route: Route) -> str:
         ("x:\n  - {a: 1, b: 2} # c\n", ("x", 0, "a"), "x:\n  - {b: 2} # c\n"),
         ("x:\n  - a: 1\n    b: 2\n", ("x", 0, "a"), "x:\n  - b: 2\n"),
         ("x:\n  - a: 1\n    b: 2\n", ("x", 0, "b"), "x:\n  - a: 1\n"),
-        ("x:\n- 1 # one\n- 2 # two\n- 3\n", ("x", 1), "x:\n- 1 # one\n- 3\n"),
+        ("x:\n- 1 # one\n- 2\n- 3\n", ("x", 1), "x:\n- 1 # one\n- 3\n"),
         ("x:\n-\n  a: 1\n- {a: 2}\n", ("x", 0), "x:\n- {a: 2}\n"),
         ("x: [1, [2, 3], 4]\n", ("x", 1), "x: [1, 4]\n"),
         ("x: [1, 2]\n", ("x", 1), "x: [1]\n"),
@@ -46,6 +46,13 @@ def without(text: str, route: Route) -> str:
         ("y: 1\nx:\n  - {a: 1}\n", ("x", 0, "a"), "y: 1\n"),
         ("x:\n  - {a: 1}\n  - {b: 2}\n", ("x", 0, "a"), "x:\n  - {b: 2}\n"),
         ("y: 1\r\nx: 2\r\nz: 3\r\n", ("x",), "y: 1\r\nz: 3\r\n"),
+        # Comments stay.
+        ("x:\n  - 1\n  - 2 # two\n  - 3\n", ("x", 1), "x:\n  - 1\n  # two\n  - 3\n"),
+        ("y: 1 # one\r\nx: # b\r\n  # c\r\n  - 2", ("x",), "y: 1 # one\r\n# b\r\n# c\r\n"),
+        ("x: [1,\n    2, # two\n    3]\n", ("x", 1), "x: [1,\n    # two\n    3]\n"),
+        ("x: [1, # one\n    2 # two\n    ]\n", ("x", 1), "x: [1  # one\n     # two\n    ]\n"),
+        ("x: [1, # '#'\n  '# 2']\n", ("x", 0), "x: [  # '#'\n  '# 2']\n"),
+        ("x:\n  - a: 1 # a\n    b: 2\n", ("x", 0, "a"), "x:\n  - # a\n    b: 2\n"),
     ],
 )
 def test_only_the_value_is_removed(text: str, route: Route, after: str) -> None:
