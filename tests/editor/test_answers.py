@@ -125,6 +125,12 @@ def test_a_level_that_takes_longer_is_solved_when_asked_for(
     assert (told["before"], told["changed"]) == (-3.0, [[0, 0], [1, 0], [2, 0]])
 
 
+def test_a_gesture_does_not_wait_for_episodes_of_many_steps() -> None:
+    usual, long = (Session(f"{CORRIDOR}max_steps: {limit}\n") for limit in (500, 50_000))
+    assert asked(usual, do="state")["state"]["answers"]["status"] == "done"
+    assert asked(long, do="state")["state"]["answers"]["status"] == "pending"
+
+
 def test_a_long_solution_holds_up_no_gesture_and_is_dropped_when_it_is_late(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

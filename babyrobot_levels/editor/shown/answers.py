@@ -39,6 +39,9 @@ BUDGET = 0.1
 _USUAL_TIME = 5e-5
 """How long a state takes to be solved and shown, in seconds, before that was measured."""
 
+_TIME_OF_STEP, _TIME_OF_STATE_AND_STEP = 1e-5, 3e-8
+"""How long a step of the time limit takes, and what each state adds to that, in seconds."""
+
 _LEAST_MEASURED = 200
 """The least number of states of a level whose time is measured."""
 
@@ -129,7 +132,8 @@ class Answers:
             return
         self.reach = reach_of(level, level.compile())
         self.unreachable = unreachable(level, self.reach)
-        if level.compile().num_states * self._time_of_state <= BUDGET:
+        time = level.compile().num_states * self._time_of_state + _time_within_limit(level)
+        if time <= BUDGET:
             self.optimum = self._solved(level)
 
     def catch_up(self) -> None:
@@ -148,7 +152,8 @@ class Answers:
         _ = optimum.page
         states = level.compile().num_states
         # Small levels tell nothing of larger ones, nor does what the first one loads.
-        if states >= _LEAST_MEASURED and not self._is_first:
+        is_usual = states >= _LEAST_MEASURED and _time_within_limit(level) <= BUDGET
+        if is_usual and not self._is_first:
             self._time_of_state = (self._time_of_state + (thread_time() - began) / states) / 2
         self._is_first = False
         return optimum
@@ -211,6 +216,12 @@ class Answers:
             for cell, value in now.items()
             if value != before.get(cell, value) and not abs(value - before[cell]) < least
         ]
+
+
+def _time_within_limit(level: Level) -> float:
+    """Return about how long it takes to follow a policy up to the time limit, in seconds."""
+    states = level.compile().num_states
+    return (level.max_steps or 0) * (_TIME_OF_STEP + states * _TIME_OF_STATE_AND_STEP)
 
 
 def solved(level: Level) -> Optimum:

@@ -165,7 +165,7 @@ class PolicyDrawing {
       const { width, height } = this.editor.game.data;
       const actions = Array.from({ length: width * height }, (_, cell) =>
         this.drawn.get([cell % width, Math.floor(cell / width)].join()) ?? -1);
-      const { policy } = await this.editor.send({ do: "policy", actions });
+      const { policy } = await this.editor.ask({ do: "policy", actions });
       if (policy !== undefined) this.tell(policy);
     } finally {
       this.isAsking = false;
