@@ -257,6 +257,16 @@ def test_modes_have_keys(keys: Typing) -> None:
     assert keys.spoken.startswith("[0, 0]")
 
 
+def test_a_click_on_a_button_leaves_the_keys_to_the_picture(keys: Typing) -> None:
+    keys.change("2", "Space")
+    pressed = ["[data-shown=values]", "[data-panel=findings]", "[title^=Undo]", "[title='Zoom in']"]
+    for button in [*pressed, "[data-mode=play]", ".quick button >> nth=1"]:
+        keys.page.locator(f"button{button}" if button[0] == "[" else button).click()
+        assert keys.focus.get_attribute("data-part") == "stage", button
+    keys.type("ArrowRight")
+    expect(keys.page.locator(".episode dd").first).to_have_text("1")
+
+
 def test_text_fields_keep_their_keys(keys: Typing) -> None:
     area = keys.page.get_by_role("textbox", name="Level file")
     area.focus()

@@ -280,6 +280,16 @@ def test_the_part_that_is_seen_stays_as_one_draws(hand: Hand) -> None:
     assert "- {at: [3, 1], side: S}" in hand.text
 
 
+def test_cells_keep_their_size_as_one_draws_in_a_part_of_a_high_level(
+    editor_page: OpenEditor,
+) -> None:
+    hand = Hand(editor_page("version: 1\nsize: [40, 40]\n"))
+    before = hand.at(1, 0)[0] - hand.at(0, 0)[0]
+    for x in range(3):
+        hand.draw((x + 1, 1.5))
+    assert hand.at(1, 0)[0] - hand.at(0, 0)[0] == pytest.approx(before, abs=0.01)
+
+
 def test_the_map_follows_what_is_drawn_when_one_pauses(hand: Hand) -> None:
     for _ in range(2):
         hand.page.get_by_role("button", name="Zoom in").click()

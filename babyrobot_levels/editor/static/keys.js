@@ -122,6 +122,7 @@ class Keyboard {
     this.hasShortcuts = true; // Whether letters, digits and signs do something.
     this.start = null; // The cell in which the last drag began.
     root.addEventListener("keydown", (event) => this.press(event));
+    root.addEventListener("click", (event) => this.giveBack(event));
     editor.on("state", () => this.stayInside());
   }
 
@@ -133,10 +134,19 @@ class Keyboard {
     if (isText && !/^((Shift\+)?F\d+|Ctrl\+S)$/.test(key)) return;
     if (key.length === 1 && !this.hasShortcuts) return;
     if (/^(Space|Enter)$/.test(key) && target !== this.stage) return;
-    const action = this.actionOf(key, target === this.stage);
+    const action = this.actionOf(key, target.closest(".stage, .playing, .policy") !== null);
     if (action === undefined) return;
     event.preventDefault();
     action(this);
+  }
+
+  /** Give the keys back to the picture after a pointer has pressed a button beside it. */
+  giveBack({ target, detail }) {
+    const pressed = target.closest(BESIDE_PICTURE);
+    const { activeElement } = this.root;
+    if (detail > 0 && pressed !== null && (activeElement === pressed || activeElement === null)) {
+      this.stage.focus({ preventScroll: true });
+    }
   }
 
   /** Return what a key does now, or undefined. Keys with longer names do it in the picture alone. */
@@ -286,4 +296,5 @@ class Keyboard {
   }
 }
 
+const BESIDE_PICTURE = ["bar", "tools", "board", "answers", "tabs"].map((name) => `.${name} button`).join();
 const FOCUSABLE = "button:not(:disabled), input:not(:disabled), textarea, select, summary, [tabindex='0']";

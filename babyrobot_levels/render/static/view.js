@@ -53,12 +53,13 @@ class View {
     this.zoomTo(fitting < LEAST_CELL ? CELL_OF_PART / fitting : 1);
   }
 
-  /** Show the picture in its size, which may have changed. */
+  /** Show the picture in its size, which may have changed. If a part is seen, cells keep theirs. */
   measure() {
     const { width, height } = this.svg.viewBox.baseVal;
+    const scale = this.wide / this.size[0];
     this.size = [width, height];
     this.map.setAttribute("viewBox", `0 0 ${width} ${height}`);
-    this.zoomTo(this.zoom);
+    this.zoomTo(this.zoom === 1 ? 1 : (scale * width) / this.fittingWidth());
   }
 
   /** Show the whole picture. */
