@@ -157,6 +157,35 @@ def test_a_policy_drawn_by_hand_has_its_exact_worth(editor_page: OpenEditor) -> 
     assert "puddles" in editor.session.text
 
 
+def test_a_policy_is_drawn_by_what_is_held(editor_page: OpenEditor) -> None:
+    editor = editor_page(
+        "version: 1\nsize: [3, 1]\nstart: [1, 0]\nexit_needs: key\nmax_steps: 20\n"
+        "items:\n  - {name: key, at: [0, 0]}\n"
+    )
+    page, worth = editor.page, part(editor, "worth").locator("dd")
+    page.get_by_role("button", name="Policy", exact=True).click()
+    # For anything, then for what is held: that counts there.
+    press(editor, "ArrowRight", "Shift+ArrowLeft", "Shift+ArrowRight", "Shift+ArrowRight")
+    expect(worth.nth(2)).to_have_text("worse")
+    page.get_by_role("button", name="Nothing").click()
+    press(editor, "ArrowLeft", "Shift+ArrowLeft")
+    expect(worth.nth(0)).to_have_text("−2")
+    expect(worth.nth(2)).to_have_text("as good as the best")
+    arrow = part(editor, "drawn-policy").locator("path").nth(1)
+    assert "rotate(270)" in (arrow.get_attribute("transform") or "")
+    page.get_by_role("button", name="key", exact=True).click()
+    assert "rotate(90)" in (arrow.get_attribute("transform") or "")
+    editor.page.get_by_role("button", name="Clear").click()
+    expect(worth.nth(2)).to_have_text("no better")
+    page.get_by_role("button", name="Anything").click()
+    page.get_by_role("button", name="Take the optimal actions").click()
+    expect(worth.nth(2)).to_have_text("as good as the best")
+    # Editing again, nothing is held.
+    page.get_by_role("button", name="key", exact=True).click()
+    page.get_by_role("button", name="Edit", exact=True).click()
+    expect(page.locator("#things use")).not_to_have_count(0)
+
+
 def test_a_policy_is_drawn_by_keys(editor_page: OpenEditor) -> None:
     editor = editor_page(LEVEL)
     editor.page.get_by_role("button", name="Policy", exact=True).click()

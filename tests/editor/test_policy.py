@@ -41,9 +41,12 @@ def test_cells_without_an_action_act_at_random(limit: str) -> None:
     assert told["exits"] == pytest.approx(random.exit_probability)
 
 
-def test_in_a_level_with_things_an_action_is_that_of_all_configurations() -> None:
-    things = CORRIDOR + "items:\n- {name: gem, at: [2, 0], reward: 10}\n"
-    assert worth(things, [EAST] * 5)["policy"]["worth"] == "8"
+def test_actions_may_depend_on_what_is_held() -> None:
+    key = "version: 1\nsize: [3, 1]\nstart: [1, 0]\nexit_needs: key\nitems:\n"
+    key += "- {name: key, at: [0, 0]}\n"
+    told = worth(key, [WEST] * 3 + [EAST] * 3)["policy"]
+    assert (told["worth"], told["share"]) == (told["best"], 1.0)
+    assert "for ever" in worth(key, [WEST] * 6)["policy"]["reason"]
 
 
 def test_what_never_ends_is_told_with_its_cell() -> None:

@@ -1,4 +1,4 @@
-"""Policies drawn by hand: an action for some cells, and what it is worth."""
+"""Policies drawn by hand: an action for some states, and what it is worth."""
 
 from __future__ import annotations
 
@@ -24,12 +24,11 @@ NOT_DRAWN = -1
 def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
     """Return what a policy drawn by hand is worth, exactly, within the level's time limit.
 
-    In cells for which no action was drawn, it takes one of those that are possible there at random.
+    In states for which none was drawn, it takes one of the actions that are possible, at random.
 
     Args:
         optimum: the solution of the level.
-        actions: an `Action` for each cell, row by row; -1 where none was drawn. In a level with
-            things it is the same in all configurations.
+        actions: an `Action` for each state; -1 where none was drawn.
 
     Returns:
         `worth`, the expected return from the starts, and `best`, that of the optimal policy, both
@@ -38,23 +37,22 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
         exit; and `reason`, why the return is infinite or undefined.
 
     Raises:
-        RefusedError: there is not one action for each cell.
+        RefusedError: there is not one action for each state.
     """
     level = optimum.level
-    width, height = level.size
-    is_list = isinstance(actions, list) and len(actions) == width * height
+    is_list = isinstance(actions, list) and len(actions) == level.compile().num_states
     if not is_list or not all(type(each) is int and -1 <= each < NUM_ACTIONS for each in actions):
         raise RefusedError("the policy does not fit the level")
     drawn = np.array(actions)
-    weights = weights_of("random", space_of(level, "all")).reshape(-1, drawn.size, NUM_ACTIONS)
-    (cells,) = np.nonzero(drawn != NOT_DRAWN)
-    weights[:, cells] = np.eye(NUM_ACTIONS)[drawn[cells]]
+    weights = weights_of("random", space_of(level, "all"))
+    (states,) = np.nonzero(drawn != NOT_DRAWN)
+    weights[states] = np.eye(NUM_ACTIONS)[drawn[states]]
     guide = optimum.guide
     best = guide.expected_return if guide is not None else math.nan
     told: dict[str, Any] = {"worth": "", "best": "" if math.isnan(best) else rounded(best)}
     told |= {"share": None, "exits": None}
     try:
-        worth, exits, reason = _evaluated(level, weights.reshape(-1, NUM_ACTIONS))
+        worth, exits, reason = _evaluated(level, weights)
     except ArithmeticError as error:
         return {**told, "reason": str(error)}
     told |= {"worth": rounded(worth), "exits": finite(exits), "reason": reason}
