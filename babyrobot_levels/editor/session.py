@@ -16,6 +16,7 @@ from babyrobot_levels.editor.shown.answers import Answers
 from babyrobot_levels.editor.shown.linting import Linter, Linting
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.runner import Report, lint_document, lint_source
+from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit
 from babyrobot_levels.text.reader import read
@@ -232,5 +233,5 @@ class Session:
 
 def _written_anew(document: Document, data: dict[str, Any]) -> Document:
     """Return fields as a text of its own, below the comments of the document."""
-    above = "".join(f"{comment.text}\n" for comment in document.comments)
+    above = "".join(f"{comment.text}\n" for comment in comments(document))
     return read(SourceFile(document.source.name, above + emit(data)))

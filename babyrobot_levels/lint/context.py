@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +11,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.finding import cell_mark, cells_text, count_drawn
 from babyrobot_levels.lint.suppressions import MARK, Suppression, suppressions
 from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
-from babyrobot_levels.text.comments import Comment
+from babyrobot_levels.text.comments import Comment, comments
 from babyrobot_levels.text.diagnostics import Location, Route
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.errors import LevelError
@@ -58,9 +58,9 @@ class LintContext:
         return data
 
     @cached_property
-    def comments(self) -> list[Comment]:
+    def comments(self) -> Sequence[Comment]:
         """The comments of the text."""
-        return self.document.comments
+        return comments(self.document)
 
     @cached_property
     def suppressions(self) -> list[Suppression]:

@@ -9,6 +9,7 @@ from typing import Any
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.lint.finding import side_mark
+from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.diagnostics import Edit, Fix, Route
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.emitter import flow
@@ -182,7 +183,7 @@ def _cut(document: Document, first: int, last: int) -> Edit:
     newline = "\r\n" if "\r\n" in source.text else "\n"
     line = source.line(span.start.line if span.start.column == 1 else span.end.line)
     rest = newline + line[: len(line) - len(line.lstrip())]
-    within = (each for each in document.comments if span.start <= each.span.start < span.end)
+    within = (each for each in comments(document) if span.start <= each.span.start < span.end)
     kept = rest.join(each.text for each in within)
     if not kept:
         return Edit(span, "")

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.source import Position, Span
@@ -20,7 +21,8 @@ class Comment:
     """True where nothing but blanks stands before it on its line."""
 
 
-def comments(document: Document) -> list[Comment]:
+@lru_cache(maxsize=4)
+def comments(document: Document) -> Sequence[Comment]:
     """Return the comments of a document, in the order of the text."""
     source = document.source
     text, found, index = source.text, [], -1

@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Location, Mark, Route
 from babyrobot_levels.text.source import START, Position, SourceFile, Span
-
-if TYPE_CHECKING:
-    from babyrobot_levels.text.comments import Comment
 
 
 @dataclass(slots=True)
@@ -38,7 +34,7 @@ class Node:
         return Span(self.source.position(self.first), self.source.position(self.last))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True, eq=False)
 class Document:
     """A text that was read: `data` is plain Python, `issues` are what did not stop it."""
 
@@ -50,13 +46,6 @@ class Document:
     def data(self) -> Any:
         """The document as dicts, lists, texts, numbers, booleans and None."""
         return self.root.data
-
-    @cached_property
-    def comments(self) -> list[Comment]:
-        """The comments, in the order of the text."""
-        from babyrobot_levels.text.comments import comments
-
-        return comments(self)
 
     def node(self, route: Route) -> tuple[Node, int]:
         """Return the deepest node on the route, and how many of its segments lead there."""

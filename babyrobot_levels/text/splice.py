@@ -13,6 +13,7 @@ from difflib import SequenceMatcher
 from itertools import takewhile
 from typing import Any
 
+from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.emitter import emit_entry, emit_field, flow
 from babyrobot_levels.text.errors import LevelError
@@ -169,7 +170,7 @@ class _Splicer:
         """Return the comments on an entry's lines, as indented lines of their own."""
         return [
             " " * indent + comment.text
-            for comment in self.document.comments
+            for comment in comments(self.document)
             if place[0] < comment.span.start.line <= place[1]
         ]
 

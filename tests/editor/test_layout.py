@@ -46,7 +46,7 @@ def test_one_panel_is_shown_at_a_time_beside_the_text(editor_page: OpenEditor) -
     expect(page.locator(".world")).to_be_visible()
     expect(page.locator(".inspector")).to_be_hidden()
     expect(page.locator(".text")).to_be_visible()
-    page.keyboard.press("ArrowRight")
+    page.get_by_role("tab", name="Level").press("ArrowRight")
     expect(page.get_by_role("tab", name="Findings")).to_have_attribute("aria-selected", "true")
     expect(page.locator(".world")).to_be_hidden()
 
