@@ -24,7 +24,10 @@ if TYPE_CHECKING:
 SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
 PATHS = ("reachable", "path_length", "turns")
 THINGS = ("items", "doors", "switches", "movers", "configurations", "detour")
-RETURNS = ("best_return", "best_steps", "random_return", "random_steps", "wet_share", "difficulty")
+UNLIMITED = ("best_return", "best_steps", "random_return", "random_steps")
+"""What is expected of episodes without a limit."""
+
+RETURNS = (*UNLIMITED, "wet_share", "difficulty")
 
 Pose = tuple[int, tuple[int, int] | None]
 """A state, and the direction (dx, dy) of the last step that led to another cell."""

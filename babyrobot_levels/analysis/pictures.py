@@ -433,7 +433,7 @@ def solution_guide(level: Level, solution: Solution) -> Guide:
 
     overlay = overlay_of(level, {"values": solution, "policy": solution})
     assert overlay is not None
-    return Guide(policy_of(solution), overlay, _expected_return(level, solution))
+    return Guide(policy_of(solution), overlay, best_average(level, solution))
 
 
 def _turning_guide(level: Level) -> Guide | None:
@@ -449,31 +449,40 @@ def _turning_guide(level: Level) -> Guide | None:
     overlay = overlay_of(level, {"values": solution})
     assert overlay is not None
     policy: list[int] = solution.policy.ravel().tolist()
-    guide = Guide(policy, overlay, _expected_return(level, solution))
+    guide = Guide(policy, overlay, best_average(level, solution))
     return replace(guide, **_luck(level, solution))
 
 
-def _expected_return(level: Level, solution: Solution) -> float:
-    """Return the expected return of the optimal policy, within the level's time limit.
+def best_average(level: Level, solution: Solution) -> float:
+    """Return the optimal expected return within the level's time limit, if it has one.
 
     It is nan where that takes too long to be computed.
+
+    Args:
+        level: the level.
+        solution: its solution without a limit.
     """
-    if level.max_steps is None:
+    from babyrobot_levels.analysis.solver.horizon import best_return_within
+
+    steps, actions = level.max_steps, solution.actions
+    if steps is None:
         return solution.expected_return
     with suppress(ArithmeticError):
-        return _worth(level, solution, solution.actions)
+        return best_return_within(
+            level, steps, actions=actions, discount=level.discount, quick=True
+        )
     return math.nan
 
 
-def _worth(level: Level, policy: Any, actions: str) -> float:
-    """Return the expected return of a policy within the time limit that the level has."""
+def _random_within(level: Level, actions: str) -> float:
+    """Return the expected return of random actions within the time limit that the level has."""
     from babyrobot_levels.analysis.solver.chain import weights_of
     from babyrobot_levels.analysis.solver.many import worth_within
     from babyrobot_levels.analysis.solver.space import space_of
 
     assert level.max_steps is not None
     space = space_of(level, actions)
-    weights = weights_of(policy, space)
+    weights = weights_of(RANDOM, space)
     found = worth_within([space], [level.max_steps], [level.discount], [weights], quick=True)
     return float(found.returns[0])
 
@@ -511,6 +520,6 @@ def random_return(level: Level, actions: str = "all") -> float | None:
 
     with suppress(ArithmeticError):
         if level.max_steps is not None:
-            return _worth(level, RANDOM, actions)
+            return _random_within(level, actions)
         return evaluation_of(level, RANDOM, actions=actions).expected_return
     return None

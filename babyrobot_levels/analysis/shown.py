@@ -14,7 +14,7 @@ import numpy as np
 from babyrobot_levels.analysis.changes import Change
 from babyrobot_levels.analysis.diff import Difference, cell_changes, wall_changes
 from babyrobot_levels.analysis.learning.results import Sweep, Trials
-from babyrobot_levels.analysis.metrics import Metrics
+from babyrobot_levels.analysis.metrics import UNLIMITED, Metrics
 from babyrobot_levels.analysis.pictures import overlay_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import (
@@ -43,6 +43,7 @@ from babyrobot_levels.render.page_data import bare
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.changes import Side, marked
 from babyrobot_levels.render.scene.layout import layout_of
+from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.text.errors import LevelError
 
 MAX_CELLS = 40_000
@@ -113,8 +114,9 @@ def extent_of(results: Sequence[StateResult]) -> tuple[float, float] | None:
 
 @html_of.register
 def _(result: Evaluation) -> str:
+    limit = None if result.level is None else result.level.max_steps
     rows = [
-        ("Expected return", _number(result.expected_return)),
+        ("Expected return", with_limit(_number(result.expected_return), result.within, limit)),
         ("Expected steps", _number(result.expected_steps)),
         ("Reaches an exit", _share(result.exit_probability)),
         ("Discount", _number(result.discount)),
@@ -185,7 +187,10 @@ def _(result: Metrics) -> str:
     level = result.level
     states = level.compile().num_states if level.has_things else _cells(level)
     numbers = result.to_dict(solve=states <= MAX_SOLVED)
-    rows = [(name.replace("_", " "), _number(value)) for name, value in numbers.items()]
+    texts = {name: _number(value) for name, value in numbers.items()}
+    for name in texts.keys() & UNLIMITED:
+        texts[name] = with_limit(texts[name], None, level.max_steps)
+    rows = [(name.replace("_", " "), text) for name, text in texts.items()]
     return beside(_image(_level_picture(level, _WIDTH)), facts(rows))
 
 

@@ -253,8 +253,7 @@ def _put(scores: Scores, kind: TableFormat, output: Path | None, *, force: bool)
         write_json(scores.to_dict())
     else:
         write_table(_HEADING, [_score_cells(each) for each in scores])
-        if len(scores) > 1:
-            write("\n" + fact_lines(_summary(scores)))
+        write("\n" + fact_lines({**_summary(scores), "returns": _limits(scores)}))
 
 
 _HEADING = ("level", "return", "optimum", "random", "share", "success", "steps")
@@ -283,7 +282,18 @@ def _score_cells(row: LevelScore) -> list[str]:
     ]
 
 
+def _limits(scores: Scores) -> str:
+    """Return within how many steps returns are; of several levels, each may have its own."""
+    from babyrobot_levels.render.words.phrases import limited
+
+    limits = {row.within for row in scores}
+    return limited(limits.pop()) if len(limits) == 1 else "within each level's max_steps"
+
+
 def _summary(scores: Scores) -> dict[str, str]:
+    """Return what several scores have in common; nothing for one."""
+    if len(scores) < 2:
+        return {}
     found = scores.summary
     ends = "" if scores.is_exact else f" ({_number(found.low)} to {_number(found.high)})"
     return {

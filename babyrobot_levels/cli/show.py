@@ -125,8 +125,15 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
     if report_format is TableFormat.JSON:
         write_json({**facts, "drawing": None if loaded.has_random_maze else loaded.draw()})
         return
+    from babyrobot_levels.analysis.metrics import UNLIMITED
+    from babyrobot_levels.render.words.phrases import with_limit
+
     facts |= facts.pop("metrics") or {}
-    write(fact_lines({name: printable(_text(value)) for name, value in facts.items()}))
+    texts = {name: printable(_text(value)) for name, value in facts.items()}
+    for name in UNLIMITED:
+        if texts.get(name):
+            texts[name] = with_limit(texts[name], None, loaded.max_steps)
+    write(fact_lines(texts))
     if loaded.has_random_maze:
         note("the maze is random: see one with `babyrobot preview LEVEL --maze-seed N`")
     else:

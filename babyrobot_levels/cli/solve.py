@@ -224,11 +224,12 @@ def _note_limit(level: Level, solution: Solution) -> None:
     """Say that the level has a time limit, if that changes what an optimal policy earns."""
     from babyrobot_levels.analysis.solver.horizon import best_return_within
     from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+    from babyrobot_levels.render.words.phrases import limited, with_limit
 
     steps = level.max_steps
     if steps is None:
         return
-    ignored = f"max_steps ({steps}) is ignored: these are episodes without a time limit"
+    ignored = f"max_steps ({steps}) is ignored: these are figures {limited(None)}"
     try:
         within = best_return_within(
             level, steps, actions=solution.actions, discount=solution.discount, quick=True
@@ -237,7 +238,8 @@ def _note_limit(level: Level, solution: Solution) -> None:
         note(ignored)
         return
     if not math.isclose(within, solution.expected_return, rel_tol=1e-6, abs_tol=1e-6):
-        note(f"{ignored}; within it, the best expected return is {within:.4g} (--within max_steps)")
+        best = with_limit("the best expected return", steps, steps)
+        note(f"{ignored}; {best} is {within:.4g} (--within max_steps)")
 
 
 def _turns(level: Level, solution: Solution, configuration: int | None) -> str:
@@ -313,16 +315,16 @@ def _number(value: float) -> float | str | None:
 
 
 def _summary(level: Level, solution: Solution, configuration: int | None) -> str:
+    from babyrobot_levels.render.words.phrases import with_limit
+
+    best = f"{solution.expected_return:.6g}"
     facts = {
-        "expected return": f"{solution.expected_return:.6g}",
+        "expected return": with_limit(best, solution.within, level.max_steps),
         "expected steps": f"{solution.expected_steps:.6g}",
         "reaches an exit": f"{100 * solution.exit_probability:.4g} %",
         "discount": f"{solution.discount:g}",
-        "within": f"{solution.within} steps",
         "method": f"{solution.method}, residual {solution.residual:.1g}",
     }
-    if solution.within is None:
-        del facts["within"]
     if not level.exits:
         del facts["reaches an exit"]
     if solution.actions == ActionSet.TURNS:

@@ -12,6 +12,7 @@ from babyrobot_levels.publish.published import Comparison, comparisons
 from babyrobot_levels.render.page_data import Guide, bare, rounded
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.svg import escaped, to_svg
+from babyrobot_levels.render.words.phrases import with_limit
 
 MOST_CELLS = 256
 """The most cells of a level whose values are on the page as a table, too."""
@@ -45,12 +46,15 @@ def _start(level: Level) -> int | None:
 
 def shown_values(facts: Facts, guide: Guide | None) -> Iterator[tuple[str, str]]:
     """Yield what is known about the returns and steps of policies, each with its name."""
-    if facts.best_return is not None:
-        yield "Optimal return", rounded(facts.best_return)
-    if guide and facts.max_steps is not None and not math.isnan(guide.expected_return):
+    name, limit = "Optimal return", facts.max_steps
+    best = None if facts.best_return is None else rounded(facts.best_return)
+    if guide and limit is not None and not math.isnan(guide.expected_return):
         within = rounded(guide.expected_return)
-        if facts.best_return is None or within != rounded(facts.best_return):
-            yield f"Optimal return within {facts.max_steps:,} steps", within
+        if best != within:
+            yield with_limit(name, limit, limit), within
+            name = with_limit(name, None, limit)
+    if best is not None:
+        yield name, best
     if facts.best_steps is not None:
         yield "Steps of the optimal policy", rounded(facts.best_steps)
     if facts.random_return is not None:
@@ -81,7 +85,8 @@ def values_panel(level: Level, facts: Facts, guide: Guide, picture: str) -> str:
             f'<figure><img src="{picture}" width="{LARGE_CELL * level.size[0]}" '
             'alt="The level with the optimal value and the optimal actions of each cell">',
             "<figcaption>The number and the colour of a cell are its optimal value: the expected "
-            f"return of an optimal policy from there. Arrows are optimal actions.{where}"
+            f"return of an optimal policy {with_limit('from there', None, facts.max_steps)}. "
+            f"Arrows are optimal actions, of several those that end the episode soonest.{where}"
             "</figcaption></figure>",
             f'<div><h3>Expected returns</h3><dl class="returns">{rows}</dl>',
             *map(_figure, comparisons(level)),

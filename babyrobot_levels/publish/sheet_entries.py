@@ -9,7 +9,7 @@ from itertools import islice
 from typing import Any
 
 from babyrobot_levels.analysis.learning.sweeps import value_iteration
-from babyrobot_levels.analysis.pictures import dressed, still
+from babyrobot_levels.analysis.pictures import best_average, dressed, still
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import Solution, UndefinedReturnError
 from babyrobot_levels.library.level import Level
@@ -26,6 +26,7 @@ from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import pieces
 from babyrobot_levels.render.scene.tones import toned
+from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
 from babyrobot_levels.text.diagnostics import one_line
 
@@ -102,7 +103,7 @@ def entry_of(level: Level, shown: Shown) -> Entry:
     if shown.key or tells:
         try:
             solution = solve(level)
-            answer = _in_words(solution)
+            answer = _in_words(level, solution)
         except UndefinedReturnError:
             answer = "No policy has an expected return."
     picture = still(
@@ -121,16 +122,24 @@ def entry_of(level: Level, shown: Shown) -> Entry:
     )
 
 
-def _in_words(solution: Solution) -> str:
-    if solution.explanation:
+def _in_words(level: Level, solution: Solution) -> str:
+    """Return the optimal return: first within the time limit, if that makes a difference."""
+    is_finite, limit = math.isfinite(solution.expected_return), level.max_steps
+    figure = f"{solution.expected_return:.4g}" if is_finite else "infinite"
+    within = f"{best_average(level, solution):.4g}" if limit is not None else figure
+    text = f"{RETURN} {figure}"
+    if within == "nan":
+        text = f"{RETURN} {with_limit(figure, None, limit)}"
+    elif within != figure:
+        text = f"{RETURN} {with_limit(within, limit, limit)}; {with_limit(figure, None, limit)}"
+    if not is_finite:
         where = "rewards" if solution.expected_return > 0 else "costs"
-        return f"{RETURN} infinite, because {where} add up without bound"
-    text = f"{RETURN} {solution.expected_return:.4g}"
+        return f"{text}, because {where} add up without bound"
     if math.isfinite(solution.expected_steps):
         text += f", in {solution.expected_steps:.4g} steps on average"
     else:
         text += "; episodes go on for ever"
-    if solution.exit_probability < 0.9995 and solution.level is not None and solution.level.exits:
+    if solution.exit_probability < 0.9995 and level.exits:
         text += f"; the exit is reached {100 * solution.exit_probability:.3g} % of the time"
     return text
 

@@ -45,6 +45,7 @@ from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.svg import number
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.render.words.goal import goal_of
+from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
 
 if TYPE_CHECKING:
@@ -87,7 +88,7 @@ class Guide:
     Attributes:
         policy: the optimal action of each state, as `Action`s, `[states]`; -1 where there is none.
         overlay: the values and optimal actions of the cells, which the page can show.
-        expected_return: the policy's expected return from the starts, within the level's time
+        expected_return: the optimal expected return from the starts, within the level's time
             limit; without one, it may be infinite.
         turning: the same for a robot that turns, with the actions of `Turn`, if it is known.
         random_return: that of random actions, if it is known.
@@ -158,7 +159,7 @@ def page_data(
         "seed": str(seed),
         "walker": policy if guide is not None or policy == "random" else None,
         "shown": [name for name, shown in (("policy", arrows), ("values", values)) if shown],
-        **_answers(guide),
+        **_answers(level, guide),
     }
 
 
@@ -325,17 +326,18 @@ def _turns(level: GridWorld, guide: Guide | None, *, on: bool) -> dict[str, Any]
     return {
         "on": on,
         "heading": SIDES.index(level.heading),
-        **_answers(guide),
+        **_answers(level, guide),
     }
 
 
-def _answers(guide: Guide | None) -> dict[str, Any]:
+def _answers(level: GridWorld, guide: Guide | None) -> dict[str, Any]:
     """Return the optimal policy, and what is known about its return."""
     if guide is None:
         return {"policy": None, "best": ""}
     data: dict[str, Any] = {"policy": list(guide.policy), "best": ""}
     if math.isfinite(guide.expected_return):
-        data["best"] = rounded(guide.expected_return)
+        limit = level.max_steps
+        data["best"] = with_limit(rounded(guide.expected_return), limit, limit)
         random = guide.random_return
         data["returns"] = {
             "best": _brief(guide.expected_return),

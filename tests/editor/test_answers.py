@@ -30,6 +30,7 @@ def test_the_state_has_the_optimum_and_the_pages_data_with_its_marks() -> None:
         "status": "done",
         "best": -3.0,
         "best_text": "−3",
+        "best_name": "Best average",
         "before": None,
         "changed": [],
         "reason": "",
@@ -54,7 +55,8 @@ def test_a_change_is_told_with_the_cells_whose_values_it_changed() -> None:
 
 def test_the_best_average_is_that_within_the_time_limit() -> None:
     short = Session(CORRIDOR + "max_steps: 2\n")
-    assert asked(short, do="state")["state"]["answers"]["best"] == -2.0
+    answers = asked(short, do="state")["state"]["answers"]
+    assert (answers["best"], answers["best_name"]) == (-2.0, "Best average within 2 steps")
 
 
 def test_a_best_average_that_takes_too_long_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:

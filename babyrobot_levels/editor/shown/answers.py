@@ -26,12 +26,15 @@ from babyrobot_levels.render.page_data import (
     rounded,
     without_panels,
 )
+from babyrobot_levels.render.words.phrases import with_limit
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
     from babyrobot_levels.mdp.reachability import Reach
 
 Cell = tuple[int, int]
+
+BEST_AVERAGE = "Best average"
 
 BUDGET = 0.1
 """How long a gesture may wait for the optimum, in seconds."""
@@ -174,10 +177,10 @@ class Answers:
         """Return what the editor tells of the optimum.
 
         The keys: `status` (`"done"`; `"pending"` while it is not known; `"none"` where there is
-        none); `best`, the optimal policy's expected return from the starts within `max_steps`, and
+        none); `best`, the optimal expected return from the starts within `max_steps`, and
         `before`, that of the last level before that was solved (None where unknown or infinite);
-        `best_text`; `changed`, the cells `[x, y]` whose value is another one than there; `reason`,
-        why there is no return, or why it is infinite.
+        `best_text`, and `best_name`, what it is called; `changed`, the cells `[x, y]` whose value
+        is another one than there; `reason`, why there is no return, or why it is infinite.
         """
         optimum = self.optimum
         if optimum is None or optimum.guide is None:
@@ -187,16 +190,18 @@ class Answers:
                 "status": status,
                 "best": None,
                 "best_text": "",
+                "best_name": BEST_AVERAGE,
                 "before": None,
                 "changed": [],
                 "reason": reason,
             }
         guide, before = optimum.guide, self.before.guide if self.before is not None else None
-        best = guide.expected_return
+        best, limit = guide.expected_return, optimum.level.max_steps
         return {
             "status": "done",
             "best": finite(best),
             "best_text": "" if math.isnan(best) else rounded(best),
+            "best_name": with_limit(BEST_AVERAGE, limit, limit),
             "before": finite(before.expected_return) if before is not None else None,
             "changed": [[*cell] for cell in self._changed()],
             "reason": optimum.reason,

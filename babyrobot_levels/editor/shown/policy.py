@@ -17,6 +17,7 @@ from babyrobot_levels.editor.shown.answers import Optimum, endless, finite
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS
 from babyrobot_levels.render.page_data import rounded
+from babyrobot_levels.render.words.phrases import with_limit
 
 NOT_DRAWN = -1
 
@@ -49,13 +50,20 @@ def worth_of(optimum: Optimum, actions: Any) -> dict[str, Any]:
     weights[states] = np.eye(NUM_ACTIONS)[drawn[states]]
     guide = optimum.guide
     best = guide.expected_return if guide is not None else math.nan
-    told: dict[str, Any] = {"worth": "", "best": "" if math.isnan(best) else rounded(best)}
+    limit = level.max_steps
+    told: dict[str, Any] = {"worth": "", "best": ""}
+    if not math.isnan(best):
+        told["best"] = with_limit(rounded(best), limit, limit)
     told |= {"share": None, "exits": None}
     try:
         worth, exits, reason = _evaluated(level, weights)
     except ArithmeticError as error:
         return {**told, "reason": str(error)}
-    told |= {"worth": rounded(worth), "exits": finite(exits), "reason": reason}
+    told |= {
+        "worth": with_limit(rounded(worth), limit, limit),
+        "exits": finite(exits),
+        "reason": reason,
+    }
     random = optimum.random_return
     if random is not None and math.isfinite(worth) and random < best < math.inf:
         told["share"] = finite((worth - random) / (best - random))

@@ -2,8 +2,8 @@
 
 const IDLE = 400; // Milliseconds without a change before what takes longer is computed.
 const SHOWN = [
-  ["values", "Values", "V"],
-  ["policy", "Optimal actions", "B"],
+  ["values", "Values", "V", "The optimal expected returns without a limit"],
+  ["policy", "Optimal actions", "B", "The actions of an optimal policy without a limit"],
 ];
 
 /** The strip with the best return, and the switches of values and optimal actions. */
@@ -12,14 +12,15 @@ class Answers {
     this.editor = editor;
     editor.answers = this;
     this.shown = new Set();
+    this.name = html("span", { class: "best-name" });
     this.best = html("output", { class: "best-return" });
     this.change = html("span", { class: "change" });
     this.reason = html("p", { class: "reason" });
-    this.switches = SHOWN.map(([name, title, key]) =>
-      html("button", { type: "button", "data-shown": name, onclick: () => this.toggle(name) },
+    this.switches = SHOWN.map(([name, title, key, hint]) =>
+      html("button", { type: "button", "data-shown": name, title: hint, onclick: () => this.toggle(name) },
         `${title} `, html("kbd", {}, key)));
     place.append(
-      html("div", { class: "best-line" }, html("span", { class: "best-name" }, "Best average"), this.best, this.change),
+      html("div", { class: "best-line" }, this.name, this.best, this.change),
       this.reason,
       html("div", { class: "switches", role: "group", "aria-label": "Show in the picture" }, ...this.switches),
     );
@@ -42,6 +43,7 @@ class Answers {
     const { level, answers, revision, findings_pending: hasMoreFindings } = this.editor.state;
     if (level !== null) level.shown = [...this.shown];
     const isPending = answers.status === "pending";
+    this.name.textContent = answers.best_name;
     this.best.textContent = isPending ? "…" : answers.best_text || "none";
     this.best.classList.toggle("pending", isPending);
     this.change.textContent = isPending ? "is computed when you pause" : changeInWords(answers);

@@ -88,6 +88,22 @@ def counted(count: int, singular: str, plural: str | None = None) -> str:
     return f"{count:,} {singular if count == 1 else plural or singular + 's'}"
 
 
+def limited(steps: int | None) -> str:
+    """Return which of a level's two optima is meant: `within 100 steps`, or `without a limit`."""
+    return "without a limit" if steps is None else f"within {counted(steps, 'step')}"
+
+
+def with_limit(figure: str, within: int | None, max_steps: int | None) -> str:
+    """Return a figure or its name with the limit that it is for, if there is more than one figure.
+
+    Args:
+        figure: the figure, or its name.
+        within: after how many steps the episodes are truncated; None for no limit.
+        max_steps: that of the level; without one, a figure without a limit is the only one.
+    """
+    return f"{figure} {limited(within)}" if (within or max_steps) is not None else figure
+
+
 def ranges(numbers: Iterable[int]) -> str:
     """Return whole numbers in ascending order, three neighbours as a range: `0, 3 to 5 and 8`."""
     parts: list[str] = []

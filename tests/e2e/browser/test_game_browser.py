@@ -197,7 +197,8 @@ def test_the_card_tells_how_good_and_how_lucky_an_episode_was(ground: Playground
         total = ground.number("return")
         assert told["Return"] == ground.page.locator("#return").inner_text()
         assert told["Steps"] == ground.page.locator("#steps").inner_text()
-        assert told["Best average"] == f"{best.mean:.2f}".replace("-", MINUS)
+        mean = f"{best.mean:.2f}".replace("-", MINUS)
+        assert told["Best average"] == f"{mean} within 500 steps"
         better = re.search(r"better than (\d+) %", told["Luck"])
         worse = re.search(r"worse than (\d+) %", told["Luck"])
         for found, share in (
