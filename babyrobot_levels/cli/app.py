@@ -54,7 +54,7 @@ def _run() -> None:
 
 
 def _handle_interrupts() -> None:
-    """Have Ctrl-C end the command with status 130 and without a traceback.
+    """Have Ctrl-C end the command with status 130 and without a traceback; so other signals.
 
     Worker processes, which inherit the handler, end at once: only the main process writes files,
     and cleans up after itself.
@@ -63,14 +63,18 @@ def _handle_interrupts() -> None:
 
     def interrupt(number: int, frame: object) -> None:
         if os.getpid() != process:
-            os._exit(INTERRUPTED)
-        raise KeyboardInterrupt
+            os._exit(128 + number)
+        if number == signal.SIGINT:
+            raise KeyboardInterrupt
+        sys.exit(128 + number)
 
     # Whoever started us without Ctrl-C, as `nohup` does, means it; and only the main thread of a
     # process may set handlers.
     with contextlib.suppress(ValueError):
-        if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-            signal.signal(signal.SIGINT, interrupt)
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, interrupt)
 
 
 def _prepare_streams() -> None:

@@ -304,12 +304,22 @@ class _File:
 
     def _append(self, line: bytes) -> None:
         """Append a line, the first one behind the rows that are kept."""
-        from babyrobot_levels.text.files import append_line
+        from babyrobot_levels.text.files import append_line, write_bytes
 
-        if not self.written and self.path.exists():
-            with self.path.open("rb+") as file:
-                file.truncate(self.size)
-        append_line(self.path, line)
+        try:
+            if not (self.written or self.size):
+                # What was there stays until there is something in its place.
+                write_bytes(self.path, line + b"\n" if line else b"")
+                return
+            if not self.written:
+                with self.path.open("rb+") as file:
+                    file.truncate(self.size)
+            append_line(self.path, line)
+        except OSError as error:
+            there = self.kept + self.written
+            rows = f"{there:,} of {self.count:,} rows are in it; use --resume to continue it"
+            why = f"{self.path} cannot be written ({error.strerror or error})"
+            fail(why, rows if there else None)
 
     def interrupt(self) -> None:
         """Say how many rows there are."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager, suppress
@@ -118,7 +117,6 @@ def play(
     # A closed terminal ends the game as q does. However it ends, its last episode is recorded.
     with (
         closing(game),
-        _ended_by_signals(),
         suppress(EOFError),
         _whole_screen(),
         keyboard() as next_key,
@@ -395,20 +393,3 @@ def _whole_screen() -> Iterator[None]:
         with suppress(OSError):
             sys.stdout.write(_SCREEN_AS_IT_WAS)
             sys.stdout.flush()
-
-
-@contextmanager
-def _ended_by_signals() -> Iterator[None]:
-    """Let signals that end the process raise SystemExit, so that the terminal is restored."""
-
-    def end(number: int, _: object) -> None:
-        sys.exit(128 + number)
-
-    names = ("SIGTERM", "SIGHUP")
-    numbers = [getattr(signal, name) for name in names if hasattr(signal, name)]
-    before = {number: signal.signal(number, end) for number in numbers}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)

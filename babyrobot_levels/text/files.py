@@ -9,10 +9,9 @@ import signal
 import stat
 import sys
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from types import FrameType
 from typing import BinaryIO
 
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
@@ -31,6 +30,11 @@ RESERVED = {
     *(f"{device}{number}" for device in ("com", "lpt") for number in range(10)),
 }
 """Names that no file can have on Windows, whatever stands behind a dot."""
+
+ENDINGS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+]
+"""The signals that end a process, and can be delayed."""
 
 _MAX_PREFIX = 40
 """So many characters of a file's name does its temporary name begin with."""
@@ -184,15 +188,20 @@ def write_text(path: Path, text: str, *, sync: bool = True) -> None:
 
 def write_bytes(path: Path, data: bytes, *, sync: bool = True) -> None:
     """Write bytes as `write_text` does."""
-    import tempfile
-
     path = path.resolve()
     make_folder(path.parent)
+    with _naming(path):
+        _replace(path, data, sync=sync)
+
+
+def _replace(path: Path, data: bytes, *, sync: bool) -> None:
+    import tempfile
+
     try:
         mode = stat.S_IMODE(path.stat().st_mode)
     except FileNotFoundError:
         mode = 0o666 & ~_umask()
-    with uninterrupted():
+    with uninterrupted(ENDINGS):
         # A name may be as long as names can be; the temporary one is longer.
         prefix = f".{path.name[:_MAX_PREFIX]}."
         descriptor, name = tempfile.mkstemp(prefix=prefix, dir=path.parent)
@@ -226,7 +235,7 @@ def append_line(path: Path, line: bytes) -> bool:
         OSError: the file cannot be written. It is then as it was before.
     """
     make_folder(path.parent)
-    with uninterrupted(), path.open("ab+", buffering=0) as file:
+    with _naming(path), uninterrupted(ENDINGS), path.open("ab+", buffering=0) as file:
         size = file.seek(0, os.SEEK_END)
         if size:
             file.seek(size - 1)
@@ -261,7 +270,7 @@ def written_folder(path: Path) -> Iterator[Path]:
         folder = temporary / "new"
         folder.mkdir()
         yield folder
-        with uninterrupted():
+        with uninterrupted(ENDINGS):
             if is_folder(path):
                 path.rename(temporary / "old")
             try:
@@ -275,20 +284,32 @@ def written_folder(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def uninterrupted() -> Iterator[None]:
-    """Delay Ctrl-C until the block is done, so that no temporary file is left behind."""
+def _naming(path: Path) -> Iterator[None]:
+    """Have errors of the system name the file: a full disk, for one, names none."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(error.errno, error.strerror or str(error), str(path)) from error
+
+
+@contextmanager
+def uninterrupted(numbers: Sequence[int] = (signal.SIGINT,)) -> Iterator[None]:
+    """Delay signals, Ctrl-C by default, until the block is done, so that it leaves nothing half."""
     if threading.current_thread() is not threading.main_thread():
         # Others are not interrupted.
         yield
         return
-    pressed: list[tuple[int, FrameType | None]] = []
-    before = signal.signal(signal.SIGINT, lambda *given: pressed.append(given))
+    come: list[int] = []
+    before = {
+        number: signal.signal(number, lambda number, _: come.append(number)) for number in numbers
+    }
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before or signal.SIG_DFL)
-        if pressed and callable(before):
-            before(*pressed[0])
+        for number, handler in before.items():
+            signal.signal(number, handler or signal.SIG_DFL)
+        for number in come[:1]:
+            signal.raise_signal(number)
 
 
 def _umask() -> int:

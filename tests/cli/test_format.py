@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
 from pathlib import Path
 
@@ -10,6 +12,7 @@ import pytest
 from support.sessions import Result, environment, run_here, run_there
 from support.work import counted_calls
 
+import babyrobot_levels as brl
 from babyrobot_levels.text import files
 
 UNTIDY = "size: [3,3]\nversion: 1 # one\n"
@@ -195,3 +198,36 @@ def test_nothing_can_steer_the_terminal(options: tuple[str, ...]) -> None:
     shown = result.out + result.err
     assert all(character.isprintable() or character == "\n" for character in shown)
     assert "\n.yaml" not in shown
+
+
+KILLED = """
+import os, signal, sys
+
+whole, number = os.fsync, getattr(signal, sys.argv.pop(1))
+os.fsync = lambda file: (os.kill(os.getpid(), number), whole(file))
+from {module} import {function} as go
+{call}
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs signals")
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("is_command", [True, False])
+def test_what_is_killed_leaves_no_temporary_files(name: str, is_command: bool) -> None:
+    write("level.yaml")
+    module, function, call = (
+        ("babyrobot_levels.cli.app", "main", "go()")
+        if is_command
+        else ("babyrobot_levels", "load", "go('level.yaml').save('level.yaml')")
+    )
+    code = KILLED.format(module=module, function=function, call=call)
+    done = subprocess.run(
+        [sys.executable, "-c", code, name, "format", "level.yaml"],
+        env={**os.environ, **environment(Path.cwd())},
+        capture_output=True,
+        check=False,
+    )
+    number = getattr(signal, name)
+    assert done.returncode == (128 + number if is_command else -number)
+    assert [path.name for path in Path().iterdir()] == ["level.yaml"]
+    brl.load("level.yaml")

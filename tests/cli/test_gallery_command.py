@@ -69,8 +69,11 @@ def test_the_folder_of_the_levels_is_not_replaced() -> None:
 
 
 @pytest.mark.usefixtures("here")
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_ctrl_c_leaves_what_was_there(jobs: str) -> None:
+@pytest.mark.parametrize(
+    ("jobs", "number"),
+    [("1", signal.SIGINT), ("2", signal.SIGINT), ("1", signal.SIGTERM), ("2", signal.SIGTERM)],
+)
+def test_ctrl_c_leaves_what_was_there(jobs: str, number: int) -> None:
     assert babyrobot("gallery", "maze", "-o", "site").status == 0
     written("many.yaml", "version: 1\nkind: suite\ncount: 1000\nsize: [6, 6]\n")
     call = ["gallery", "many.yaml", "-o", "site", "--jobs", jobs]
@@ -83,9 +86,9 @@ def test_ctrl_c_leaves_what_was_there(jobs: str) -> None:
     )
     while process.poll() is None and not [*Path().glob(".site.*/new/*/index.html")]:
         time.sleep(0.01)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     assert process.communicate(timeout=60) == ("", "")
-    assert process.returncode == 130
+    assert process.returncode == 128 + number
     assert ids("site") == ["maze"]
     assert sorted(path.name for path in Path().iterdir()) == ["many.yaml", "site"]
 

@@ -239,3 +239,42 @@ def test_a_call_that_cannot_begin_leaves_files_as_they_are() -> None:
         assert babyrobot(*call).status == 2
         assert (Path("rows.jsonl").read_text() if before else None) == before
         assert Path("rows.jsonl").exists() is bool(before)
+
+
+FULL = """
+import os, resource, sys
+from babyrobot_levels.__main__ import main
+
+limit = int(sys.argv.pop(1))
+resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+main()
+"""
+"""The command where files can have so many bytes: like a full disk."""
+
+
+@pytest.mark.usefixtures("here")
+@pytest.mark.skipif(sys.platform == "win32", reason="needs limits of files")
+def test_a_full_disk_leaves_whole_rows_or_what_was_there() -> None:
+    written("few.yaml", SUITE)
+    whole = solved()
+    call = ["solve", "few.yaml", "-o", "rows.jsonl", "--force"]
+    for limit, count in ((100, 0), (1000, whole[:1000].count(b"\n"))):
+        written("rows.jsonl", "what was there\n")
+        done = subprocess.run(
+            [sys.executable, "-c", FULL, str(limit), *call],
+            env={**os.environ, **environment(Path.cwd())},
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        error, *advice = done.stderr.splitlines()
+        assert (done.returncode, done.stdout) == (2, "")
+        assert error == "error: rows.jsonl cannot be written (File too large)"
+        kept = b"".join(whole.splitlines(keepends=True)[:count])
+        assert Path("rows.jsonl").read_bytes() == (kept or b"what was there\n")
+        assert advice == [f"  help: {count} of 30 rows are in it; use --resume to continue it"] * (
+            count > 0
+        )
+        assert {path.name for path in Path().iterdir() if path.name.startswith(".")} == set()
+    babyrobot(*call[:-1], "--resume")
+    assert Path("rows.jsonl").read_bytes() == whole
