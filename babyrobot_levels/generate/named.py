@@ -55,7 +55,10 @@ def named_levels(levels: Levels) -> Suite | Iterable[LevelLike]:
     folder = folder_named(levels)
     if folder is None:
         return [level_path(levels)]
-    files = [path for path in yaml_files(folder, all_of_them=True) if not is_suite_file(path)]
+    # The files of packs may be links: some installers of packages make them so.
+    is_pack = not is_folder(Path(levels)) and not str(levels).startswith("~")
+    found = yaml_files(folder, all_of_them=not is_pack)
+    files = [path for path in found if not is_suite_file(path)]
     if not files:
         raise ValueError(f"no level files (.yaml) in {levels}")
     return files

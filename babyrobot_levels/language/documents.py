@@ -23,6 +23,8 @@ from babyrobot_levels.text.files import (
     PACK_FILE,
     SUFFIXES,
     is_file,
+    is_within,
+    unreadable,
 )
 from babyrobot_levels.text.reader import MAX_NODES, open_document, read
 from babyrobot_levels.text.source import MAX_BYTES, SourceFile
@@ -244,13 +246,17 @@ def theme_folders(folder: Path) -> list[Path]:
 def read_theme(name: str, folders: Sequence[Path]) -> Checked[Theme]:
     """Return the theme of that name from the first folder that has it, or what is wrong with it.
 
-    None, and nothing wrong, where no folder has it.
+    None, and nothing wrong, where no folder has it. The file lies in what is around the folder, or
+    around the last one, which is that of the pack: a link may lead to any file of this machine.
     """
     for folder in folders:
         for suffix in SUFFIXES:
             path = folder / f"{name}{suffix}"
             if is_file(path):
                 try:
+                    if not any(is_within(path, each.parent) for each in (folder, folders[-1])):
+                        why, advice = "this link leads out of the folder", "replace it by the file"
+                        raise unreadable("BR101", str(path), why, advice)
                     return check(open_document(path), Theme)
                 except LevelError as error:
                     return Checked(None, [*error.diagnostics])

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, is_gallery, user_folder
+from babyrobot_levels.text.files import (
+    MAX_DEPTH,
+    PACK_FILE,
+    SUFFIXES,
+    is_gallery,
+    is_within,
+    user_folder,
+)
 
 PATH_VARIABLE = "BABYROBOT_LEVELS"
 GALLERY = "gallery"
@@ -108,10 +116,11 @@ def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
     Args:
         folder: the folder.
         all_of_them: whether none may be left out. Otherwise, what lies too deep and what may not
-            be looked into is passed over.
+            be looked into is passed over. Whoever asks for all files means those of the folder, not
+            what links in it lead to.
 
     Raises:
-        OSError: none may be left out, and a folder may not be looked into.
+        OSError: none may be left out, and a folder may not be looked into, or a link leads out.
     """
     for here, folders, names in os.walk(folder, onerror=_refuse if all_of_them else None):
         depth = len(Path(here).relative_to(folder).parts)
@@ -126,6 +135,8 @@ def yaml_files(folder: Path, *, all_of_them: bool = False) -> Iterator[Path]:
         for name in sorted(names):
             path = Path(here, name)
             if path.suffix in SUFFIXES and not name.startswith(".") and name != PACK_FILE:
+                if all_of_them and path.is_symlink() and not is_within(path, folder):
+                    raise OSError(errno.EPERM, "this link leads out of the folder", str(path))
                 yield path
 
 

@@ -42,7 +42,14 @@ from babyrobot_levels.library.search_path import (
 )
 from babyrobot_levels.text.diagnostics import Issue, Route
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
-from babyrobot_levels.text.files import MAX_DEPTH, PACK_FILE, SUFFIXES, is_file, is_folder
+from babyrobot_levels.text.files import (
+    MAX_DEPTH,
+    PACK_FILE,
+    SUFFIXES,
+    is_file,
+    is_folder,
+    is_within,
+)
 from babyrobot_levels.text.reader import open_document
 from babyrobot_levels.text.words import did_you_mean, shortened
 
@@ -195,7 +202,9 @@ class _Opener:
                 raise _UnusableError("BR208", f"there is no folder `{shortened(entry.folder)}`")
             levels = self._levels_in(inner, entry.folder, folder)
         elif entry.pack is not None:
-            levels = self._levels_in(_pack(entry.pack, own).folder, entry.pack)
+            place = _pack(entry.pack, own)
+            within = place.folder if place in own else None
+            levels = self._levels_in(place.folder, entry.pack, within)
         else:
             suite = self._suite(entry.suite, folder, own)
             known = [*suite.fields.splits]
@@ -240,8 +249,8 @@ class _Opener:
         is_empty = True
         for path in yaml_files(folder):
             shown = path.relative_to(folder).as_posix()
-            if within is not None and not _is_within(path, within):
-                raise _UnusableError("BR209", f"`{shown}` leads out of the suite's folder")
+            if within is not None and not is_within(path, within):
+                raise _UnusableError("BR209", f"`{shown}` is a link that leads out of the folder")
             if is_suite_file(path):
                 continue
             level = self._load(path, shown)
@@ -334,19 +343,11 @@ def _inside(folder: Path, name: str) -> Path:
     is_outside = ".." in parts or "\\" in name or "\0" in name or not name
     is_absolute = PurePosixPath(name).is_absolute() or PureWindowsPath(name).anchor
     path = folder / name if not (is_outside or is_absolute) else None
-    if path is None or not _is_within(path, folder):
+    if path is None or not is_within(path, folder):
         message = f"`{shortened(name)}` is not in the folder of the suite"
         advice = "use paths from the folder of the suite on, with `/` and without `..`"
         raise _UnusableError("BR209", message, advice)
     return path
-
-
-def _is_within(path: Path, folder: Path) -> bool:
-    """Tell whether a path lies in a folder when all links are followed."""
-    try:
-        return path.resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError, ValueError):
-        return False
 
 
 def _is_same(path: Path, other: Path) -> bool:
@@ -364,6 +365,10 @@ def _found(finder: Any, name: str, own: tuple[Place, ...]) -> Path:
         guess = f"; did you mean `{error.nearest[0]}`?" if error.nearest else ""
         message = f"there is no {error.what} called `{shortened(name)}`{guess}"
         raise _UnusableError("BR208", message, "names of files end in `.yaml`") from None
+    for place in own:
+        if path.is_relative_to(place.folder) and not is_within(path, place.folder):
+            message = f"`{shortened(name)}` is a link that leads out of its pack"
+            raise _UnusableError("BR209", message)
     return path
 
 

@@ -54,16 +54,16 @@ def read_source(path: Path, name: str | None = None) -> SourceFile:
     try:
         data = read_bytes(path, MAX_BYTES)
     except IsADirectoryError:
-        raise _unreadable("BR101", shown, "this is a directory, not a file") from None
+        raise unreadable("BR101", shown, "this is a directory, not a file") from None
     except NotRegularError:
-        raise _unreadable("BR101", shown, "this is not a regular file") from None
+        raise unreadable("BR101", shown, "this is not a regular file") from None
     except FileNotFoundError:
-        raise _unreadable("BR101", shown, "no such file") from None
+        raise unreadable("BR101", shown, "no such file") from None
     except PermissionError:
-        raise _unreadable("BR101", shown, "permission denied") from None
+        raise unreadable("BR101", shown, "permission denied") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise _unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
+        raise unreadable("BR101", shown, f"the file cannot be read ({reason})") from None
     return source_of(data, shown)
 
 
@@ -116,6 +116,15 @@ def is_folder(path: Path) -> bool:
     return os.path.isdir(path)  # noqa: PTH112
 
 
+def is_within(path: Path, folder: Path) -> bool:
+    """Tell whether a path lies in a folder, or is it, when all links are followed."""
+    try:
+        return Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
+    except ValueError:
+        # A path with a zero byte.
+        return False
+
+
 def is_gallery(path: Path) -> bool:
     """Tell whether a folder is a gallery of web pages, in which levels are copies."""
     return all(is_file(path / name) for name in GALLERY_FILES)
@@ -135,7 +144,7 @@ def source_of(data: bytes, name: str) -> SourceFile:
         LevelError: they are too many, or not UTF-8.
     """
     if len(data) > MAX_BYTES:
-        raise _unreadable("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
+        raise unreadable("BR103", name, f"the file is larger than {MAX_BYTES // (1 << 20)} MiB")
     try:
         return SourceFile(name, data.decode("utf-8"))
     except UnicodeDecodeError as error:
@@ -144,12 +153,13 @@ def source_of(data: bytes, name: str) -> SourceFile:
         if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
             message = "the file is encoded as UTF-16"
         place = before.position(len(before.text))
-        raise _unreadable("BR102", name, message, "save the file in UTF-8", place) from None
+        raise unreadable("BR102", name, message, "save the file in UTF-8", place) from None
 
 
-def _unreadable(
+def unreadable(
     code: str, name: str, message: str, help_text: str | None = None, place: Position = START
 ) -> LevelError:
+    """Return the error of a file that cannot be read; its message shows nothing of the file."""
     return LevelError(
         [
             Diagnostic(

@@ -86,6 +86,44 @@ def test_folders_that_hold_themselves_are_searched_once(folder: Path) -> None:
     assert babyrobot("validate", ".").out == "1 file checked, valid\n"
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="needs links")
+def test_links_lead_to_no_other_files_of_the_machine(folder: Path) -> None:
+    secret = folder / "secret"
+    secret.write_text("token: hidden\n", encoding="utf-8")
+    levels = folder / "levels"
+    (levels / "themes").mkdir(parents=True)
+    (levels / "level.yaml").write_text("version: 1\ntheme: x\n", encoding="utf-8")
+    link = levels / "themes" / "x.yaml"
+    for target in (Path("../../secret"), secret):
+        link.symlink_to(target)
+        for command in ("validate", "lint", "show", "preview"):
+            done = babyrobot(command, "levels/level.yaml")
+            assert done.status == 1
+            assert "x.yaml:1:1: error BR101: this link leads out of the folder" in (
+                done.out + done.err
+            )
+            assert "hidden" not in done.out + done.err
+        link.unlink()
+    (levels / "sea.yaml").write_text("colors: {base: red}\n", encoding="utf-8")
+    link.symlink_to("../sea.yaml")
+    assert babyrobot("validate", "levels/level.yaml").status == 0
+    link.unlink()
+    # Of a pack, the folder is that of the pack.
+    link.symlink_to("../../sea.yaml")
+    (levels / "sea.yaml").rename("sea.yaml")
+    assert babyrobot("validate", "levels/level.yaml").status == 1
+    Path("pack.yaml").write_text("name: mine\nversion: 1.0.0\n", encoding="utf-8")
+    assert babyrobot("validate", "levels/level.yaml").status == 0
+    link.unlink()
+    (levels / "linked.yaml").symlink_to(secret)
+    for command in ("validate", "lint", "format", "solve", "show"):
+        done = babyrobot(command, "levels")
+        assert (done.status, done.out) == (2, "")
+        assert (
+            done.err == f"error: this link leads out of the folder: {Path('levels/linked.yaml')}\n"
+        )
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
