@@ -71,25 +71,26 @@ def transition_changes(
 def _common_configurations(before: Level, after: Level) -> tuple[tuple[Ints, Ints], list[Ints]]:
     """Return the configurations that both levels have, and codes by which these are alike.
 
-    Things are alike if they have the same name and as many values, movers also the same cells. All
-    others must be as at the beginning, and are no part of the codes: what becomes of them is not
-    compared.
+    Things are alike if they have the same kind, name and number of values, movers also the same
+    cells. All others must be as at the beginning, and are no part of the codes: what becomes of
+    them is not compared.
 
     Returns:
         For each level the numbers of the configurations, in the same order; and for each level
         the code of each of its configurations.
     """
     things = [level.things() for level in (before, after)]
-    kinds = [
-        dict(zip(each.names, (*each.radices[: each.static], *phases), strict=True))
-        for each, phases in zip(things, (_phases(before), _phases(after)), strict=True)
+    keys = [[*zip(each.kinds, each.names, strict=True)] for each in things]
+    values_of = [
+        dict(zip(key, (*each.radices[: each.static], *phases), strict=True))
+        for key, each, phases in zip(keys, things, (_phases(before), _phases(after)), strict=True)
     ]
-    common = [name for name in kinds[0] if kinds[1].get(name) == kinds[0][name]]
+    common = [key for key, values in values_of[0].items() if values_of[1].get(key) == values]
     tables, begins = [], []
-    for level, each in zip((before, after), things, strict=True):
+    for level, each, key in zip((before, after), things, keys, strict=True):
         values = level.compile().configurations
-        tables.append(values[:, [each.names.index(name) for name in common]])
-        others = [column for column, name in enumerate(each.names) if name not in common]
+        tables.append(values[:, [key.index(each) for each in common]])
+        others = [column for column, name in enumerate(key) if name not in common]
         first = [each.begins()[column][0] for column in others]
         begins.append(np.flatnonzero((values[:, others] == first).all(axis=1)))
     # The constant column is for levels that have no things in common.

@@ -46,8 +46,9 @@ class Things:
     """The things of a level, and what their values mean.
 
     Attributes:
-        names: the name of each thing: `exit` for a drawn exit; movers without a name are
-            `mover-1`, `mover-2`, ….
+        names: the name of each thing, each another: `exit` for a drawn exit; movers without a name
+            are `mover-1`, `mover-2`, …. Where a thing has this name, they begin with `the-`.
+        kinds: `"exit"`, `"item"`, `"switch"` or `"mover"`, for each thing.
         radices: how many values each thing has.
     """
 
@@ -55,7 +56,13 @@ class Things:
 
     def __init__(self, level: LevelFields):
         self.level = level
-        exits = () if level.exit_one_of is None else (("exit", len(level.exit_one_of)),)
+        named = (*level.items, *level.switches, *level.movers)
+        taken = {thing.name for thing in named}
+
+        def free(name: str) -> str:
+            return free(f"the-{name}") if name in taken else name
+
+        exits = () if level.exit_one_of is None else ((free("exit"), len(level.exit_one_of)),)
         self._items = len(exits)
         self._switches = self._items + len(level.items)
         self._movers = self._switches + len(level.switches)
@@ -65,7 +72,7 @@ class Things:
             *((item.name, len(item.places) + 1) for item in level.items),
             *((switch.name, 2) for switch in level.switches),
             *(
-                (mover.name or f"mover-{number}", len(phases))
+                (mover.name or free(f"mover-{number}"), len(phases))
                 for number, (mover, phases) in enumerate(
                     zip(level.movers, self._phases, strict=True), 1
                 )
@@ -73,6 +80,9 @@ class Things:
         ]
         self.names: tuple[str, ...] = tuple(name for name, _ in columns)
         self.radices: tuple[int, ...] = tuple(count for _, count in columns)
+        counts = (len(exits), len(level.items), len(level.switches), len(level.movers))
+        kinds = zip(("exit", "item", "switch", "mover"), counts, strict=True)
+        self.kinds: tuple[str, ...] = tuple(kind for kind, count in kinds for _ in range(count))
 
     def __len__(self) -> int:
         return len(self.names)

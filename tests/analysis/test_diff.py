@@ -410,3 +410,29 @@ def test_limits() -> None:
 def test_the_difference_can_be_written_as_json() -> None:
     data = diff("maze", "frozen-lake").to_dict()
     assert json.loads(json.dumps(data)) == data
+
+
+def test_names_that_the_program_gives_too_are_kept_apart() -> None:
+    def level(*names: str, **fields: Any) -> World:
+        items = [{"name": names[0], "at": [1, 0]}, {"name": names[1], "at": [2, 1]}]
+        movers = [{"path": [[0, 1], [1, 1]]}]
+        ends = {"exit_one_of": [[2, 0], [3, 0]], "exit_needs": names[1]}
+        world = {"version": 1, "size": [4, 2], "items": items, "movers": movers, **ends, **fields}
+        return {name: value for name, value in world.items() if value is not None}
+
+    found, usual = (
+        diff(level(*names), level(*names, rewards={"step": -2})).transitions
+        for names in (("exit", "mover-1"), ("key", "gem"))
+    )
+    assert (found.count, found.total) == (usual.count, usual.total)
+    assert found.count > 0
+    things = found.first[0].things
+    assert things is not None
+    assert [*things] == ["the-exit", "exit", "mover-1", "the-mover-1"]
+    # An item `exit` is not an exit that is drawn, though both have two values.
+    other = {"exit": [3, 0], "exit_one_of": None, "exit_needs": None, "movers": None}
+    found, usual = (
+        diff(level("a", "b", items=None, exit_needs=None), level(name, "b", **other)).transitions
+        for name in ("exit", "key")
+    )
+    assert (found.count, found.total) == (usual.count, usual.total)

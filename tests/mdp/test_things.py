@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
@@ -52,6 +53,20 @@ def test_things_count_exits_items_switches_and_movers() -> None:
     assert things.radices == (2, 2, 4, 2, 2, 2, 2)
     assert len(things) == 7
     assert things.static == 5
+
+
+def test_no_two_things_have_the_same_name() -> None:
+    names = {"gem": "mover-2", "lever": "exit", "key": "the-exit"}
+    text = json.dumps(VAULT)
+    for name, other in names.items():
+        text = text.replace(f'"{name}"', f'"{other}"')
+    level, usual = level_of(json.loads(text)), level_of(VAULT)
+    things = level.things()
+    assert things.names == (
+        *("the-the-exit", "the-exit", "mover-2", "exit", "lamp", "guard", "the-mover-2"),
+    )
+    assert things.kinds == ("exit", "item", "item", "switch", "switch", "mover", "mover")
+    assert level.digest == usual.digest
 
 
 def test_a_level_without_things_has_one_configuration() -> None:
