@@ -19,6 +19,7 @@ import babyrobot_levels as brl
 from babyrobot_levels.cli.convert import ExportFormat, WorldFormat
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, fields_lost
 from babyrobot_levels.convert.formats import FORMATS, export, file_text, guess
+from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.formatting.formatter import format_text
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
@@ -54,6 +55,82 @@ def test_exports_are_recognised_and_are_levels(name: str, world: World) -> None:
     text = export(level_of(world), name).text
     assert name in guess(SourceFile("world", text))
     assert level_of_world(world_of(text, name)).digest
+
+
+KEY: World = {"items": [{"name": "key", "at": [1, 1]}]}
+GUARD: World = {"movers": [{"path": [[2, 0], [2, 1]]}]}
+WATER: World = {"puddles": [{"at": [1, 1], "size": "small"}]}
+SLOPE: World = {"walls": [{"at": [1, 1], "side": "E"}]}
+CHANGES: dict[str, tuple[World, World]] = {
+    "size": ({}, {"size": [5, 3]}),
+    "start": ({}, {"start": [[0, 0], [1, 0]]}),
+    "heading": ({}, {"heading": "S"}),
+    "exit": ({}, {"exit": [[3, 2], [3, 1]]}),
+    "exit_one_of": ({"exit": [[3, 2], [3, 1]]}, {"exit": None, "exit_one_of": [[3, 2], [3, 1]]}),
+    "exit_needs": (KEY, {"exit_needs": "key"}),
+    "maze": ({}, {"maze": {"seed": 1}}),
+    "walls": ({}, SLOPE),
+    "openings": ({"maze": {"seed": 1}}, {"openings": [{"at": [1, 1], "side": "E"}]}),
+    "doors": (KEY, {"doors": [{"at": [2, 1], "side": "E", "needs": ["key"]}]}),
+    "items": ({}, KEY),
+    "switches": ({}, {"switches": [{"name": "lever", "at": [1, 1]}]}),
+    "movers": ({}, GUARD),
+    "hit": (GUARD, {"hit": {"reward": -5}}),
+    "puddles": ({}, WATER),
+    "puddle_types": (WATER, {"puddle_types": {"small": {"reward": -7}}}),
+    "areas": ({}, {"areas": [{"at": [0, 2], "reward": -3}, {"at": [1, 1], "ends": True}]}),
+    "blocked": ({}, {"blocked": [{"at": [1, 1]}]}),
+    "warps": ({}, {"warps": [{"at": [1, 1], "to": [2, 2]}]}),
+    "wind": ({}, {"wind": {"north": [0, 1, 0, 0]}}),
+    "skid": ({}, {"skid": {"probability": 0.2, "to": "sides"}}),
+    "rewards": ({}, {"rewards": {"step": -2, "bump": -4}}),
+}
+"""For each field that changes the MDP, a level's other fields, and the field."""
+
+OTHERS: tuple[World, ...] = (
+    {"areas": [{"at": [0, 2], "reward": -3}]},
+    {"wind": {"east": [0, 1, 0]}},
+    {"rewards": {"bump": -4}},
+)
+"""What nearly all formats warn of."""
+
+
+NEEDED = {
+    **{"exit_one_of": "exit", "exit_needs": "items", "doors": "items"},
+    **{"hit": "movers", "puddle_types": "puddles"},
+}
+"""Fields that mean nothing where another one is lost."""
+
+
+def test_every_field_of_the_mdp_is_exported_beside_another() -> None:
+    names = fields_with(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD)
+    assert {*CHANGES} == {*names} - {"map", "legend"}
+
+
+@each_format
+@pytest.mark.parametrize("field", CHANGES)
+def test_what_is_lost_is_told_whatever_else_is(
+    name: str, field: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plain = {"version": 1, "size": [4, 3], "start": [0, 0], "exit": [3, 2]}
+    around, change = CHANGES[field]
+    write = FORMATS[name].write
+    for other in OTHERS:
+        if field in other:
+            continue
+        without = brl.load({**plain, **around, **other})
+        level = without.replace(**change)
+        told = [lost.field for lost in export(level, name).warnings]
+        again = level_of_world(world_of(export(level, name).text, name))
+        assert told or again.digest == level.digest
+        assert "MDP" not in told
+        # A format that does not know the field, and says nothing of it.
+        with monkeypatch.context() as patches:
+            forgetful = replace(FORMATS[name], write=lambda _, kept=without: write(kept))
+            patches.setitem(FORMATS, name, forgetful)
+            told = [lost.field.partition(".")[0] for lost in export(level, name).warnings]
+        if level.digest != without.digest and {field, NEEDED.get(field)}.isdisjoint(told):
+            assert "MDP" in told, other
 
 
 CAUSES = ["final-maze", "frozen-lake", "glasshouse", "teleport-pads", "blocked-shapes", "areas"]
