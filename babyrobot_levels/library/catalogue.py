@@ -295,8 +295,9 @@ def looks_like_path(text: str) -> bool:
     path = Path(text)
     if path.suffix in SUFFIXES or text.startswith((".", "~")) or path.is_absolute():
         return True
-    # `pack/name` looks like a path too; a file of that very name is meant where there is one.
-    return len(path.parts) > 1 and is_file(path)
+    # `pack/name` looks like a path too; a file of that very name is meant where there is one. Names
+    # of levels have no suffix, but files may have any, such as `.json`.
+    return (len(path.parts) > 1 or path.suffix != "") and is_file(path)
 
 
 def _is_there(path: Path) -> bool:

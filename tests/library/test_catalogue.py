@@ -80,6 +80,14 @@ def test_a_path(here: Path, tmp_path: Path) -> None:
         assert brl.load(way).name == name, way
 
 
+def test_a_file_with_another_suffix_is_a_path_where_it_is() -> None:
+    write("maze.json", '{"version": 1, "size": [2, 5]}')
+    assert brl.load("maze.json").size == (2, 5)
+    assert run_here(["show", "maze.json"], dict(os.environ)).status == 0
+    with pytest.raises(brl.LevelNotFoundError, match="no level called 'other.json'"):
+        brl.load("other.json")
+
+
 def test_a_path_wins_over_a_level_of_that_name() -> None:
     write("final-maze.yaml")
     assert brl.load("final-maze.yaml").size == (4, 3)
