@@ -84,7 +84,7 @@ def test_a_file_with_another_suffix_is_a_path_where_it_is() -> None:
     write("maze.json", '{"version": 1, "size": [2, 5]}')
     assert brl.load("maze.json").size == (2, 5)
     assert run_here(["show", "maze.json"], dict(os.environ)).status == 0
-    with pytest.raises(brl.LevelNotFoundError, match="no level called 'other.json'"):
+    with pytest.raises(brl.LevelNotFoundError, match=r"no level called 'other\.json'"):
         brl.load("other.json")
 
 
