@@ -168,6 +168,12 @@ def _undiscounted(model: Model, space: StateSpace) -> _Optimum:
     return _Optimum(values, policy, rounds)
 
 
+def most_expected(model: Model, rewards: Floats, space: StateSpace) -> Floats:
+    """Return the most that can be expected of other rewards, `[n, actions]`, from each state."""
+    other = model.with_rewards(np.where(model.allowed, rewards, -np.inf))
+    return _undiscounted(other, space).values
+
+
 def _greedy(model: Model, ahead: Floats, best: Floats) -> Flags:
     """Return the actions whose values are those of the optimal one, `[n, actions]`."""
     rewards = np.abs(model.reward).max(initial=0.0)

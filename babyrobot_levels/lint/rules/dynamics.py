@@ -41,7 +41,7 @@ def warp_onto_itself(context: LintContext) -> Iterator[Finding]:
     version: 1
     size: [4, 4]
     areas:
-      - {at: [1, 2], ends: true}
+      - {at: [1, 2], ends: true, reward: -20}
     ```
     """
     mdp = context.mdp

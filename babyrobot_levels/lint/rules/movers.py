@@ -39,6 +39,7 @@ def unavoidable_mover(context: LintContext) -> Iterator[Finding]:
     size: [4, 4]
     movers:
       - {name: bat, within: {at: [0, 0], size: [4, 3]}}
+    hit: {reward: -20}
     ```
 
     Use instead:
@@ -48,6 +49,7 @@ def unavoidable_mover(context: LintContext) -> Iterator[Finding]:
     size: [4, 4]
     movers:
       - {name: bat, within: {at: [1, 0], size: [3, 3]}, start: [3, 0]}
+    hit: {reward: -20}
     ```
     """
     level, things = context.level, context.things
@@ -119,6 +121,7 @@ def mover_never_met(context: LintContext) -> Iterator[Finding]:
       - {at: [0, 1], side: N, length: 4}
     movers:
       - {name: guard, path: [[1, 1], [2, 1]], back: true}
+    hit: {reward: -20}
     ```
 
     Use instead:
@@ -129,6 +132,7 @@ def mover_never_met(context: LintContext) -> Iterator[Finding]:
     exit: [3, 0]
     movers:
       - {name: guard, path: [[1, 1], [2, 1]], back: true}
+    hit: {reward: -20}
     ```
 
     ## Fix safety

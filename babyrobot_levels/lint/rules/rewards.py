@@ -1,14 +1,19 @@
-"""The rule about the `rewards` of a level."""
+"""Rules about rewards: those that no step gives, and ends that are worth more than an exit."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from babyrobot_levels.lint.context import LintContext
-from babyrobot_levels.lint.finding import Finding
+from babyrobot_levels.lint.finding import Finding, cells_text
 from babyrobot_levels.lint.fixes import removal
 from babyrobot_levels.lint.rule import rule
-from babyrobot_levels.text.diagnostics import Key
+from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.text.diagnostics import Key, Location, Mark
+
+if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.ends import OtherEnds
 
 _HELP = {
     "exit": "the level has no exit that a step can reach",
@@ -126,3 +131,92 @@ def _is_surely_given(context: LintContext, name: str) -> bool:
         for state, others in enumerate(successors)
         for other in others
     )
+
+
+RISK_TAKEN = 0.2
+"""How much less likely than possible an exit may be reached: a small risk saves time."""
+
+
+@rule("BR537")
+def exit_given_up(context: LintContext) -> Iterator[Finding]:
+    """Exit that the optimal policy gives up for another end of the episode.
+
+    ## What it does
+
+    Checks for levels in which the optimal policy ends episodes in a cell with `ends: true` or by a
+    hit, although another policy reaches an exit more often: from some start, the probabilities of
+    reaching an exit differ by more than 0.2. Both are exact. So nothing is reported where an end
+    cannot be avoided, as on slippery ice, or where a small risk saves time. Ends with a positive
+    reward are goals of their own. Levels of more than 5,000 states are not solved.
+
+    If the optimal policy never ends the episode, [`unbounded-return`](unbounded-return.md) says so.
+
+    ## Why is this bad?
+
+    Each step costs something, so an end that costs less than the way to the exit is the best that
+    the robot can do. An agent that learns well walks into the guard or into the hole, and the
+    better it learns, the less often it arrives.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [6, 3]
+    areas:
+      - {at: [1, 1], color: black, ends: true}
+    ```
+
+    Let the end cost more than the way. Use instead:
+
+    ```yaml
+    version: 1
+    size: [6, 3]
+    areas:
+      - {at: [1, 1], color: black, ends: true, reward: -50}
+    ```
+    """
+    level, reach = context.level, context.reach
+    if not level.exits or reach.to_end == reach.to_exit or context.solution is None:
+        return
+    from babyrobot_levels.analysis.solver.ends import exit_chances, other_ends
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+
+    try:
+        starts, own, best = exit_chances(context.solution)
+    except EpisodeTooLongError:
+        return
+    worst = int((best - own).argmax())
+    if best[worst] - own[worst] <= RISK_TAKEN:
+        return
+    ends = other_ends(context.solution, int(starts[worst]))
+    # What gives a reward is a goal of its own.
+    if not ends or context.mdp.reward[ends.at].max() > 0:
+        return
+    whence = f"from {cells_text([context.cell(int(starts[worst]))])} " if own.size > 1 else ""
+    location, what = _chosen_end(context, ends)
+    share, possible = (f"{100 * chances[worst]:.3g} %" for chances in (own, best))
+    yield Finding(
+        location,
+        f"{whence}the optimal policy reaches an exit in {share} of the episodes, where {possible} "
+        f"are possible: it prefers {what}",
+        "give this end a reward that is worse than any way to the exit, or the exit a higher one",
+    )
+
+
+def _chosen_end(context: LintContext, ends: OtherEnds) -> tuple[Location, str]:
+    """Return where the file has the ends that a policy may meet, and words for them."""
+    level = context.level
+    movers = []
+    if level.movers and context.things.can_look_for_hits:
+        movers = [number for number, hits in enumerate(context.things.hits) if hits[ends.at].any()]
+    if movers:
+        hit = ("hit",) if "hit" in context.data else context.place_of_entry("movers", movers[0])
+        return hit, f"to be hit by {listed([f'`{context.things.mover_name(n)}`' for n in movers])}"
+    cells = [*dict.fromkeys(map(context.cell, ends.targets.tolist()))]
+    location = context.place(int(ends.targets[0]))
+    if not isinstance(location, Mark):
+        for number, area in level.written("areas"):
+            (x, y), (columns, rows) = area.at, area.size
+            if area.ends and x <= cells[0][0] < x + columns and y <= cells[0][1] < y + rows:
+                location = ("areas", number)
+    return location, f"the end at {cells_text(cells)}"
