@@ -15,6 +15,7 @@ from babyrobot_levels.generate.candidates import Maker
 from babyrobot_levels.generate.search import Found, UnsatisfiableError, find_level
 from babyrobot_levels.language.base import SLUG
 from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.parallel.executor import Executor, Failure
@@ -60,7 +61,9 @@ class Batch:
         if not self.suite.splits:
             # Level 7 is the same of ten levels and of a thousand.
             stated.pop("count")
-        whole = [FORMAT_VERSION, stated, self.names, sorted(self.excluded)]
+        # In the first version, hits had the reward that they have by default.
+        version = FORMAT_VERSION + bool(bounds(self.suite.guards)[1])
+        whole = [version, stated, self.names, sorted(self.excluded)]
         if self.first or self.title is not None:
             whole += [self.first, self.title]
         return sha256(json.dumps(whole, sort_keys=True).encode("utf-8")).hexdigest()[:12]
@@ -286,19 +289,16 @@ class Target:
     def _check(self, heads: dict[Path, str]) -> None:
         paths = map(self.path, range(self.batch.suite.count))
         there = [path for path in paths if path in heads or path.exists()]
-        for path, head in heads.items():
-            origin = origin_of(head)
-            if origin is not None and origin[0] != self.batch.mark:
+        for path in there:
+            origin = origin_of(heads.get(path, ""))
+            if origin is None or origin[0] != self.batch.mark:
+                defect = "already exists and was not generated"
+                if origin is not None:
+                    defect = "was generated with other options"
                 raise FolderError(
-                    f"{path} was generated with other options",
-                    "choose another folder, or use --force to write into this one",
+                    f"{path} {defect}",
+                    "choose another folder or --name, or use --force to overwrite it",
                 )
-        strange = [path for path in there if origin_of(heads.get(path, "")) is None]
-        if strange:
-            raise FolderError(
-                f"{strange[0]} already exists and was not generated",
-                "choose another folder, or use --force to overwrite it",
-            )
         if there and not self.resume:
             raise FolderError(
                 f"{self.folder} already contains {len(there):,} of these levels",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
@@ -13,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.analysis.metrics import Metrics, neighbours
+from babyrobot_levels.analysis.solver.ends import other_ends
 from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.results import Solution
 from babyrobot_levels.generate.locks import Counts, Placer
 from babyrobot_levels.language.cells import Puddle
 from babyrobot_levels.language.fields import Role, fields_with
@@ -21,6 +24,7 @@ from babyrobot_levels.language.moves import Wind
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.ranges import bounds
 from babyrobot_levels.language.suite import SuiteFields, split_ranges
+from babyrobot_levels.language.things import Hit
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.graph import Graph, Successors, distances
@@ -36,8 +40,11 @@ SHARED = [
 ]
 """The fields of a suite that are fields of its levels."""
 
-PLACED = ("doors", "items", "movers", "wind")
-"""The fields of levels that are drawn after their mazes, besides puddles."""
+PLACED = ("doors", "items", "movers", "hit", "wind")
+"""The fields of levels that are drawn after their mazes, besides puddles, or follow from that."""
+
+HIT_STEPS = 2
+"""A hit costs as much as so many steps for each cell: more than a way with detours and waiting."""
 
 SIZES_KEPT = 256
 
@@ -86,13 +93,20 @@ class Candidate:
     def has_room(self) -> bool:
         """Whether all its things could be placed, with a way to the exit, and none is idle.
 
-        In wind, there is a way to the exit from wherever the robot gets.
+        In wind, there is a way to the exit from wherever the robot gets. Among guards, the optimum
+        never risks a hit.
         """
         if self._things is None:
             return False
         if not self._has_more:
             return True
-        return self._steps_among_things > 0 and self._needs_its_doors and self._is_never_lost
+        if self._steps_among_things <= 0 or not self._needs_its_doors or not self._is_never_lost:
+            return False
+        return not self.level.movers or not other_ends(self._solution)
+
+    @cached_property
+    def _solution(self) -> Solution:
+        return solve(self.level)
 
     @property
     def _has_more(self) -> bool:
@@ -108,7 +122,7 @@ class Candidate:
         doors, level = self.level.doors, self.level
         if not doors or len(doors) > sum(item.picture == "key" for item in level.items):
             return True
-        optimum = solve(level).expected_return
+        optimum = self._solution.expected_return
         return all(
             solve(_without_door(level, number)).expected_return > optimum + TOLERANCE
             for number in range(len(doors))
@@ -213,6 +227,8 @@ class Candidate:
                 Puddle(at=(cell % width, cell // width), size=size) for cell, size in puddles
             )
         fields |= self._things or {}
+        if "movers" in fields:
+            fields["hit"] = Hit(reward=_hit_reward(suite, self.size))
         if self._wind:
             fields["wind"] = Wind.model_validate(self._wind)
         level = self._grown.model_copy(update=fields)
@@ -327,6 +343,15 @@ def _grown(blank: Level, maze: dict[str, Any], start: int) -> Level:
         if plain_maze.grid().open_bits == level.grid().open_bits:
             return plain_maze
     return level
+
+
+def _hit_reward(suite: SuiteFields, size: tuple[int, int]) -> float:
+    """Return a reward that is worse than any way to the exit: a round number, by the size alone."""
+    rewards = suite.rewards
+    step = max(abs(rewards.step), abs(rewards.closer or 0), abs(rewards.farther or 0))
+    cost = HIT_STEPS * size[0] * size[1] * step + abs(rewards.exit) or 1.0
+    power = 10.0 ** math.floor(math.log10(cost))
+    return -next(digit * power for digit in (1, 2, 5, 10) if digit * power >= cost)
 
 
 def _without_door(level: Level, number: int) -> Level:

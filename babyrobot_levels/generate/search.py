@@ -178,6 +178,7 @@ class Tally:
             reason = (
                 f"in none of {self.tries:,} candidates was there room for all keys, doors, coins "
                 f"and guards{', and a way against the wind' * bool(bounds(self.suite.wind)[1])}"
+                f"{', and a way that never risks a hit' * bool(bounds(self.suite.guards)[1])}"
             )
             return UnsatisfiableError(self._placed(), "", reason, 1.5)
         if rarest is None or not self.playable:

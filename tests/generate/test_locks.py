@@ -130,6 +130,22 @@ def test_levels_without_things_are_what_they_were() -> None:
     assert load_suite({**plain, "keys": 0})[3].digest == load_suite(plain)[3].digest
 
 
+def test_a_hit_is_worse_than_the_way_and_changes_no_layout() -> None:
+    suite = load_suite({**FIELDS, "size": [8, 6], "keys": 0, "coins": 0, "guards": 1, "count": 5})
+    for level in suite:
+        assert level.hit.reward == -100
+        assert brl.solve(level).exit_probability == 1
+        # With a hit that costs less than the way, the optimum is to walk into the guard.
+        assert brl.solve(level.replace(hit={"reward": -1})).exit_probability == 0
+    assert [level.maze.seed for level in suite if level.maze is not None] == [
+        210896483931586,
+        169307706175570,
+        82155366809662,
+        165421636636716,
+        14143807719623,
+    ]
+
+
 def test_a_drawn_level_keeps_its_things() -> None:
     suite = load_suite({**FIELDS, "start": "farthest", "keys": 1, "guards": 1, "count": 5})
     for level in suite:

@@ -1,0 +1,110 @@
+"""Exits are worth reaching: in levels that are generated, and how often at best in any level."""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, assume, given, settings
+from hypothesis import strategies as st
+from oracles.random_things import random_level
+from support.worlds import level_of, worlds
+
+import babyrobot_levels as brl
+from babyrobot_levels.analysis.solver.ends import exit_chances, other_ends
+from babyrobot_levels.analysis.solver.optimum import solve
+from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
+from babyrobot_levels.generate.search import UnsatisfiableError
+from babyrobot_levels.generate.suites import load_suite
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.reachability import exit_states
+
+pytestmark = pytest.mark.slow
+
+untimed = settings(
+    max_examples=min(settings().max_examples, 40),
+    deadline=None,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.filter_too_much],
+)
+
+
+@st.composite
+def conditions(draw: st.DrawFn) -> dict[str, Any]:
+    """Return the fields of a suite whose levels have guards or not, in all kinds of mazes."""
+    sides = st.integers(5, 8)
+    keys = draw(st.integers(0, 2))
+    return {
+        "version": 1,
+        "kind": "suite",
+        "count": 1,
+        "seed": draw(st.integers(0, 10**6)),
+        "size": [draw(sides), draw(sides)],
+        "maze": {"algorithm": ["depth-first", "wilson"], "loops": draw(st.sampled_from([0, 0.6]))},
+        "start": draw(st.sampled_from(["corner", "random", "farthest"])),
+        "exit": draw(st.sampled_from(["corner", "random", "farthest"])),
+        "puddles": draw(st.integers(0, 6)),
+        "wind": draw(st.integers(0, 2)),
+        "keys": keys,
+        "doors": keys + draw(st.integers(0, min(1, keys))),
+        "coins": draw(st.integers(0, 2)),
+        "guards": draw(st.integers(0, 2)),
+        "rewards": draw(
+            st.sampled_from([{}, {"step": -0.1, "exit": 1}, {"step": -5, "bump": -20, "stay": -1}])
+        ),
+        "discount": draw(st.sampled_from([1.0, 1.0, 0.9])),
+    }
+
+
+@untimed
+@given(conditions())
+def test_the_optimal_policy_of_a_generated_level_surely_reaches_the_exit(
+    fields: dict[str, Any],
+) -> None:
+    try:
+        level = load_suite(fields)[0]
+    except UnsatisfiableError:
+        assume(False)
+    again = brl.loads(level.to_yaml())
+    assert again.digest == level.digest
+    assert solve(again).exit_probability == pytest.approx(1, abs=1e-9)
+    assert ("hit" in again.to_dict()) == bool(again.movers)
+
+
+def level_with_things(seed: int) -> Level:
+    return level_of(random_level(Random(seed)))
+
+
+@untimed
+@given(worlds().map(level_of) | st.integers(0, 10**9).map(level_with_things))
+def test_the_chances_of_an_exit_are_those_of_repeated_sweeps(level: Level) -> None:
+    assume(level.exits)
+    mdp = level.compile()
+    try:
+        solution = solve(level)
+        starts, own, best = exit_chances(solution)
+    except (EpisodeTooLongError, UndefinedReturnError):
+        assume(False)
+    is_exit = exit_states(level, mdp)[mdp.next_state] & mdp.terminal
+    policy = solution.policy.ravel()
+    rows, chosen, values = (
+        np.arange(mdp.num_states),
+        np.maximum(policy, 0),
+        np.zeros((2, len(policy))),
+    )
+    for _ in range(3000):
+        ahead = [
+            (mdp.probability * np.where(mdp.terminal, is_exit, each[mdp.next_state])).sum(axis=2)
+            for each in values
+        ]
+        after = np.stack([ahead[0][rows, chosen], ahead[1].max(axis=1)])
+        after[:, mdp.is_terminal] = 0
+        if np.abs(after - values).max() < 1e-13:
+            break
+        values = after
+    assert own == pytest.approx(values[0][starts], abs=1e-6)
+    assert best == pytest.approx(values[1][starts], abs=1e-6)
+    assert (own <= best + 1e-9).all()
+    if (own < best - 1e-9).any() and np.isfinite(solution.expected_steps):
+        assert other_ends(solution)
