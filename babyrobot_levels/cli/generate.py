@@ -338,7 +338,10 @@ def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
             f"{fields.name or 'the suite'} lists its levels, so there is nothing to generate",
             "generate a suite that grows mazes, or copy the files of these levels",
         )
-    fields = fields_to_generate(fields, loaded.folder, options.count)
+    try:
+        fields = fields_to_generate(fields, loaded.folder, options.count)
+    except ValueError as error:
+        fail(f"--{error}")
     return fields, name_pattern(fields)
 
 

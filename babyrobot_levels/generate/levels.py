@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Generator, Mapping
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from babyrobot_levels.language.documents import grown_from_mapping, read_theme, 
 from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.language.validation import validate
 from babyrobot_levels.parallel.choice import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
 
@@ -57,7 +59,8 @@ def generate_levels(
         FolderError: there are files that must not be overwritten.
         UnsatisfiableError: no level meets the conditions. The ones before it are written.
         ExecutorError: Ray is not installed, or cannot be reached.
-        ValueError: the suite lists its levels, or is a part of one; or `jobs` is less than 1.
+        ValueError: the suite lists its levels, or is a part of one; `count` is out of range, or
+            leaves a split without levels; or `jobs` is less than 1.
         OSError: a file cannot be written.
     """
     loaded = load_suite(suite)
@@ -85,8 +88,16 @@ def fields_to_generate(
         fields: the fields.
         folder: the folder that may have `themes/` in it.
         count: the number of levels, None for that of the suite.
+
+    Raises:
+        ValueError: no suite can have this count, or one of its splits would have no levels.
     """
     changes: dict[str, Any] = {} if count is None else {"count": count}
+    _, issues = validate({**plain(fields), **changes}, SuiteFields) if changes else (None, [])
+    if issues:
+        # Of a valid suite, only the count can be wrong.
+        texts = [re.sub("^`count` ", "", issues[0].message), issues[0].help or ""]
+        raise ValueError(f"count: {'; '.join(filter(None, texts))}")
     theme = _theme_beside(fields, folder)
     if theme is not None:
         changes["theme"] = plain(theme)

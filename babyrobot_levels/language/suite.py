@@ -240,7 +240,7 @@ def _faulty_splits(suite: SuiteFields) -> Iterator[Issue]:
     for name, part in split_ranges(suite).items():
         if not part:
             message = f"`{name}` gets none of the {suite.count} levels"
-            yield Issue("BR205", ("splits", name), message, "increase `count` or the share")
+            yield Issue("BR205", ("splits", name), message, "use more levels, or a larger share")
 
 
 def split_ranges(suite: SuiteFields) -> dict[str, range]:

@@ -316,6 +316,33 @@ def test_nothing_is_written_over_without_force(babyrobot: Babyrobot) -> None:
     assert not set(contents(Path("out")).values()) & set(before.values())
 
 
+def test_levels_of_several_calls_are_in_one_folder(babyrobot: Babyrobot) -> None:
+    order = ["generate", "--count", "2", "-o", "out"]
+    babyrobot(*order)
+    before = contents(Path("out"))
+    other = ["--seed", "1", "--name", "other-{index}"]
+    assert babyrobot(*order, *other).status == 0
+    assert babyrobot(*order, *other, "--resume").out == "wrote 0 levels to out; kept 2\n"
+    assert contents(Path("out")).items() > before.items()
+    assert babyrobot(*order, "--count", "3", "--resume").out == "wrote 1 level to out; kept 2\n"
+
+
+@pytest.mark.parametrize(
+    ("count", "message"),
+    [
+        (0, "--count: must be at least 1, not `0`"),
+        (1, "--count: `test` gets none of the 1 levels; use more levels, or a larger share"),
+    ],
+)
+def test_a_count_that_the_suite_cannot_have_is_told_as_an_option(
+    babyrobot: Babyrobot, count: int, message: str
+) -> None:
+    done = babyrobot("generate", "small-mazes", "--count", str(count), "-o", "out")
+    assert (done.status, done.err) == (2, f"error: {message}\n")
+    with pytest.raises(ValueError, match=message.removeprefix("--")):
+        brl.generate_levels("small-mazes", "out", count=count)
+
+
 def test_other_peoples_files_stay(babyrobot: Babyrobot) -> None:
     Path("out").mkdir()
     Path("out", "level-00003.yaml").write_text("version: 1\n", "utf-8")
