@@ -126,7 +126,8 @@ def test_what_is_lost_is_told_whatever_else_is(
         assert "MDP" not in told
         # A format that does not know the field, and says nothing of it.
         with monkeypatch.context() as patches:
-            forgetful = replace(FORMATS[name], write=lambda _, kept=without: write(kept))
+            kept = write(without)
+            forgetful = replace(FORMATS[name], write=lambda _, kept=kept: kept)  # type: ignore[misc]
             patches.setitem(FORMATS, name, forgetful)
             told = [lost.field.partition(".")[0] for lost in export(level, name).warnings]
         if level.digest != without.digest and {field, NEEDED.get(field)}.isdisjoint(told):
