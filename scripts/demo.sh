@@ -8,7 +8,7 @@ source scripts/venv.sh
 make_venv .venv
 .venv/bin/pip install --quiet --disable-pip-version-check .
 .venv/bin/babyrobot validate "$level"
-.venv/bin/babyrobot preview "$level" --output demo.png --force
-.venv/bin/babyrobot preview "$level" --policy best --output demo.gif --force
+.venv/bin/babyrobot preview "$level" --output demo.png
+.venv/bin/babyrobot preview "$level" --policy best --output demo.gif
 .venv/bin/python examples/play.py "$level"
 echo "Written: demo.png (the level) and demo.gif (the episode above as a film)"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import difflib
 import json
+import re
+import struct
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from enum import StrEnum
@@ -100,40 +102,74 @@ def fail(message: str, help_text: str | None = None) -> NoReturn:
     raise typer.Exit(WRONG_CALL)
 
 
-def save(path: Path, data: str | bytes, *, force: bool, marks: bool = False) -> None:
-    """Write a file atomically, and a line about it; refuse to overwrite one without `--force`.
+PICTURES = (".gif", ".html", ".pdf", ".png", ".svg", ".txt")
+"""Suffixes of files that can be made again, and are overwritten."""
+
+
+def save(path: Path, data: str | bytes, *, force: bool | None = None) -> None:
+    """Write a file atomically, and a line about it.
 
     Args:
         path: the file.
         data: its contents.
-        force: whether to overwrite a file.
-        marks: whether to mark the file as made by the command. One that bears this mark, and was
-            not changed since, is overwritten without `--force`.
+        force: whether to overwrite a file; None for a picture or page, which overwrites what has
+            the suffix of one.
     """
-    from babyrobot_levels.cli.written import facts_of, is_own, marked
     from babyrobot_levels.text.files import write_bytes
 
     if path == STANDARD_OUTPUT:
         fail("this output cannot be written to standard output", "give the path of a file")
     content = data.encode("utf-8") if isinstance(data, str) else data
-    if marks:
-        content = marked(content)
     try:
         if path.is_dir():
             fail(f"{path} is a folder", "give the path of a file")
         if path.exists() and not path.is_file():
             fail(f"{path} exists and is not a regular file")
-        if path.exists() and not force and not (marks and is_own(path.read_bytes())):
+        if path.exists() and force is None and path.suffix.lower() not in PICTURES:
+            fail(f"{path} already exists, and is not a picture", "give the path of another file")
+        if path.exists() and force is False:
             fail(f"{path} already exists", "use --force to overwrite it")
         write_bytes(path, content)
     except typer.Exit:
         raise
     except (OSError, RuntimeError) as error:
         fail(f"{path} cannot be written ({getattr(error, 'strerror', None) or error})")
-    facts = facts_of(content)
+    facts = _facts_of(content)
     if not speaks_unicode(sys.stderr):
         facts = facts.replace("×", "x")
     note(f"wrote {one_line(str(path))} ({facts})")
+
+
+_PNG, _GIF = b"\x89PNG\r\n\x1a\n", b"GIF89a"
+_SVG_SIZE = re.compile(rb'<svg [^>]*?width="([\d.]+)" height="([\d.]+)"')
+
+
+def _facts_of(data: bytes) -> str:
+    """Return the size of a file: the pixels of a picture, and the bytes."""
+    size = _pixels(data)
+    shown = _in_bytes(len(data))
+    return f"{size[0]:g} × {size[1]:g}, {shown}" if size else shown
+
+
+def _pixels(data: bytes) -> tuple[float, float] | None:
+    """Return width and height of a picture; None for other files."""
+    if data.startswith(_PNG):
+        width, height = struct.unpack(">II", data[16:24])
+        return width, height
+    if data.startswith(_GIF):
+        width, height = struct.unpack("<HH", data[6:10])
+        return width, height
+    found = _SVG_SIZE.match(data)
+    return (round(float(found[1])), round(float(found[2]))) if found else None
+
+
+def _in_bytes(count: int) -> str:
+    if count < 1000:
+        return "1 byte" if count == 1 else f"{count} bytes"
+    kilobytes = count / 1000
+    if kilobytes < 999.5:
+        return f"{kilobytes:.1f} KB" if kilobytes < 9.95 else f"{kilobytes:.0f} KB"
+    return f"{kilobytes / 1000:.1f} MB"
 
 
 def styled(text: str, stream: IO[str] | None = None, **style: Any) -> str:

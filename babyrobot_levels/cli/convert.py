@@ -332,7 +332,8 @@ def export_level(
     if output is not None:
         for name, data in beside.items():
             save(output.parent / name, data, force=force)
-        save(output, made, force=force, marks=chosen in (ExportFormat.PNG, ExportFormat.SVG))
+        is_picture = chosen in (ExportFormat.PNG, ExportFormat.SVG)
+        save(output, made, force=None if is_picture else force)
         return
     for name in beside:
         note(f"note: {name}, the picture of the tiles, is only written with -o FILE")

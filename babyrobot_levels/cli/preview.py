@@ -12,7 +12,6 @@ import typer
 from typer.core import TyperCommand
 
 from babyrobot_levels.cli.console import (
-    ForceOption,
     OutputOption,
     fail,
     note,
@@ -184,16 +183,14 @@ def preview(
         ),
     ] = None,
     split: SplitOption = None,
-    force: ForceOption = False,
     watch: Annotated[
         bool, typer.Option("--watch", help="Repeat whenever the level is saved.")
     ] = False,
 ) -> None:
     """Draw levels in the terminal, or save them as pictures, animated GIFs or web pages.
 
-    The suffix of FILE chooses the format. An HTML page can be played in any browser. A picture or
-    page that this command has written, and that has not been changed since, is overwritten without
-    --force.
+    The suffix of FILE chooses the format. An HTML page can be played in any browser. Pictures and
+    pages are overwritten.
 
     Several levels, folders and packs are drawn one below the other. With -o FOLDER, a picture of
     each is written there, also of the levels of a suite: SVG files unless --format says otherwise.
@@ -259,10 +256,10 @@ def preview(
             return drawn(load_level(levels[0]), report)
 
     if not one:
-        _put_all(levels_named(levels, split), drawn, chosen, output, force=force)
+        _put_all(levels_named(levels, split), drawn, chosen, output)
         return
     for result in _each_time(made, file_of(levels[0])) if watch else [made()]:
-        _put(result, chosen, output, force=force)
+        _put(result, chosen, output)
 
 
 def _put_all(
@@ -270,8 +267,6 @@ def _put_all(
     drawn: Callable[[Level, Report], str | bytes],
     chosen: PictureFormat,
     output: Path | None,
-    *,
-    force: bool,
 ) -> None:
     """Write the pictures of several levels, to files in a folder or one below the other."""
     if output is None and not isinstance(levels, list):
@@ -285,7 +280,7 @@ def _put_all(
         result = drawn(level, lambda done, total: None)
         if folder is None:
             write(("\n" if index else "") + f"{printable(level.name or name)}\n\n")
-        _put(result, chosen, folder and folder / f"{name}{suffix}", force=force)
+        _put(result, chosen, folder and folder / f"{name}{suffix}")
 
 
 def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | bytes]:
@@ -304,10 +299,10 @@ def _each_time(made: Callable[[], str | bytes], file: Path) -> Iterator[str | by
             continue
 
 
-def _put(made: str | bytes, chosen: PictureFormat, output: Path | None, *, force: bool) -> None:
+def _put(made: str | bytes, chosen: PictureFormat, output: Path | None) -> None:
     """Write a picture to a file, or to standard output."""
     if output is not None:
-        save(output, made, force=force, marks=True)
+        save(output, made)
     elif isinstance(made, str):
         write(made)
     elif sys.stdout.isatty():

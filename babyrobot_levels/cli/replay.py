@@ -11,7 +11,6 @@ import typer
 
 from babyrobot_levels.cli.console import (
     FINDINGS,
-    ForceOption,
     FormatOption,
     ReportFormat,
     fact_lines,
@@ -63,7 +62,6 @@ def replay(
         ),
     ] = None,
     report_format: FormatOption = ReportFormat.TEXT,
-    force: ForceOption = False,
 ) -> None:
     """Verify recorded episodes by the tables of their level, and show them.
 
@@ -105,7 +103,7 @@ def replay(
     else:
         write_table(list(_COLUMNS), [_cells(row) for row in rows], less=("verified",))
     if output is not None and found[0].is_valid:
-        _save_film(found[0], output, force=force)
+        _save_film(found[0], output)
     if not all(each.is_valid for each in found):
         raise typer.Exit(FINDINGS)
 
@@ -264,10 +262,10 @@ def _show(play: Play) -> None:
     write("\n")
 
 
-def _save_film(verification: Verification, path: Path, *, force: bool) -> None:
+def _save_film(verification: Verification, path: Path) -> None:
     with working("drawing") as report:
         try:
             film = verification.to_gif(progress=report)
         except ValueError as error:
             fail(str(error))
-    save(path, film, force=force)
+    save(path, film)

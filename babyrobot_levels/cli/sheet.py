@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import ForceOption, OutputOption, fail, note, save, write
+from babyrobot_levels.cli.console import OutputOption, fail, note, save, write
 from babyrobot_levels.cli.levels import (
     LevelsArgument,
     SplitOption,
@@ -104,7 +104,6 @@ def sheet(
         str, typer.Option(metavar="THEME", help="Theme of the pictures; `print` is grey.")
     ] = "print",
     split: SplitOption = None,
-    force: ForceOption = False,
 ) -> None:
     """Print levels on an exercise sheet: n on a page, with titles, rules and room to write.
 
@@ -155,7 +154,7 @@ def sheet(
             fail(found.message, found.help)
         except ValueError as error:
             fail(str(error))
-        _put(made, chosen, output, force=force)
+        _put(made, chosen, output)
 
 
 def _with_maze(level: Level) -> Level:
@@ -178,14 +177,14 @@ def _chosen_format(sheet_format: SheetFormat | None, output: Path | None) -> She
     return SheetFormat(suffix[1:])
 
 
-def _put(made: Sheet, chosen: SheetFormat, output: Path | None, *, force: bool) -> None:
+def _put(made: Sheet, chosen: SheetFormat, output: Path | None) -> None:
     """Write a sheet to a file, several PNG files, or standard output."""
     if chosen is SheetFormat.PNG and _has_other_letters(made):
         note("PNG files show Latin letters only, and there are others: use --format html")
     files = made.files(output or "sheet", chosen)
     if output is not None:
         for path, content in files.items():
-            save(path, content(), force=force)
+            save(path, content())
     elif len(files) > 1:
         fail("several pages are several PNG files", "save them with -o FILE.png")
     elif chosen is SheetFormat.HTML:
