@@ -9,10 +9,9 @@ imported when it is first used.
 from __future__ import annotations
 
 import importlib
-import warnings
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.envs import former_modules, gymnasium_hook
+from babyrobot_levels.envs import gymnasium_hook
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.certificate import Certificate as Certificate
@@ -203,22 +202,10 @@ _HOMES = {
     "write_gallery": "publish.gallery",
 }
 
-_RENAMED = {
-    "NoTotalError": "UndefinedReturnError",
-    "StarvedError": "UnsatisfiableError",
-    "TooLongError": "EpisodeTooLongError",
-}
-"""Old public names, and what they are called now."""
-
 __all__ = sorted([*_HOMES, "__version__"])
 
 
 def __getattr__(name: str) -> Any:
-    if name in _RENAMED:
-        new = _RENAMED[name]
-        message = f"{__name__}.{name} is deprecated; use {__name__}.{new}"
-        warnings.warn(message, DeprecationWarning, stacklevel=2)
-        return globals().get(new) or __getattr__(new)
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
@@ -231,4 +218,3 @@ def __dir__() -> list[str]:
 
 
 gymnasium_hook.install()
-former_modules.install()

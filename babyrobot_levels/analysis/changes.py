@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields
+from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import islice
 from typing import Any
 
@@ -26,11 +26,6 @@ class Change:
     cell: tuple[int, int] | None = None
     name: str | None = None
     things: dict[str, Any] | None = None
-
-    def __setstate__(self, state: Sequence[Any]) -> None:
-        # Pickles of version 0.1 have no `things`.
-        for each, value in zip(fields(self), (*state, None), strict=False):
-            object.__setattr__(self, each.name, value)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data, without what does not apply."""

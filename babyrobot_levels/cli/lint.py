@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from babyrobot_levels.cli.console import FINDINGS, fail, note, wants_color, write
+from babyrobot_levels.cli.console import FINDINGS, fail, wants_color, write
 from babyrobot_levels.cli.parallel import JobsOption, RayAddressOption, RayOption, Workers, map_all
 from babyrobot_levels.cli.reporting import (
     STANDARD_INPUT,
@@ -162,7 +162,6 @@ def _run(
     from babyrobot_levels.lint.runner import equivalent_levels, is_note
     from babyrobot_levels.text.source import SourceFile
 
-    _note_renamed_rules(files, options)
     outcomes = dict(
         zip(files, map_all(partial(lint_path, options), files, workers, "linting"), strict=True)
     )
@@ -187,22 +186,6 @@ def _run(
         ending = _ending(count, [each.fix for each in found], unsafe=options.unsafe)
         write_report(report_format, found, files, clean="clean", ending=ending)
     return not all(map(is_note, found))
-
-
-def _note_renamed_rules(files: list[Path], options: Options) -> None:
-    """Write a warning for each former name of a rule in the options or the settings."""
-    from babyrobot_levels.lint.registry import renamed
-
-    noted: set[tuple[str, Path | None]] = set()
-    for path in files:
-        settings = options.settings_for(path)
-        for word, name in renamed(settings.words).items():
-            own = word in (*(options.select or ()), *options.ignore)
-            place = None if own else settings.file
-            if (word, place) not in noted:
-                noted.add((word, place))
-                where = f"{place}: " if place else ""
-                note(f"warning: {where}rule `{word}` has been renamed to `{name}`")
 
 
 def lint_path(options: Options, path: Path) -> Outcome:

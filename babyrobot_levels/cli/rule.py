@@ -72,8 +72,7 @@ def rule(
             write(f"{_bold(each.code)}  {each.name.ljust(width)}  {each.summary}\n")
     else:
         (only,) = rules
-        former = f"Formerly named {only.aliases[0]}.\n\n" if only.aliases else ""
-        write(f"{_bold(f'{only.code} {only.name}')}\n\n{former}{_shown(only.page)}\n")
+        write(f"{_bold(f'{only.code} {only.name}')}\n\n{_shown(only.page)}\n")
 
 
 def _shown(page: str) -> str:

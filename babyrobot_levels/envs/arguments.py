@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import operator
-import warnings
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -201,18 +200,6 @@ def checked_autoreset_mode(mode: Any) -> AutoresetMode:
     except ValueError:
         known = ", ".join(str(each) for each in AutoresetMode)
         raise ValueError(f"autoreset_mode must be one of {known}, not {mode!r}") from None
-
-
-def checked_legacy_infos(legacy_infos: Any) -> bool:
-    """Return whether infos have the keys of former versions, and warn if they do."""
-    if legacy_infos:
-        warnings.warn(
-            "legacy_infos=True will be removed in the next version: "
-            "read the attributes `level_digest` and `item_names` of the environment instead",
-            DeprecationWarning,
-            stacklevel=3,
-        )
-    return bool(legacy_infos)
 
 
 # -- resetting -------------------------------------------------------------------------------

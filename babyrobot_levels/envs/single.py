@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from itertools import compress
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,7 +16,6 @@ from babyrobot_levels.envs.arguments import (
     check_names,
     checked_action,
     checked_given,
-    checked_legacy_infos,
     checked_maze_seed,
     checked_observation,
     checked_options,
@@ -119,7 +116,6 @@ class LevelEnv(RenderedEnv):
         see_through: bool = False,
         channels_last: bool = False,
         planes_dtype: str = "float32",
-        legacy_infos: bool = False,
     ):
         """Make the environment of a level.
 
@@ -139,8 +135,6 @@ class LevelEnv(RenderedEnv):
             channels_last: whether planes have the shape `[height, width, planes]` and not
                 `[planes, height, width]`.
             planes_dtype: `"float32"`, for planes from 0 to 1, or `"uint8"`, from 0 to 255.
-            legacy_infos: whether infos are those of former versions: `reset` adds `level_digest`,
-                and `held` has the names of items; deprecated.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -169,7 +163,6 @@ class LevelEnv(RenderedEnv):
         self._spec: EnvSpec | None = None
         self._state = -1
         self._num_items, self._has_movers = self._things()
-        self._legacy_infos = checked_legacy_infos(legacy_infos)
         self._level_number: dict[str, int] = {}
         self._has_more = False
         # Until the first reset, a level with random mazes has the maze of seed 0.
@@ -250,8 +243,6 @@ class LevelEnv(RenderedEnv):
         if self._has_movers:
             info["hit"] = False
         info.update(self._level_number)
-        if self._legacy_infos and not is_grown:
-            info["level_digest"] = self.level.digest
         return observe(), info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -301,10 +292,6 @@ class LevelEnv(RenderedEnv):
                 info.update(self._level_number)
         return observe(), reward, terminal, False, info
 
-    def _names(self, held: NDArray[np.bool_]) -> tuple[str, ...]:
-        """Return the names of what is held, for infos as they once were."""
-        return tuple(compress(self.item_names, held.tolist()))
-
     def action_masks(self) -> NDArray[np.int8]:
         """Return the current action mask, int8 `[actions]`. The name is sb3-contrib's."""
         if self._now is None:
@@ -325,8 +312,7 @@ class LevelEnv(RenderedEnv):
         outcomes = {
             action: self._outcomes(state, action + first, *row) for action, row in enumerate(rows)
         }
-        copy_held = partial(self._names, held) if self._legacy_infos else held.copy
-        found = outcomes, self._observer.at(state), mask.copy, mask, copy_held
+        found = outcomes, self._observer.at(state), mask.copy, mask, held.copy
         self._states[state] = found
         return found
 

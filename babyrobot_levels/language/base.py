@@ -43,13 +43,6 @@ class Model(BaseModel):
         defer_build=True,
     )
 
-    def __setstate__(self, state: dict[Any, Any]) -> None:
-        super().__setstate__(state)
-        # A pickle of an earlier version lacks the fields that are new.
-        for name, info in type(self).model_fields.items():
-            if name not in self.__dict__:
-                self.__dict__[name] = info.get_default(call_default_factory=True)
-
 
 def _whole(value: Any) -> Any:
     """Take `3.0` for `3`, as JSON Schema does."""

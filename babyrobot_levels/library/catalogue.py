@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from typing import Any, SupportsIndex, overload
@@ -69,11 +69,6 @@ class LevelInfo(Shown):
     def __repr__(self) -> str:
         title = "" if self.title is None else f" {self.title!r}"
         return f"<LevelInfo {self.name!r}: {self.size[0]}x{self.size[1]}{title}>"
-
-    def __setstate__(self, state: Sequence[Any]) -> None:
-        # Pickles of version 0.1 have no origin.
-        for field, value in zip(fields(self), [*state, ""], strict=False):
-            object.__setattr__(self, field.name, value)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from babyrobot_levels.language.documents import level_from_mapping
-from babyrobot_levels.language.looks import Theme
 from babyrobot_levels.library.shown import later
 from babyrobot_levels.mdp.gridworld import GridWorld
 
@@ -64,16 +62,6 @@ class Level(GridWorld):
         return f"<Level{name}: {width}x{height}>"
 
     __str__ = __repr__
-
-    @property
-    def colors_and_widths(self) -> Theme:
-        """The former name of `resolved_theme`. Deprecated."""
-        warnings.warn(
-            "Level.colors_and_widths is deprecated; use Level.resolved_theme",
-            DeprecationWarning,
-            stacklevel=2,
-        )
-        return self.resolved_theme
 
     # -- other levels ----------------------------------------------------------------------
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache, lru_cache
 from importlib.resources import files
 
@@ -14,7 +14,7 @@ from babyrobot_levels.lint.rule import REGISTERED, Rule
 from babyrobot_levels.text.diagnostics import Severity
 from babyrobot_levels.text.words import did_you_mean
 
-_FIRST_LINE = re.compile(r"(?P<name>[a-z0-9-]+)(?: \(formerly (?P<formerly>[a-z0-9-]+)\))?")
+_NAME = re.compile(r"[a-z0-9-]+")
 
 
 class UnknownRuleError(ValueError):
@@ -36,7 +36,7 @@ def all_pages() -> tuple[Rule, ...]:
 
 
 def find(word: str) -> Rule | None:
-    """Return the rule or error with a code, a name or a former name; None if there is none."""
+    """Return the rule or error with a code or a name; None if there is none."""
     return next((rule for rule in all_pages() if rule.is_called(word)), None)
 
 
@@ -78,17 +78,10 @@ def _match(word: str, rule: Rule) -> int:
     """Return how specifically a word matches a rule, 0 if it does not."""
     if word.upper() == "ALL":
         return 1
-    if word.lower() == rule.name or word.lower() in rule.aliases:
+    if word.lower() == rule.name:
         return len(rule.code) + 1
     is_prefix = len(word) >= 2 and rule.code.startswith(word.upper())
     return len(word) if is_prefix else 0
-
-
-def renamed(words: Iterable[str]) -> dict[str, str]:
-    """Return the former rule names among some words, each with the rule's current name."""
-    return {
-        word: rule.name for word in words for rule in all_rules() if word.lower() in rule.aliases
-    }
 
 
 def titles() -> dict[str, str]:
@@ -107,8 +100,6 @@ def as_markdown(rule: Rule) -> str:
         kind = "Error: no pack is written."
     if not rule.default:
         kind += " Off by default."
-    for alias in rule.aliases:
-        kind += f" Formerly named `{alias}`, which still works."
     return f"# {rule.name} ({rule.code})\n\n{kind}\n\n{rule.page.rstrip()}\n"
 
 
@@ -139,12 +130,8 @@ def _errors() -> list[Rule]:
     for file in files("babyrobot_levels.lint").joinpath("errors").iterdir():
         first, _, rest = file.read_text("utf-8").partition("\n")
         summary, _, page = rest.strip().partition("\n")
-        names = _FIRST_LINE.fullmatch(first)
-        if names is None:
+        if not _NAME.fullmatch(first):
             raise ValueError(f"{file.name}: the first line must be a name")
-        aliases = (names["formerly"],) if names["formerly"] else ()
         code = file.name.removesuffix(".md")
-        found.append(
-            Rule(code, names["name"], summary, page.strip() + "\n", Severity.ERROR, aliases=aliases)
-        )
+        found.append(Rule(code, first, summary, page.strip() + "\n", Severity.ERROR))
     return sorted(found, key=lambda rule: rule.code)

@@ -29,7 +29,6 @@ class Rule:
         needs: what the check needs.
         check: the check; None for errors, and for a rule that compares files.
         default: whether the rule runs unless it is ignored.
-        aliases: former names, which still work.
     """
 
     code: str
@@ -40,15 +39,14 @@ class Rule:
     needs: Needs = Needs.LEVEL
     check: Check | None = None
     default: bool = True
-    aliases: tuple[str, ...] = ()
 
     @cached_property
     def names(self) -> frozenset[str]:
-        """The code, the name and the former names, in lower case."""
-        return frozenset((self.code.lower(), self.name, *self.aliases))
+        """The code and the name, in lower case."""
+        return frozenset((self.code.lower(), self.name))
 
     def is_called(self, word: str) -> bool:
-        """Return whether a word is the rule's code, its name or a former name."""
+        """Return whether a word is the rule's code or its name."""
         return word.lower() in self.names
 
 
@@ -61,7 +59,6 @@ def rule(
     severity: Severity = Severity.WARNING,
     *,
     needs: Needs = Needs.TABLES,
-    formerly: str | None = None,
     default: bool = True,
     compares_files: bool = False,
 ) -> Callable[[Function], Function]:
@@ -74,7 +71,6 @@ def rule(
         code: the code.
         severity: the severity of the findings.
         needs: what the check needs.
-        formerly: a former name of the rule, which still works.
         default: whether the rule runs unless it is ignored.
         compares_files: whether the function is called for two files instead of for each file.
     """
@@ -90,7 +86,6 @@ def rule(
             needs,
             None if compares_files else function,
             default,
-            () if formerly is None else (formerly,),
         )
         return function
 
@@ -98,5 +93,5 @@ def rule(
 
 
 def is_known(word: str) -> bool:
-    """Return whether a word is the code, the name or a former name of a registered rule."""
+    """Return whether a word is the code or the name of a registered rule."""
     return any(each.is_called(word) for each in REGISTERED.values())

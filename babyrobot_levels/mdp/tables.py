@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +16,6 @@ Outcome = tuple[float, int, float, bool]
 
 FREE, REFUSED, GLASS = range(3)
 """What obstructs an action: nothing, a wall, or a wall of glass."""
-
-
-FORMER_NAMES = {
-    "over": "is_terminal",
-    "possible": "action_mask",
-    "hindered": "obstruction",
-    "target": "intended_next_state",
-}
-"""Attributes of `Mdp` by the names that they had in version 0.1."""
 
 
 def _one_configuration() -> NDArray[np.int16]:
@@ -176,24 +166,9 @@ class Mdp:
     def __deepcopy__(self, memo: dict[int, Any]) -> Mdp:
         return self
 
-    def __getstate__(self) -> dict[str, Any]:
-        return dict(vars(self))
-
-    if not TYPE_CHECKING:
-
-        def __getattr__(self, name: str) -> Any:
-            if name not in FORMER_NAMES:
-                raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
-            now = FORMER_NAMES[name]
-            warnings.warn(
-                f"Mdp.{name} is deprecated; use Mdp.{now}", DeprecationWarning, stacklevel=2
-            )
-            return getattr(self, now)
-
     def __setstate__(self, state: dict[str, Any]) -> None:
-        # Pickles of version 0.1 have the former names, and no configurations.
-        self.__dict__.update(configurations=_one_configuration(), headings=1)
-        self.__dict__.update({FORMER_NAMES.get(name, name): value for name, value in state.items()})
+        # An array that comes from a pickle could be written to.
+        self.__dict__.update(state)
         self.freeze()
 
 

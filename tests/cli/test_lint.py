@@ -1,4 +1,4 @@
-"""`babyrobot lint`: former names of rules, notes, and the exit status."""
+"""`babyrobot lint`: suppressions, notes, and the exit status."""
 
 from __future__ import annotations
 
@@ -22,34 +22,8 @@ warps:
 """
 
 
-def test_former_names_of_rules_in_settings_work_with_a_warning() -> None:
-    Path("pit.yaml").write_text(PIT.format(""))
-    settings = Path("babyrobot.toml")
-    settings.write_text('[lint]\nselect = ["trap", "endless"]\n')
-    result = babyrobot("lint", "pit.yaml")
-    assert "warning BR503" in result.out
-    assert result.err == (
-        f"warning: {settings.resolve()}: rule `trap` has been renamed to `inescapable-state`\n"
-        f"warning: {settings.resolve()}: rule `endless` has been renamed to `non-terminating`\n"
-    )
-    settings.write_text('[lint.per-file-ignores]\n"pit*" = ["trap"]\n')
-    result = babyrobot("lint", "pit.yaml")
-    assert (result.status, result.out) == (0, "1 file checked, clean\n")
-    assert result.err.startswith(f"warning: {settings.resolve()}: rule `trap` has been renamed")
-
-
-def test_each_former_name_is_reported_once() -> None:
-    for name in ("one.yaml", "two.yaml"):
-        Path(name).write_text(PIT.format(""))
-    result = babyrobot("lint", "--select", "TRAP,trap", ".")
-    assert result.err == (
-        "warning: rule `TRAP` has been renamed to `inescapable-state`\n"
-        "warning: rule `trap` has been renamed to `inescapable-state`\n"
-    )
-
-
-@pytest.mark.parametrize("name", ["trap", "inescapable-state", "BR503"])
-def test_former_names_in_comments_work_silently(name: str) -> None:
+@pytest.mark.parametrize("name", ["inescapable-state", "BR503"])
+def test_comments_suppress_by_name_and_code(name: str) -> None:
     Path("pit.yaml").write_text(PIT.format(f"  # babyrobot: ignore[{name}] a pit"))
     result = babyrobot("lint", "--select", "BR503,BR699", "pit.yaml")
     assert (result.status, result.out, result.err) == (0, "1 file checked, clean\n", "")

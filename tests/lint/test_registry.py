@@ -11,7 +11,7 @@ import babyrobot_levels
 from babyrobot_levels.cli.rule_pages import documents
 from babyrobot_levels.lint.finding import Needs
 from babyrobot_levels.lint.fixer import apply
-from babyrobot_levels.lint.registry import all_pages, all_rules, find, renamed, select, titles
+from babyrobot_levels.lint.registry import all_pages, all_rules, titles
 from babyrobot_levels.lint.rule import Rule
 from babyrobot_levels.lint.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic, Fix, Severity
@@ -27,15 +27,6 @@ WITHOUT_EXAMPLES = {
     # About several files and about names of files.
     *("BR515", "BR601", "BR611"),
 }
-FORMER_NAMES = {
-    **{"no-way-out": "exit-unreachable-from-start", "trap": "inescapable-state"},
-    **{"loop-that-pays": "unbounded-return", "too-few-steps": "max-steps-below-shortest-path"},
-    **{"hardly-time": "insufficient-max-steps", "won-at-once": "trivial-start"},
-    **{"same-game": "equivalent-mdp", "endless": "non-terminating"},
-    **{"file-name": "file-name-mismatch", "could-be-length": "mergeable-walls"},
-    **{"could-be-rectangle": "mergeable-cells"},
-}
-
 each_page = pytest.mark.parametrize("page", all_pages(), ids=lambda page: page.code)
 
 
@@ -64,7 +55,7 @@ def test_every_code_in_the_sources_has_a_page() -> None:
     assert set(re.findall(r'"(BR\d{3})"', sources)) == set(titles())
 
 
-def test_codes_names_and_former_names_are_unique() -> None:
+def test_codes_and_names_are_unique() -> None:
     words = [word for page in all_pages() for word in page.names]
     assert len({*words}) == len(words)
 
@@ -108,28 +99,3 @@ def test_rules_of_play_are_warnings_and_those_of_style_infos() -> None:
         assert re.fullmatch(r"BR[56]\d\d", rule.code)
         assert rule.severity == ("warning" if rule in PLAY else "info")
         assert rule.needs in Needs
-
-
-# -- former names ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(("former", "name"), FORMER_NAMES.items())
-def test_former_names_of_rules_still_work(former: str, name: str) -> None:
-    (rule,) = select([former])
-    assert rule.name == name
-    assert rule in RULES
-    assert find(former) is find(name) is find(rule.code.lower()) is rule
-    assert rule not in select(["ALL"], [former.upper()])
-    assert f"Formerly named `{former}`" in documents()[f"{name}.md"]
-    assert renamed([former, name, rule.code]) == {former: name}
-
-
-def test_there_are_no_other_former_names() -> None:
-    assert {alias for rule in RULES for alias in rule.aliases} == {*FORMER_NAMES}
-
-
-def test_former_names_of_errors_still_work() -> None:
-    page = find("off-the-grid")
-    assert page is not None
-    assert (page.code, page.name) == ("BR301", "out-of-bounds")
-    assert find("nothing") is None

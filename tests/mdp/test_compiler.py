@@ -11,8 +11,7 @@ from support.reference import ACTIONS, Cell, Outcomes, Reference, World
 from support.worlds import level_of, worlds
 
 from babyrobot_levels import Action
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.mdp.tables import FORMER_NAMES, FREE, GLASS, REFUSED, Mdp
+from babyrobot_levels.mdp.tables import FREE, GLASS, REFUSED, Mdp
 
 STAY, NORTH, EAST, SOUTH, WEST = Action
 
@@ -540,11 +539,3 @@ def test_the_tables_can_be_had_as_gymnasium_has_them() -> None:
     assert with_stay[0][EAST] == moves[0][EAST - 1] == [(1.0, 1, 0.0, True)]
     assert sorted(with_stay[0]) == [0, 1, 2, 3, 4]
     assert sorted(moves[0]) == [0, 1, 2, 3]
-
-
-@pytest.mark.parametrize("former", FORMER_NAMES)
-def test_former_names_of_tables_are_deprecated(former: str) -> None:
-    mdp = load("final-maze").compile()
-    now = FORMER_NAMES[former]
-    with pytest.warns(DeprecationWarning, match=f"Mdp.{former} is deprecated; use Mdp.{now}"):
-        assert getattr(mdp, former) is getattr(mdp, now)

@@ -192,7 +192,6 @@ def simulate(
     *,
     discount: float | None = None,
     within: int | str | None = None,
-    max_steps: int | None = None,
     actions: str = "all",
 ) -> Simulation:
     """Simulate episodes of a policy.
@@ -209,7 +208,6 @@ def simulate(
         within: the number of steps after which episodes are truncated, or `"max_steps"`. By
             default that of the policy, if it is a `Solution` within one, else the level's
             `max_steps`, or 10,000 where it has none.
-        max_steps: the former name of `within`.
         actions: `"all"`, `"moves"` without stay, or `"turns"`: turn left, turn right, forward.
 
     Raises:
@@ -219,9 +217,6 @@ def simulate(
     """
     level = load(level)
     discount = check_discount(discount, level.discount)
-    if max_steps is not None:
-        warnings.warn("max_steps is called within now", DeprecationWarning, stacklevel=2)
-        within = max_steps
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
     if episodes < 1:
         raise ValueError(f"episodes must be at least 1, not {episodes}")

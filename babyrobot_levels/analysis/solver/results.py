@@ -71,10 +71,6 @@ class EpisodeTooLongError(BabyRobotError, ArithmeticError):
         )
 
 
-# Under their old names, pickles find them here.
-NoTotalError, TooLongError = UndefinedReturnError, EpisodeTooLongError
-
-
 # -- results -------------------------------------------------------------------------------
 
 
@@ -134,11 +130,6 @@ class Result:
         for value in vars(self).values():
             if isinstance(value, np.ndarray):
                 value.flags.writeable = False
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
-        # Version 0.1 pickled plain arrays.
-        self._tag_policy()
 
     def _tag_policy(self) -> None:
         values = vars(self)

@@ -16,7 +16,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.extras import how_to_install
 from babyrobot_levels.text.words import did_you_mean
 
-ENGINES = ("numpy", "compiled", "jax")
+ENGINES = ("numpy", "compiled")
 
 
 def make_engine(
@@ -38,12 +38,6 @@ def make_engine(
         known = ", ".join(map(repr, ENGINES))
         guess = did_you_mean(name, ENGINES) if isinstance(name, str) else ""
         raise ValueError(f"engine must be {known} or None, not {name!r}{guess}")
-    if name == "jax":
-        try:
-            from babyrobot_levels.envs.engine.jitted import JittedEngine
-        except ImportError as reason:
-            raise ImportError(f"engine='jax' needs JAX: {how_to_install('jax')}") from reason
-        return JittedEngine(tables, observations, num_envs)
     if name != "numpy":
         try:
             from babyrobot_levels.envs.engine.compiled import CompiledEngine

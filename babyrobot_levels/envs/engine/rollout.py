@@ -89,7 +89,7 @@ def rollout(
         actions: `"all"`, `"moves"` without stay, or `"turns"`.
         max_episode_steps: the time limit of episodes, -1 for none. By default, that of the policy,
             if it is a `Solution` within one, else each level's `max_steps`.
-        engine: `"numpy"`, `"compiled"`, `"jax"`, or None for `"compiled"` where Numba is installed,
+        engine: `"numpy"`, `"compiled"`, or None for `"compiled"` where Numba is installed,
             else `"numpy"`. All give the same results.
 
     Raises:

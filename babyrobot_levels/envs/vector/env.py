@@ -19,7 +19,6 @@ from babyrobot_levels.envs.arguments import (
     checked_actions,
     checked_autoreset_mode,
     checked_given,
-    checked_legacy_infos,
     checked_observation,
     checked_options,
     checked_reset_mask,
@@ -89,7 +88,6 @@ class LevelVectorEnv(ChangingVectorEnv):
         sampler: Sampler | None = None,
         copy: bool = True,
         engine: str | None = None,
-        legacy_infos: bool = False,
     ) -> None:
         """Make the environment.
 
@@ -122,10 +120,8 @@ class LevelVectorEnv(ChangingVectorEnv):
                 by the weights of the suite.
             copy: whether each step returns new arrays, which are parts of one piece of memory. If
                 not, it always returns the same arrays, and the next step overwrites them.
-            engine: `"numpy"`, `"compiled"`, `"jax"`, or None for `"compiled"` where Numba is
+            engine: `"numpy"`, `"compiled"`, or None for `"compiled"` where Numba is
                 installed, else `"numpy"`. All give the same results.
-            legacy_infos: whether the infos of `reset` have `level_digest`, as in former versions;
-                deprecated.
 
         Raises:
             LevelNotFoundError: there is no such level.
@@ -188,7 +184,6 @@ class LevelVectorEnv(ChangingVectorEnv):
             played.has_movers,
         )
         self._kept = None if self._copy else Results(self._layout)
-        self._legacy_infos = checked_legacy_infos(legacy_infos)
         self._has_begun = False
 
     def __getstate__(self) -> dict[str, Any]:
@@ -253,8 +248,6 @@ class LevelVectorEnv(ChangingVectorEnv):
         is_reset = np.zeros(self.num_envs, np.bool_)
         is_reset[which] = True
         info = self._infos(results, is_reset)
-        if self._legacy_infos:
-            info |= self._digests(is_reset)
         return self._observer.batch(results, envs.state, self._copy), info
 
     def step(self, actions: Any) -> _Step:

@@ -10,7 +10,7 @@ from babyrobot_levels.lint.rule import rule
 from babyrobot_levels.text.diagnostics import Key
 
 
-@rule("BR511", formerly="too-few-steps")
+@rule("BR511")
 def max_steps_below_shortest_path(context: LintContext) -> Iterator[Finding]:
     """`max_steps` below the length of the shortest path.
 
@@ -51,7 +51,7 @@ def max_steps_below_shortest_path(context: LintContext) -> Iterator[Finding]:
         )
 
 
-@rule("BR512", formerly="hardly-time")
+@rule("BR512")
 def insufficient_max_steps(context: LintContext) -> Iterator[Finding]:
     """`max_steps` with which even the optimal policy fails in most episodes.
 
@@ -114,7 +114,7 @@ def insufficient_max_steps(context: LintContext) -> Iterator[Finding]:
         )
 
 
-@rule("BR514", formerly="won-at-once")
+@rule("BR514")
 def trivial_start(context: LintContext) -> Iterator[Finding]:
     """Start from which one step surely reaches an exit.
 
@@ -178,7 +178,7 @@ def _is_won_at_once(context: LintContext, state: int) -> bool:
     )
 
 
-@rule("BR521", formerly="endless")
+@rule("BR521")
 def non_terminating(context: LintContext) -> Iterator[Finding]:
     """Level whose episodes never end.
 

@@ -14,7 +14,7 @@ EQUIVALENT_MDP = "BR515"
 """The code of `equivalent_mdp`, which the runner calls for files with equal digests."""
 
 
-@rule(EQUIVALENT_MDP, formerly="same-game", compares_files=True)
+@rule(EQUIVALENT_MDP, compares_files=True)
 def equivalent_mdp(other: str) -> Iterator[Finding]:
     """Level with the same MDP as another level of its folder.
 
@@ -41,7 +41,7 @@ def equivalent_mdp(other: str) -> Iterator[Finding]:
     )
 
 
-@rule("BR601", Severity.INFO, needs=Needs.LEVEL, formerly="file-name")
+@rule("BR601", Severity.INFO, needs=Needs.LEVEL)
 def file_name_mismatch(context: LintContext) -> Iterator[Finding]:
     """`name` that differs from the file's name.
 

@@ -12,7 +12,7 @@ from babyrobot_levels.lint.rule import rule
 from babyrobot_levels.text.diagnostics import Mark, Route, Severity
 
 
-@rule("BR501", formerly="no-way-out")
+@rule("BR501")
 def exit_unreachable_from_start(context: LintContext) -> Iterator[Finding]:
     """Start from which no exit can be reached.
 
@@ -185,7 +185,7 @@ def _is_cut_off_maze(context: LintContext, missed: set[int]) -> bool:
     return behind == missed
 
 
-@rule("BR503", formerly="trap")
+@rule("BR503")
 def inescapable_state(context: LintContext) -> Iterator[Finding]:
     """Reachable cell from which no exit can be reached.
 
@@ -277,7 +277,7 @@ def _trap_among_things(context: LintContext, steps: list[int], traps: list[int])
     return Finding(context.place_of_entry(field, number), message, help_text)
 
 
-@rule("BR504", formerly="loop-that-pays")
+@rule("BR504")
 def unbounded_return(context: LintContext) -> Iterator[Finding]:
     """Optimal policy that never ends the episode.
 

@@ -121,7 +121,7 @@ def field_order(context: LintContext) -> Iterator[Finding]:
         last = name
 
 
-@rule("BR605", Severity.INFO, needs=Needs.LEVEL, formerly="could-be-length")
+@rule("BR605", Severity.INFO, needs=Needs.LEVEL)
 def mergeable_walls(context: LintContext) -> Iterator[Finding]:
     """Adjacent walls or openings that could be one entry with a `length`.
 
@@ -189,7 +189,7 @@ def _other_fields(entry: Opening | Rectangle) -> dict[str, object]:
     return entry.model_dump(exclude={"at", "length", "size"})
 
 
-@rule("BR606", Severity.INFO, needs=Needs.LEVEL, formerly="could-be-rectangle")
+@rule("BR606", Severity.INFO, needs=Needs.LEVEL)
 def mergeable_cells(context: LintContext) -> Iterator[Finding]:
     """Adjacent cells that could be one entry with a `size`.
 

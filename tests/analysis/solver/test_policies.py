@@ -160,17 +160,6 @@ def test_a_policy_array_is_an_array_like_any_other() -> None:
     assert np.concatenate([policy, policy]).tolist() == plain.tolist() * 2
 
 
-def test_pickles_of_plain_policies_gain_their_numbering() -> None:
-    solution = solve("cliff-walking", actions="moves")
-    state = {**vars(solution), "policy": np.asarray(solution.policy)}
-    del state["diverging_cells"]
-    old = object.__new__(brl.Solution)
-    old.__setstate__(state)
-    assert isinstance(old.policy, PolicyArray)
-    assert old.policy.first_action == 1
-    assert (old.diverging_cells, old.explanation) == ((), None)
-
-
 def test_a_policy_that_never_ends_is_reported() -> None:
     policy = np.asarray(solve("final-maze", actions="moves").policy)
     with pytest.warns(RuntimeWarning) as caught:

@@ -9,7 +9,6 @@ import pytest
 from support.chains import world
 from support.worlds import World
 
-import babyrobot_levels as brl
 from babyrobot_levels.analysis.solver.evaluation import evaluate, evaluation_of
 from babyrobot_levels.analysis.solver.optimum import solve
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError, UndefinedReturnError
@@ -184,18 +183,6 @@ def test_rewards_that_cancel_out() -> None:
     with pytest.raises(UndefinedReturnError):
         evaluate(level, there_and_back)
     assert np.isfinite(evaluate(level, there_and_back, 0.9).values).all()
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [("NoTotalError", UndefinedReturnError), ("TooLongError", EpisodeTooLongError)],
-)
-def test_errors_keep_their_old_names(old: str, new: type[Exception]) -> None:
-    with pytest.warns(DeprecationWarning, match=f"{old} is deprecated; use .*{new.__name__}"):
-        assert getattr(brl, old) is new
-    assert old not in dir(brl)
-    pickled = b"cbabyrobot_levels.analysis.solver.results\n%b\n." % old.encode()
-    assert pickle.loads(pickled) is new
 
 
 def test_rewards_that_cancel_out_but_for_rounding() -> None:

@@ -192,12 +192,6 @@ def test_a_policy_of_another_limit_is_refused() -> None:
         brl.evaluate(CHEST, found, within=5)
 
 
-def test_the_former_name_of_the_limit() -> None:
-    with pytest.warns(DeprecationWarning, match="max_steps is called within now"):
-        runs = brl.simulate(CHEST, "random", 10, max_steps=2)
-    assert runs.max_steps == 2
-
-
 @pytest.mark.parametrize(
     ("name", "optimum_250", "optimum_450"),
     [

@@ -312,18 +312,6 @@ def test_where_nothing_can_be_compiled_numpy_does_it(
     assert brl.rollout("default", "random", num_envs=3, num_steps=10).actions.shape == (10, 3)
 
 
-def test_where_there_is_no_jax_the_message_says_what_to_install(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    import babyrobot_levels.envs.engine
-
-    monkeypatch.delitem(sys.modules, "babyrobot_levels.envs.engine.jitted", raising=False)
-    monkeypatch.delattr(babyrobot_levels.envs.engine, "jitted", raising=False)
-    monkeypatch.setitem(sys.modules, "jax", None)
-    with pytest.raises(ImportError, match=r"engine='jax' needs JAX.*the extra `jax`"):
-        engine_of("jax")
-
-
 def test_there_are_no_other_engines() -> None:
-    with pytest.raises(ValueError, match=r"'compiled', 'jax' or None, not 'numpi'.*numpy"):
+    with pytest.raises(ValueError, match=r"'compiled' or None, not 'numpi'.*numpy"):
         engine_of("numpi")

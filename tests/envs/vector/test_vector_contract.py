@@ -136,25 +136,6 @@ def test_each_environment_is_a_single_one(name: str, mode: AutoresetMode, engine
     assert_same_walks(envs, single([level], observation="index"), SEEDS, 30)
 
 
-def test_infos_of_former_versions() -> None:
-    with pytest.warns(DeprecationWarning, match="level_digest"):
-        envs = LevelVectorEnv(levels=["maze", "first-key"], legacy_infos=True)
-    _, info = envs.reset(seed=1)
-    assert info["level_digest"].tolist() == [*envs.get_attr("level_digest")]
-    assert info["_level_digest"].all()
-    assert envs.get_attr("item_names") == ((), ("key",))
-    with pytest.warns(DeprecationWarning, match="item_names"):
-        alone: Any = level_named("first-key").make(legacy_infos=True).unwrapped
-    _, info = alone.reset(seed=1)
-    assert info["level_digest"] == alone.level_digest
-    assert info["held"] == ()
-    assert alone.step(0)[4]["held"] == ()
-    assert "level_digest" not in alone.step(0)[4]
-    with pytest.warns(DeprecationWarning, match="legacy_infos"):
-        suite: Any = gymnasium.make("babyrobot/Suite-v0", suite="small-mazes", legacy_infos=True)
-    assert suite.reset(seed=1)[1]["level_digest"] == suite.unwrapped.level_digest
-
-
 @pytest.mark.parametrize("mode", MODES)
 def test_modes_by_name_and_by_value(mode: AutoresetMode) -> None:
     with warnings.catch_warnings():
