@@ -25,8 +25,8 @@ from commands import (
 )
 from timing import Aims, Comparison, compare_in_turns, installed
 
-from babyrobot_levels.lint.registry import select
-from babyrobot_levels.lint.runner import lint_file
+from babyrobot_levels.linter.registry import select
+from babyrobot_levels.linter.runner import lint_file
 
 
 def compare(count: int) -> Iterator[Comparison]:

@@ -19,13 +19,12 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
 from babyrobot_levels.analysis.minigrid import MINIGRID, certify, is_minigrid, made_minigrid
 from babyrobot_levels.analysis.situations import told
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action, Turn
+from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 from babyrobot_levels.mdp.reachability import transitions
 from babyrobot_levels.mdp.tables import Mdp, Outcome
 
-LevelLike = str | os.PathLike[str] | Mapping[str, Any] | Level
+LevelLike = str | os.PathLike[str] | Mapping[str, Any] | GridWorld
 Flags = NDArray[np.bool_]
 Floats = NDArray[np.float64]
 
@@ -136,7 +135,7 @@ class _Tables:
         return [row for row in rows if row[0] != 0]
 
 
-def _with_fixed_maze(level: LevelLike) -> Level:
+def _with_fixed_maze(level: LevelLike) -> GridWorld:
     """Return a level whose maze is always the same.
 
     Raises:
@@ -144,7 +143,7 @@ def _with_fixed_maze(level: LevelLike) -> Level:
         LevelError: the level is not valid.
         ComparisonError: it grows another maze at each reset.
     """
-    loaded = load(level)
+    loaded = world_of(level)
     if loaded.has_random_maze:
         raise ComparisonError(
             "each reset grows another maze of this level; compare one with a fixed seed"
@@ -303,7 +302,7 @@ def _mapping(agreement: Flags, reached: Flags, given: Sequence[int] | None) -> t
 class _Named:
     """Names for the states and actions of a level's tables."""
 
-    level: Level
+    level: GridWorld
     mdp: Mdp
 
     def state(self, state: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,14 +14,13 @@ from babyrobot_levels.analysis.compare import LevelLike
 from babyrobot_levels.analysis.diff_things import thing_changes
 from babyrobot_levels.analysis.diff_transitions import transition_changes
 from babyrobot_levels.analysis.metrics import metrics
+from babyrobot_levels.analysis.shown import MAX_CELLS, WIDTH, Shown, count_cells, number
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
 from babyrobot_levels.language.cells import SkidRule, as_skid
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.plain_data import plain
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.compiler.terrain import RULES, build_terrain
+from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 
 Ints = NDArray[np.intp]
 
@@ -68,7 +67,7 @@ class Difference(Shown):
     random_return: tuple[float | None, float | None]
     beside: tuple[Change, ...]
     things: Changes = NO_CHANGES
-    levels: tuple[Level, Level] | None = field(default=None, kw_only=True, compare=False)
+    levels: tuple[GridWorld, GridWorld] | None = field(default=None, kw_only=True, compare=False)
 
     def __repr__(self) -> str:
         counts = {
@@ -83,6 +82,25 @@ class Difference(Shown):
             f"<Difference same_game={self.same_game} {' '.join(numbers)} "
             f"fields={names} best_return={self.best_return[0]}->{self.best_return[1]}>"
         )
+
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import facts
+
+        verdict = "the same MDP" if self.same_game else "another MDP"
+        counts = (self.things, self.cells, self.walls, self.transitions)
+        names = ("Things", "Cells", "Walls", "Transitions")
+        rows = [
+            ("Game", verdict),
+            ("Fields", _listed(change.name or "" for change in (*self.game, *self.beside))),
+            *(
+                (name, f"{changes.count:,} of {changes.total:,} differ")
+                for name, changes in zip(names, counts, strict=True)
+                if changes.total
+            ),
+            ("Best return", " → ".join(map(number, self.best_return))),
+            ("Random return", " → ".join(map(number, self.random_return))),
+        ]
+        return "".join(_both(self)) + facts(rows)
 
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
@@ -116,7 +134,7 @@ def diff(
         LevelNotFoundError: there is no such level.
         LevelError: a level is not valid.
     """
-    given = (load(before), load(after))
+    given = (world_of(before), world_of(after))
     one, two = (
         level.with_maze_seed(maze_seed) if level.has_random_maze else level for level in given
     )
@@ -141,7 +159,7 @@ def diff(
 # -- fields of the MDP ---------------------------------------------------------------------
 
 
-def _shape_changes(before: Level, after: Level) -> Iterator[Change]:
+def _shape_changes(before: GridWorld, after: GridWorld) -> Iterator[Change]:
     if before.size != after.size:
         yield Change(list(before.size), list(after.size), name="size")
     for name, cells in (("start", _starts), ("exit", _exits), ("exit_one_of", _drawn_exits)):
@@ -150,19 +168,19 @@ def _shape_changes(before: Level, after: Level) -> Iterator[Change]:
             yield Change(plain(one), plain(two), name=name)
 
 
-def _starts(level: Level) -> list[tuple[int, int]]:
+def _starts(level: GridWorld) -> list[tuple[int, int]]:
     return sorted(level.starts)
 
 
-def _exits(level: Level) -> list[tuple[int, int]]:
+def _exits(level: GridWorld) -> list[tuple[int, int]]:
     return sorted(level.exits) if level.exit_one_of is None else []
 
 
-def _drawn_exits(level: Level) -> list[tuple[int, int]]:
+def _drawn_exits(level: GridWorld) -> list[tuple[int, int]]:
     return list(level.exit_one_of or ())
 
 
-def _rule_changes(before: Level, after: Level) -> Iterator[Change]:
+def _rule_changes(before: GridWorld, after: GridWorld) -> Iterator[Change]:
     if before.has_random_maze or after.has_random_maze:
         one, two = (_whole(level.maze) for level in (before, after))
         if one != two:
@@ -189,7 +207,7 @@ def _whole(value: Any) -> Any:
 # -- fields that are not part of the MDP ---------------------------------------------------
 
 
-def _changes_beside(before: Level, after: Level) -> Iterator[Change]:
+def _changes_beside(before: GridWorld, after: GridWorld) -> Iterator[Change]:
     for name in fields_with(Role.TEXT, Role.LIMIT):
         yield from _field_changes(name, plain(getattr(before, name)), plain(getattr(after, name)))
     names = (before.theme, after.theme)
@@ -213,10 +231,13 @@ _LOOKS = {
     "switches": ("color", "label"),
     "movers": ("color", "label"),
 }
+MAX_LISTED = 12
+"""How many fields that differ are named in a notebook."""
+
 _NAMED = ("items", "switches", "movers")
 
 
-def _looks(level: Level, name: str, looks: tuple[str, ...]) -> list[dict[str, Any]]:
+def _looks(level: GridWorld, name: str, looks: tuple[str, ...]) -> list[dict[str, Any]]:
     """Return the entries of a list that have looks of their own, reduced to place and looks."""
     places = ("name",) if name in _NAMED else ("at", "size", "side", "length")
     entries = (_whole(entry) for entry in getattr(level, name))
@@ -237,14 +258,14 @@ BLOCKED, WET, REWARD, SKID, RULE, ENDS, WARP_TO, WARP_WHEN, WARP_REWARD = range(
 """The columns of the table of properties."""
 
 
-def _common_cells(before: Level, after: Level) -> tuple[Ints, Ints]:
+def _common_cells(before: GridWorld, after: GridWorld) -> tuple[Ints, Ints]:
     """Return the numbers, in each of the levels, of the cells that both have, row by row."""
     width, height = (min(pair) for pair in zip(before.size, after.size, strict=True))
     y, x = np.mgrid[:height, :width]
     return (y * before.size[0] + x).ravel(), (y * after.size[0] + x).ravel()
 
 
-def cell_changes(before: Level, after: Level, limit: int | None) -> Changes:
+def cell_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
     """Return the cells with other properties: blocked, wet, slippery, costly, ending, warping."""
     cells = _common_cells(before, after)
     tables = [
@@ -262,7 +283,7 @@ def cell_changes(before: Level, after: Level, limit: int | None) -> Changes:
     return Changes.of(places, len(cells[0]), describe, limit)
 
 
-def _properties(level: Level, cells: Ints) -> NDArray[np.float64]:
+def _properties(level: GridWorld, cells: Ints) -> NDArray[np.float64]:
     """Return what is special about each cell, `[cells, properties]`; nan for nothing special."""
     grid = level.grid()
     terrain = build_terrain(level, grid)
@@ -310,14 +331,14 @@ def _cell_data(row: NDArray[np.float64]) -> dict[str, Any]:
     return data
 
 
-def _number(cell: tuple[int, int], level: Level) -> int:
+def _number(cell: tuple[int, int], level: GridWorld) -> int:
     return cell[1] * level.size[0] + cell[0]
 
 
 # -- walls ---------------------------------------------------------------------------------
 
 
-def wall_changes(before: Level, after: Level, limit: int | None) -> Changes:
+def wall_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
     """Return the sides between free cells that were opened, closed, or made of glass."""
     cells = _common_cells(before, after)
     width = min(before.size[0], after.size[0])
@@ -338,7 +359,7 @@ def wall_changes(before: Level, after: Level, limit: int | None) -> Changes:
     return Changes.of(differing, int(between.sum()), describe, limit)
 
 
-def _sides(level: Level, cells: Ints) -> NDArray[np.float64]:
+def _sides(level: GridWorld, cells: Ints) -> NDArray[np.float64]:
     """Return how each cell's sides E and S are, `[cells, 2]`: 2 open, 0 a wall, else glass."""
     grid = level.grid()
     east, south = SIDES.index("E"), SIDES.index("S")
@@ -350,3 +371,46 @@ def _sides(level: Level, cells: Ints) -> NDArray[np.float64]:
 
 def _side_data(state: float) -> Any:
     return "open" if state == 2 else {"pass": state} if state else "wall"
+
+
+# -- in notebooks --------------------------------------------------------------------------
+
+
+def _both(result: Difference) -> Iterator[str]:
+    """Yield the pictures of both levels, in which changed cells and walls are marked."""
+    if result.levels is None or max(map(count_cells, result.levels)) > MAX_CELLS:
+        return
+    from babyrobot_levels.render.notebook.html import picture_of, strip
+    from babyrobot_levels.render.page_data import bare
+    from babyrobot_levels.render.scene.build import build_scene
+    from babyrobot_levels.render.scene.changes import Side, marked
+    from babyrobot_levels.render.scene.layout import layout_of
+
+    cells = {change.cell for change in cell_changes(*result.levels, None).first if change.cell}
+    walls = wall_changes(*result.levels, None).first
+    pictures = []
+    for index, level in enumerate(map(bare, result.levels)):
+        own = {cell for change in result.game for cell in _ends(change, index)}
+        sides = [
+            Side(change.cell, change.name, (change.before, change.after)[index] != "open")
+            for change in walls
+            if change.cell and change.name
+        ]
+        scene = marked(build_scene(level), layout_of(level), sorted(cells | own), sides)
+        pictures.append((picture_of(scene, WIDTH), ("before", "after")[index]))
+    yield strip(pictures)
+    if walls:
+        yield "<p>Walls that differ are marked; where there is none, by dots.</p>"
+
+
+def _ends(change: Change, number: int) -> Iterator[tuple[int, int]]:
+    """Yield the starts or exits that only one of the levels has."""
+    if change.name in ("start", "exit"):
+        both = (change.before, change.after)
+        yield from (tuple(cell) for cell in both[number] if cell not in both[1 - number])
+
+
+def _listed(names: Iterable[str]) -> str:
+    unique = list(dict.fromkeys(names))
+    more = [f"and {len(unique) - MAX_LISTED} more"] if len(unique) > MAX_LISTED else []
+    return ", ".join(unique[:MAX_LISTED] + more)

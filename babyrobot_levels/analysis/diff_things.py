@@ -9,14 +9,14 @@ from babyrobot_levels.analysis.changes import Change, Changes
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.walls import sides_of
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.configurations import Things
+from babyrobot_levels.mdp.gridworld import GridWorld
 
 Place = tuple[str, tuple[int, int] | None]
 """A thing by its kind and name, or a door by its side, E or S, and cell."""
 
 
-def thing_changes(before: Level, after: Level, limit: int | None) -> Changes:
+def thing_changes(before: GridWorld, after: GridWorld, limit: int | None) -> Changes:
     """Return the things that differ: items, switches and movers by name, doors by their side.
 
     A change is named by the list and the name (`items.key`), or by the side of a door (`doors.E`).

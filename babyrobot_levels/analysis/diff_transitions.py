@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from babyrobot_levels.analysis.changes import Change, Changes
 from babyrobot_levels.analysis.situations import situation
 from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, Action
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.reachability import transitions
 from babyrobot_levels.mdp.tables import Mdp
 
@@ -22,7 +22,7 @@ _BLOCK = 1 << 16
 
 
 def transition_changes(
-    before: Level, after: Level, cells: tuple[Ints, Ints], limit: int | None
+    before: GridWorld, after: GridWorld, cells: tuple[Ints, Ints], limit: int | None
 ) -> Changes:
     """Return the states and actions that have other outcomes.
 
@@ -68,7 +68,9 @@ def transition_changes(
     return Changes.of(np.concatenate(differ).tolist(), total, describe, limit)
 
 
-def _common_configurations(before: Level, after: Level) -> tuple[tuple[Ints, Ints], list[Ints]]:
+def _common_configurations(
+    before: GridWorld, after: GridWorld
+) -> tuple[tuple[Ints, Ints], list[Ints]]:
     """Return the configurations that both levels have, and codes by which these are alike.
 
     Things are alike if they have the same kind, name and number of values, movers also the same
@@ -104,11 +106,11 @@ def _common_configurations(before: Level, after: Level) -> tuple[tuple[Ints, Int
     return (begins[0][here], begins[1][there]), [one, two]
 
 
-def _phases(level: Level) -> list[tuple[tuple[int, int], ...]]:
+def _phases(level: GridWorld) -> list[tuple[tuple[int, int], ...]]:
     return [mover.phases for mover in level.movers]
 
 
-def _goes_on(level: Level, mdp: Mdp) -> NDArray[np.bool_]:
+def _goes_on(level: GridWorld, mdp: Mdp) -> NDArray[np.bool_]:
     """Return in which states an episode goes on, `[states]`; without things, in all.
 
     The rows of other pairs of configuration and cell say nothing about the level.
@@ -171,7 +173,7 @@ def _differ(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.bo
     return differ
 
 
-def _outcome_data(level: Level, mdp: Mdp, state: int, action: int) -> list[dict[str, Any]]:
+def _outcome_data(level: GridWorld, mdp: Mdp, state: int, action: int) -> list[dict[str, Any]]:
     return [
         {
             "cell": list(mdp.cell(next_state)),

@@ -9,16 +9,16 @@ from functools import cached_property
 from operator import itemgetter
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.analysis.shown import MAX_SOLVED, WIDTH, Shown, image, level_picture, number
 from babyrobot_levels.language.cells import PuddleTypes
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.graph import Successors, distances
 from babyrobot_levels.mdp.grid import ALL_SIDES, BIT
+from babyrobot_levels.mdp.gridworld import world_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Evaluation, Solution
-    from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.grid import Grid
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.mdp.tables import Mdp
 
 SHAPE = ("cells", "dead_ends", "corridors", "junctions", "loops")
@@ -43,7 +43,7 @@ def metrics(level: Any) -> Metrics:
         LevelNotFoundError: there is no such level.
         LevelError: the level is not valid, or its maze has no seed yet.
     """
-    found = Metrics(load(level))
+    found = Metrics(world_of(level))
     found.level.grid()
     return found
 
@@ -66,7 +66,21 @@ class Metrics(Shown):
 
     __module__ = "babyrobot_levels"
 
-    level: Level
+    level: GridWorld
+
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import beside, facts
+        from babyrobot_levels.render.words.phrases import with_limit
+
+        level = self.level
+        columns, rows = level.size
+        states = level.compile().num_states if level.has_things else columns * rows
+        numbers = self.to_dict(solve=states <= MAX_SOLVED)
+        texts = {name: number(value) for name, value in numbers.items()}
+        for name in texts.keys() & UNLIMITED:
+            texts[name] = with_limit(texts[name], None, level.max_steps)
+        told = [(name.replace("_", " "), text) for name, text in texts.items()]
+        return beside(image(level_picture(level, WIDTH)), facts(told))
 
     def to_dict(self, *, solve: bool = True) -> dict[str, Any]:
         """Return all numbers by their names, those about things for levels that have some.
@@ -364,7 +378,7 @@ class PossibleSteps:
 Walks = PossibleSteps
 
 
-def possible_steps(level: Level) -> PossibleSteps:
+def possible_steps(level: GridWorld) -> PossibleSteps:
     """Return the steps that are possible in a level."""
     if not _only_walls_matter(level):
         # Skidding, wind, warps and cells that end the episode are in the tables.
@@ -385,7 +399,7 @@ def possible_steps(level: Level) -> PossibleSteps:
     return PossibleSteps(successors, distances(starts, successors), to_exit)
 
 
-def _only_walls_matter(level: Level) -> bool:
+def _only_walls_matter(level: GridWorld) -> bool:
     """Return whether the robot can go through each side that walls leave open, and only there."""
     return not (
         level.has_things

@@ -18,8 +18,8 @@ from typing import Any
 from babyrobot_levels.analysis.certificate import Certificate, ComparisonError, made
 from babyrobot_levels.analysis.situations import told
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.actions import Turn
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
 
 MINIGRID = "minigrid:"
@@ -58,7 +58,7 @@ def is_minigrid(env: Any) -> bool:
     return any(kind.__name__ == "MiniGridEnv" for kind in type(env).__mro__)
 
 
-def certify(level: Level, env: Any) -> Certificate:
+def certify(level: GridWorld, env: Any) -> Certificate:
     """Compare a level with an environment of MiniGrid that was reset, state by state.
 
     The states are cells and headings, the actions left, right and forward. Compared are the next
@@ -141,7 +141,7 @@ class _Step:
 class _Pair:
     """A level and an environment, which is put into the states of the level."""
 
-    def __init__(self, level: Level, mdp: Mdp, env: Any, start: int):
+    def __init__(self, level: GridWorld, mdp: Mdp, env: Any, start: int):
         self.level, self.mdp, self.env, self.start = level, mdp, env, start
         self.exits = frozenset(level.exits)
         x, y = mdp.cell(start)

@@ -10,16 +10,18 @@ import warnings
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
-    from babyrobot_levels.library.level import Level
+    from babyrobot_levels.mdp.gridworld import GridWorld
     from babyrobot_levels.render.gif import Step
     from babyrobot_levels.render.page_data import Guide, WatchedPolicy
     from babyrobot_levels.render.raster import Progress
     from babyrobot_levels.render.scene.overlay import Overlay
     from babyrobot_levels.render.scene.shapes import Scene
+
+World = TypeVar("World", bound="GridWorld")
 
 MAX_STEPS = 500
 """The largest number of steps in a film."""
@@ -42,7 +44,7 @@ def _warn(text: str) -> None:
 # -- pictures ------------------------------------------------------------------------------
 
 
-def to_svg(level: Level, *, scale: float | None = None, **shown: Any) -> str:
+def to_svg(level: GridWorld, *, scale: float | None = None, **shown: Any) -> str:
     """Return a picture as an SVG document.
 
     Args:
@@ -61,7 +63,7 @@ def to_svg(level: Level, *, scale: float | None = None, **shown: Any) -> str:
     return paint(still(level, **shown), times or 1.0)
 
 
-def to_pdf(level: Level, *, scale: float | None = None, **shown: Any) -> bytes:
+def to_pdf(level: GridWorld, *, scale: float | None = None, **shown: Any) -> bytes:
     """Return a picture as a PDF file; args and errors are those of `to_svg`."""
     from babyrobot_levels.render.pdf import to_pdf as paint
 
@@ -70,7 +72,7 @@ def to_pdf(level: Level, *, scale: float | None = None, **shown: Any) -> bytes:
 
 
 def to_png(
-    level: Level, *, scale: float | None = None, progress: Progress | None = None, **shown: Any
+    level: GridWorld, *, scale: float | None = None, progress: Progress | None = None, **shown: Any
 ) -> bytes:
     """Return a picture as a PNG file.
 
@@ -95,7 +97,7 @@ def to_png(
 
 
 def still(
-    level: Level,
+    level: GridWorld,
     *,
     values: Any = None,
     policy: Any = None,
@@ -152,7 +154,7 @@ def _with_rules(overlay: Overlay | None) -> Overlay:
     return replace(overlay or Overlay(), rules=True)
 
 
-def dressed(level: Level, *, theme: Any = None, coordinates: bool | None = None) -> Level:
+def dressed(level: World, *, theme: Any = None, coordinates: bool | None = None) -> World:
     """Return a level with another theme, and with or without coordinates; None changes nothing.
 
     Raises:
@@ -166,7 +168,7 @@ def dressed(level: Level, *, theme: Any = None, coordinates: bool | None = None)
     return level
 
 
-def configuration_of(level: Level, held: str | Iterable[str]) -> int:
+def configuration_of(level: GridWorld, held: str | Iterable[str]) -> int:
     """Return the configuration in which exactly some items are held and switches are on.
 
     Args:
@@ -193,7 +195,7 @@ def _checked(scale: float | None) -> float | None:
 # -- what is shown of a solution -----------------------------------------------------------
 
 
-def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
+def overlay_of(level: GridWorld, info: Mapping[str, Any]) -> Overlay | None:
     """Return what a picture shows over the cells.
 
     Args:
@@ -205,7 +207,7 @@ def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
         UndefinedReturnError: a solution is asked for, and the level has none.
         ValueError: an array does not fit the level.
     """
-    from babyrobot_levels.render.scene.info import overlay_from
+    from babyrobot_levels.analysis.shown import overlay_given
 
     given = {key: value for key, value in info.items() if value is not None and value is not False}
     if not given:
@@ -215,8 +217,7 @@ def overlay_of(level: Level, info: Mapping[str, Any]) -> Overlay | None:
         from babyrobot_levels.analysis.solver.optimum import solve
 
         given |= dict.fromkeys(asked, solve(level))
-    shown = {key: _going_on(level, key, value) for key, value in given.items()}
-    return overlay_from(shown, level)
+    return overlay_given(level, given)
 
 
 def _asks(key: str, value: Any) -> bool:
@@ -224,26 +225,6 @@ def _asks(key: str, value: Any) -> bool:
     if key == "policy" and isinstance(value, str) and value != BEST:
         raise ValueError(f"a policy given by name is {BEST!r}, not {value!r}")
     return key != "visits" and (value is True or (key == "policy" and isinstance(value, str)))
-
-
-def _going_on(level: Level, key: str, given: Any) -> Any:
-    """Return values of states or actions without those of configurations in which all is over.
-
-    Pictures leave them out where no episode can go on in any configuration.
-    """
-    table = getattr(given, key, given)
-    if not (level.has_things and key in ("values", "action_values") and hasattr(table, "ndim")):
-        return given
-    import numpy as np
-
-    mdp = level.compile()
-    axes = table.ndim - (key == "action_values")
-    if (*table.shape[:1], *table.shape[axes - 2 : axes]) != mdp.shape or axes not in (3, 4):
-        return given
-    over = mdp.is_terminal.reshape(mdp.shape)
-    # Of a robot that turns, there is an axis of headings before height.
-    over = over[:, np.newaxis] if axes == 4 else over
-    return np.where(over[..., np.newaxis] if key == "action_values" else over, np.nan, table)
 
 
 def policy_of(solution: Solution) -> list[int]:
@@ -258,7 +239,7 @@ def policy_of(solution: Solution) -> list[int]:
 
 
 def to_gif(
-    level: Level,
+    level: GridWorld,
     *,
     policy: Any = BEST,
     seed: int = 0,
@@ -303,11 +284,12 @@ def to_gif(
     return paint(level, steps, overlay=overlay, scale=times, progress=progress)
 
 
-def episode(level: Level, policy: Any, seed: int) -> tuple[list[Step], bool]:
+def episode(level: GridWorld, policy: Any, seed: int) -> tuple[list[Step], bool]:
     """Return the steps of an episode, at most `MAX_STEPS`, and whether they lead to its end."""
+    from babyrobot_levels.analysis.environments import make
     from babyrobot_levels.render.gif import Step
 
-    env = level.make(observation="index")
+    env = make(level, observation="index")
     state, _ = env.reset(seed=seed)
     env.action_space.seed(seed)
     choose = _chooser(level, policy, seed) or (lambda _: int(env.action_space.sample()))
@@ -322,7 +304,7 @@ def episode(level: Level, policy: Any, seed: int) -> tuple[list[Step], bool]:
     return steps, is_over
 
 
-def _chooser(level: Level, policy: Any, seed: int) -> Callable[[int], int] | None:
+def _chooser(level: GridWorld, policy: Any, seed: int) -> Callable[[int], int] | None:
     """Return the function that chooses an action in a state; None to draw one at random."""
     from babyrobot_levels.analysis.solver.results import TURNS
 
@@ -350,7 +332,7 @@ def _chooser(level: Level, policy: Any, seed: int) -> Callable[[int], int] | Non
 
 
 def to_html(
-    level: Level,
+    level: GridWorld,
     *,
     values: bool = False,
     policy: str | bool | None = None,
@@ -404,7 +386,7 @@ def to_html(
     return paint(level, guide=guide, policy=watched, seed=seed, values=values, arrows=arrows)
 
 
-def guide_of(level: Level, solution: Solution | None = None, *, turns: bool = False) -> Guide:
+def guide_of(level: GridWorld, solution: Solution | None = None, *, turns: bool = False) -> Guide:
     """Return what a page shows of the solution.
 
     Args:
@@ -422,7 +404,7 @@ def guide_of(level: Level, solution: Solution | None = None, *, turns: bool = Fa
     return replace(solution_guide(level, solution), turning=turning, **_luck(level, solution))
 
 
-def solution_guide(level: Level, solution: Solution) -> Guide:
+def solution_guide(level: GridWorld, solution: Solution) -> Guide:
     """Return what a page shows of a solution but for what it tells of luck, which takes longer.
 
     Args:
@@ -436,7 +418,7 @@ def solution_guide(level: Level, solution: Solution) -> Guide:
     return Guide(policy_of(solution), overlay, best_average(level, solution))
 
 
-def _turning_guide(level: Level) -> Guide | None:
+def _turning_guide(level: GridWorld) -> Guide | None:
     """Return what a page shows of the solution for a robot that turns; None without one."""
     from babyrobot_levels.analysis.solver.optimum import solve
     from babyrobot_levels.analysis.solver.results import TURNS, UndefinedReturnError
@@ -453,7 +435,7 @@ def _turning_guide(level: Level) -> Guide | None:
     return replace(guide, **_luck(level, solution))
 
 
-def best_average(level: Level, solution: Solution) -> float:
+def best_average(level: GridWorld, solution: Solution) -> float:
     """Return the optimal expected return within the level's time limit, if it has one.
 
     It is nan where that takes too long to be computed.
@@ -474,7 +456,7 @@ def best_average(level: Level, solution: Solution) -> float:
     return math.nan
 
 
-def _random_within(level: Level, actions: str) -> float:
+def _random_within(level: GridWorld, actions: str) -> float:
     """Return the expected return of random actions within the time limit that the level has."""
     from babyrobot_levels.analysis.solver.chain import weights_of
     from babyrobot_levels.analysis.solver.many import worth_within
@@ -487,7 +469,7 @@ def _random_within(level: Level, actions: str) -> float:
     return float(found.returns[0])
 
 
-def _luck(level: Level, solution: Solution) -> dict[str, Any]:
+def _luck(level: GridWorld, solution: Solution) -> dict[str, Any]:
     """Return what a page compares a return with, within the level's time limit.
 
     These are quantiles of the optimal policy's return, and the expected return of random actions.
@@ -511,7 +493,7 @@ def _luck(level: Level, solution: Solution) -> dict[str, Any]:
     return luck
 
 
-def random_return(level: Level, actions: str = "all") -> float | None:
+def random_return(level: GridWorld, actions: str = "all") -> float | None:
     """Return the expected return of random actions, within the level's time limit.
 
     It is None where that is undefined, or takes too long to be computed exactly.

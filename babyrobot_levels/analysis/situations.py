@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
 
 
-def situation(level: Level, number: int) -> dict[str, Any]:
+def situation(level: GridWorld, number: int) -> dict[str, Any]:
     """Return what each thing of a level is in a configuration, by name.
 
     Items are `"held"`, `"lies"` in their only place, or the cell of those in which they may lie;
@@ -41,7 +41,7 @@ def _places(things: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def told(level: Level, mdp: Mdp, state: int) -> str:
+def told(level: GridWorld, mdp: Mdp, state: int) -> str:
     """Return a state in words, with all that distinguishes it from others.
 
     Args:

@@ -14,10 +14,9 @@ from typing import Any
 import numpy as np
 
 from babyrobot_levels.analysis.learning.results import Run, Sweep
-from babyrobot_levels.analysis.shown import extent_of, html_of, state_picture
+from babyrobot_levels.analysis.shown import Shown, extent_of, state_picture
 from babyrobot_levels.analysis.solver.results import StateResult
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.shown import Shown
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.render.notebook.html import Picture, picture_of
 from babyrobot_levels.render.notebook.html import strip as strip_html
 from babyrobot_levels.render.raster import pixels_to_png
@@ -87,6 +86,9 @@ class Strip(Shown):
         count = len(self.pictures)
         return f"<Strip of {count} picture{'s' * (count > 1)}{labels and ': ' + labels}>"
 
+    def _html(self) -> str:
+        return strip_html(self.pictures, self.columns)
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the strip to an SVG file, atomically; an existing one is replaced.
 
@@ -115,11 +117,6 @@ class Strip(Shown):
         return "\n".join([*lines, "</svg>"]) + "\n"
 
 
-@html_of.register
-def _(shown: Strip) -> str:
-    return strip_html(shown.pictures, shown.columns)
-
-
 def _placed(picture: Picture, label: str, x: float, y: float, width: float) -> Iterator[str]:
     left = x + (width - picture.width) / 2
     yield (
@@ -135,7 +132,7 @@ def _label(given: Any) -> str:
     match given:
         case Sweep(run=Run() as run):
             return f"{run.unit.title()} {given.number:,}"
-        case Level():
+        case GridWorld():
             return given.title or given.name or ""
         case _:
             return ""
@@ -146,7 +143,7 @@ def _picture(given: Any, extent: tuple[float, float] | None) -> Picture:
     match given:
         case StateResult():
             found = state_picture(given, extent)
-        case Level():
+        case GridWorld():
             found = picture_of(build_scene(given))
         case str():
             found = _of_svg(given)

@@ -13,7 +13,7 @@ from babyrobot_levels.cli.parallel import JobsOption, jobs_for, working
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.suites import Suite
+    from babyrobot_levels.suites.suite import Suite
 
 WORTH_IT = 16
 """With fewer levels, starting processes takes longer than it saves."""
@@ -89,9 +89,9 @@ def gallery(
 
       babyrobot gallery levels --key -o teacher
     """
-    from babyrobot_levels.generate.batch import FolderError
     from babyrobot_levels.publish.gallery import check_place, write_gallery
     from babyrobot_levels.scoring.many import reason
+    from babyrobot_levels.suites.batch import FolderError
 
     if key and no_answers:
         fail("--key and --no-answers cannot be combined", "leave out one of the two")
@@ -133,7 +133,7 @@ def gallery(
 
 def _title(words: list[str]) -> str | None:
     """Return the name of the only argument, if it is a folder or a pack."""
-    from babyrobot_levels.generate.named import folder_named, suite_named
+    from babyrobot_levels.suites.named import folder_named, suite_named
 
     if len(words) > 1 or suite_named(words[0]) is not None or folder_named(words[0]) is None:
         return None

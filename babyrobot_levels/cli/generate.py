@@ -28,9 +28,9 @@ from babyrobot_levels.language.walls import Algorithm
 from babyrobot_levels.text.diagnostics import one_line
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.batch import Batch, Target
-    from babyrobot_levels.generate.search import UnsatisfiableError
+    from babyrobot_levels.generation.search import UnsatisfiableError
     from babyrobot_levels.language.suite import SuiteFields
+    from babyrobot_levels.suites.batch import Batch, Target
 
 MAX_FILES = 1_000_000
 
@@ -253,7 +253,7 @@ def generate(
 
       babyrobot generate small-mazes --count 100 -o data
     """
-    from babyrobot_levels.generate.batch import FolderError, Target
+    from babyrobot_levels.suites.batch import FolderError, Target
 
     options = Options(
         count=count,
@@ -291,8 +291,8 @@ def generate(
 
 
 def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozenset[str]) -> Batch:
-    from babyrobot_levels.generate.batch import DEFAULT_NAMES, Batch, is_pattern, is_title
-    from babyrobot_levels.generate.levels import described
+    from babyrobot_levels.suites.batch import DEFAULT_NAMES, Batch, is_pattern, is_title
+    from babyrobot_levels.suites.generate import described
     from babyrobot_levels.text.errors import LevelError
 
     if suite is None:
@@ -323,10 +323,10 @@ def _batch(suite: str | None, options: Options, naming: Naming, excluded: frozen
 
 def _suite_named(suite: str, options: Options) -> tuple[SuiteFields, str]:
     """Return a suite's fields, with the given count, and the pattern of its levels' names."""
-    from babyrobot_levels.generate.levels import fields_to_generate
-    from babyrobot_levels.generate.suite_sources import name_pattern
-    from babyrobot_levels.generate.suites import load_suite
     from babyrobot_levels.language.suite import SuiteFields
+    from babyrobot_levels.suites.generate import fields_to_generate
+    from babyrobot_levels.suites.sources import name_pattern
+    from babyrobot_levels.suites.suite import load_suite
 
     given = [name for name in options.given() if name != "--count"]
     if given:
@@ -399,7 +399,7 @@ def _write(target: Target, workers: Workers, *, keep_going: bool) -> None:
 
 def _reason(target: Target, error: Exception) -> str:
     """Return why a level could not be made."""
-    from babyrobot_levels.generate.search import UnsatisfiableError
+    from babyrobot_levels.generation.search import UnsatisfiableError
     from babyrobot_levels.text.errors import BabyRobotError
 
     if isinstance(error, UnsatisfiableError):

@@ -17,8 +17,8 @@ from babyrobot_levels.cli.reporting import STANDARD_INPUT, findings_text
 from babyrobot_levels.text.files import RESERVED, make_folder
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.suites.suite import Suite
 
 LevelsArgument = Annotated[
     list[str],
@@ -36,7 +36,7 @@ SplitOption = Annotated[
 
 def is_one_level(words: Sequence[str]) -> bool:
     """Return whether arguments name one level, and no folder, pack or suite."""
-    from babyrobot_levels.generate.named import folder_named, suite_named
+    from babyrobot_levels.suites.named import folder_named, suite_named
 
     if len(words) != 1 or _is_input(words[0]):
         return len(words) == 1
@@ -60,7 +60,7 @@ def levels_named(words: Sequence[str], split: str | None = None) -> Suite | list
         words: the arguments.
         split: the part of a suite that is meant; None for all of it.
     """
-    from babyrobot_levels.generate.suites import Suite
+    from babyrobot_levels.suites.suite import Suite
 
     found = [(word, _named(word)) for word in words]
     for word, suite in found:
@@ -92,7 +92,7 @@ def valid_levels(
         keep_going: whether to go on without them; None where there is no such option.
     """
     from babyrobot_levels.cli.validate import errors_of
-    from babyrobot_levels.lint.reporters import text
+    from babyrobot_levels.linter.reporters import text
 
     files = [each for each in levels if isinstance(each, Path)]
     found = dict(zip(files, map_all(errors_of, files, Workers(jobs), "checking"), strict=True))
@@ -145,7 +145,7 @@ def _is_input(word: str) -> bool:
 
 def _named(word: str) -> Suite | list[Any]:
     """Return what an argument names: a suite, or what `load` takes for each level."""
-    from babyrobot_levels.generate.named import named_levels
+    from babyrobot_levels.suites.named import named_levels
     from babyrobot_levels.text.errors import BabyRobotError
 
     if _is_input(word):

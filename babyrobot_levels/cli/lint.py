@@ -26,8 +26,8 @@ from babyrobot_levels.cli.reporting import (
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
-    from babyrobot_levels.lint.rule import Rule
-    from babyrobot_levels.lint.settings import Settings
+    from babyrobot_levels.linter.rule import Rule
+    from babyrobot_levels.linter.settings import Settings
     from babyrobot_levels.text.diagnostics import Diagnostic, Fix
 
 
@@ -46,7 +46,7 @@ class Options:
 
     def settings_for(self, path: Path) -> Settings:
         """Return the settings for a file: those of the command line, else those of the project."""
-        from babyrobot_levels.lint.settings import Settings, settings_for
+        from babyrobot_levels.linter.settings import Settings, settings_for
 
         if self.select is not None:
             return Settings(self.select, self.ignore)
@@ -123,7 +123,7 @@ def lint(
 
       babyrobot lint --select BR5 --format json levels/
     """
-    from babyrobot_levels.lint.registry import UnknownRuleError
+    from babyrobot_levels.linter.registry import UnknownRuleError
 
     options = Options(
         _words(select) if select else None, _words(ignore or []), fix or diff, unsafe_fixes
@@ -159,7 +159,7 @@ def _run(
     workers: Workers,
 ) -> bool:
     """Lint files once. Return whether there are findings, or with `diff` whether files change."""
-    from babyrobot_levels.lint.runner import equivalent_levels, is_note
+    from babyrobot_levels.linter.runner import equivalent_levels, is_note
     from babyrobot_levels.text.source import SourceFile
 
     outcomes = dict(
@@ -190,9 +190,9 @@ def _run(
 
 def lint_path(options: Options, path: Path) -> Outcome:
     """Lint a file and fix its text if requested, without writing it."""
-    from babyrobot_levels.lint.fixer import fix
-    from babyrobot_levels.lint.rules.files import EQUIVALENT_MDP
-    from babyrobot_levels.lint.runner import lint_source
+    from babyrobot_levels.linter.fixer import fix
+    from babyrobot_levels.linter.rules.files import EQUIVALENT_MDP
+    from babyrobot_levels.linter.runner import lint_source
 
     rules = options.rules_for(path)
     try:

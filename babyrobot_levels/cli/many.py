@@ -29,8 +29,8 @@ from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.scoring.many import LevelMetrics, LevelValue
+    from babyrobot_levels.suites.suite import Suite
 
     Row = LevelValue | LevelMetrics
     Rows = Callable[..., Generator[Row]]

@@ -17,7 +17,7 @@ from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.starter import StarterOptions
+    from babyrobot_levels.generation.starter import StarterOptions
 
 MAX_PUDDLES = 10_000
 
@@ -94,7 +94,7 @@ def new_level(
 
       babyrobot new-level hedges --maze-seed 7 --algorithm recursive-division --loops 0.5
     """
-    from babyrobot_levels.generate.starter import StarterOptions, starter
+    from babyrobot_levels.generation.starter import StarterOptions, starter
     from babyrobot_levels.language.documents import slug
     from babyrobot_levels.library.search_path import gallery_folder, yaml_files
 
@@ -145,7 +145,7 @@ def new_level(
 
 def _report(options: StarterOptions, path: Path) -> None:
     """Write where the exit is, if not in the corner, and what to do next."""
-    from babyrobot_levels.generate.starter import exit_of
+    from babyrobot_levels.generation.starter import exit_of
 
     typed, exit_ = one_line(_quoted(str(path))), exit_of(options)
     text = ""
@@ -190,7 +190,7 @@ def _size(text: str) -> tuple[int, int]:
 
 def _check(text: str, path: Path) -> None:
     """Check that the file is valid before it is written: a theme may be unknown."""
-    from babyrobot_levels.library.checking import errors_of
+    from babyrobot_levels.suites.checking import errors_of
     from babyrobot_levels.text.files import source_of
 
     try:

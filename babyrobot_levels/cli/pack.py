@@ -71,7 +71,7 @@ def pack(
     from babyrobot_levels.library.packs import build as packing
     from babyrobot_levels.library.packs.archive import SUFFIX
     from babyrobot_levels.library.packs.format import PackError
-    from babyrobot_levels.lint.runner import lint_files
+    from babyrobot_levels.linter.runner import lint_files
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
@@ -127,7 +127,7 @@ def _warn(packed: Packed) -> None:
     """Write the findings that do not prevent a pack to standard error."""
     if packed.diagnostics:
         from babyrobot_levels.cli.reporting import findings_text
-        from babyrobot_levels.lint.reporters import text
+        from babyrobot_levels.linter.reporters import text
 
         report = findings_text(packed.diagnostics, sys.stderr)
         sys.stderr.write(f"{report}\n{text.summary(packed.diagnostics, len(packed.paths))}\n")

@@ -46,8 +46,8 @@ from babyrobot_levels.text.errors import BabyRobotError, LevelError
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.suites.suite import Suite
 
 
 class PictureFormat(StrEnum):

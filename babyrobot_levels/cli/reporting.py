@@ -14,7 +14,7 @@ import typer
 from babyrobot_levels.cli.console import fail, note, wants_color, width_of, write
 
 if TYPE_CHECKING:
-    from babyrobot_levels.lint.reporters import MachineFormat
+    from babyrobot_levels.linter.reporters import MachineFormat
     from babyrobot_levels.text.diagnostics import Diagnostic
     from babyrobot_levels.text.source import SourceFile
 
@@ -68,14 +68,14 @@ def write_report(
         ending: the last line of the text format.
     """
     if kind is FindingsFormat.TEXT:
-        from babyrobot_levels.lint.reporters import text
+        from babyrobot_levels.linter.reporters import text
 
         report = findings_text(diagnostics, sys.stdout)
         summary = text.summary(diagnostics, len(files), clean)
         write(report + ("\n" if report else "") + summary + "\n" + (ending and ending + "\n"))
         return
     from babyrobot_levels import __version__
-    from babyrobot_levels.lint.reporters import render
+    from babyrobot_levels.linter.reporters import render
 
     # Only these two describe codes.
     named = kind in (FindingsFormat.GITHUB, FindingsFormat.SARIF)
@@ -86,13 +86,13 @@ def write_report(
 
 def findings_text(diagnostics: Sequence[Diagnostic], stream: IO[str]) -> str:
     """Return findings as text for a stream: in colour and cut to the width on a terminal."""
-    from babyrobot_levels.lint.reporters import text
+    from babyrobot_levels.linter.reporters import text
 
     return text.render(diagnostics, color=wants_color(stream), width=width_of(stream))
 
 
 def _titles() -> dict[str, str]:
-    from babyrobot_levels.lint.registry import titles
+    from babyrobot_levels.linter.registry import titles
 
     return titles()
 

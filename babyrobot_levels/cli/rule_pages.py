@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from babyrobot_levels.lint.registry import all_pages, as_markdown, index
+from babyrobot_levels.linter.registry import all_pages, as_markdown, index
 from babyrobot_levels.text.files import write_text
 
 

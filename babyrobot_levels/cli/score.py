@@ -232,7 +232,7 @@ def _agent(word: str, levels: Any, options: dict[str, Any], *, trust: bool) -> A
 def _best_policies(levels: Any, options: dict[str, Any]) -> dict[str, Any]:
     """Return an optimal policy without a time limit for each level, by digest."""
     from babyrobot_levels.analysis.solver.optimum import solve
-    from babyrobot_levels.generate.suites import Suite
+    from babyrobot_levels.suites.suite import Suite
 
     split = options["split"]
     members = levels.split(split) if isinstance(levels, Suite) and split is not None else levels

@@ -38,8 +38,8 @@ from babyrobot_levels.cli.texts import text_picture
 from babyrobot_levels.text.source import printable
 
 if TYPE_CHECKING:
-    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
+    from babyrobot_levels.suites.suite import Suite
 
 
 def show(
@@ -103,7 +103,7 @@ def show(
 def _show_many(levels: Suite | list[Any], options: RowOptions) -> None:
     """Write the metrics of each level."""
     from babyrobot_levels.analysis.metrics import PATHS, RETURNS, SHAPE, THINGS
-    from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
+    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
     from babyrobot_levels.scoring.many import metrics_many
 
     names = ("path_length", "dead_ends", "loops", "best_return", "random_return", "difficulty")
@@ -141,7 +141,7 @@ def _show_one(level: str, citation: bool, report_format: TableFormat) -> None:
 
 
 def _show_suite(path: Path, citation: bool, report_format: TableFormat) -> None:
-    from babyrobot_levels.generate.suites import load_suite
+    from babyrobot_levels.suites.suite import load_suite
 
     suite = load_suite(path)
     if citation:
@@ -209,7 +209,7 @@ def _facts(level: Level) -> dict[str, Any]:
 def _metrics(level: Level) -> dict[str, Any]:
     """Return the metrics for JSON: strings for infinities, null for what is unknown."""
     from babyrobot_levels.analysis.metrics import metrics
-    from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
+    from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
     found = metrics(level)
     states = level.compile().num_states if level.has_things else found.cells

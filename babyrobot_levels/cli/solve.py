@@ -42,9 +42,9 @@ from babyrobot_levels.render.text import WIDEST
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.solver.results import Solution
-    from babyrobot_levels.generate.suites import Suite
     from babyrobot_levels.library.level import Level
     from babyrobot_levels.mdp.configurations import Things
+    from babyrobot_levels.suites.suite import Suite
 
 MAX_WRITTEN = 10_000_000
 """The most actions of a policy by step in JSON."""

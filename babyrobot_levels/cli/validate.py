@@ -50,7 +50,7 @@ def validate(
 
 def errors_of(path: Path) -> list[Diagnostic]:
     """Return the errors of a file, or of standard input for `-`."""
-    from babyrobot_levels.library import checking
+    from babyrobot_levels.suites import checking
 
     try:
         source = read_path(path)

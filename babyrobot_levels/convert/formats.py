@@ -28,8 +28,8 @@ from babyrobot_levels.convert.minigrids.text import read_minigrid, write_minigri
 from babyrobot_levels.convert.tiled.reading import is_tiled, read_tiled
 from babyrobot_levels.convert.tiled.writing import write_tiled
 from babyrobot_levels.language.fields import Role, fields_with
-from babyrobot_levels.library.checking import errors_of
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.emitter import emit_field
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import source_of
@@ -208,8 +208,8 @@ def _tidy(text: str) -> str:
     """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
     # Here, because exporting does not need the linter.
     from babyrobot_levels.language.formatting.formatter import format_source
-    from babyrobot_levels.lint.fixer import fix
-    from babyrobot_levels.lint.registry import select
+    from babyrobot_levels.linter.fixer import fix
+    from babyrobot_levels.linter.registry import select
 
     try:
         source = source_of(text.encode("utf-8"), "<imported>")

@@ -15,7 +15,7 @@ from babyrobot_levels.editor.history import History
 from babyrobot_levels.editor.shown.answers import Answers
 from babyrobot_levels.editor.shown.linting import Linter, Linting
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.lint.runner import Report, lint_document, lint_source
+from babyrobot_levels.linter.runner import Report, lint_document, lint_source
 from babyrobot_levels.text.comments import comments
 from babyrobot_levels.text.document import Document
 from babyrobot_levels.text.emitter import emit

@@ -16,8 +16,8 @@ from babyrobot_levels.envs.observations import OBSERVATIONS, Observation
 from babyrobot_levels.envs.observations.planes import DTYPES, PlaneForm
 from babyrobot_levels.envs.observations.views import DEFAULT_RADIUS, MAX_RADIUS
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.compiler.terrain import build_terrain
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.text.words import did_you_mean
 
 if TYPE_CHECKING:
@@ -239,7 +239,7 @@ def checked_options(options: Any, *known: str) -> dict[str, Any]:
     return {**options}
 
 
-def checked_cell(cell: Any, level: Level) -> tuple[int, int]:
+def checked_cell(cell: Any, level: GridWorld) -> tuple[int, int]:
     """Return a cell `[x, y]` of a level in which an episode is to start.
 
     Raises:
@@ -257,7 +257,7 @@ def checked_cell(cell: Any, level: Level) -> tuple[int, int]:
     return x, y
 
 
-def start_states(start: Any, level: Level, mdp: Mdp) -> tuple[int, ...]:
+def start_states(start: Any, level: GridWorld, mdp: Mdp) -> tuple[int, ...]:
     """Return the states in which an episode can start in a cell `[x, y]`.
 
     In a level with things there is one for each way in which these can lie at the beginning. The

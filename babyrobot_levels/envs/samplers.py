@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from babyrobot_levels.envs.arguments import check_choice
-from babyrobot_levels.generate.suites import Suite
+from babyrobot_levels.suites.suite import Suite
 
 Draws = NDArray[np.float64]
 Numbers = NDArray[np.int64]

@@ -160,7 +160,7 @@ def _own_limit(given: Mapping[str, Any]) -> int | None:
             return _max_steps(level)
         if levels is suite is None:
             return None
-        from babyrobot_levels.generate.suites import Suite, load_suite
+        from babyrobot_levels.suites.suite import Suite, load_suite
 
         if suite is not None or isinstance(levels, Suite):
             return load_suite(levels if suite is None else suite).max_steps

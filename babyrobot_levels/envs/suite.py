@@ -19,9 +19,9 @@ from babyrobot_levels.envs.arguments import (
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.samplers import Sampler, checked_sampler, sampled
 from babyrobot_levels.envs.single import LevelEnv
-from babyrobot_levels.generate.suite_sources import Bounds
-from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.mdp.actions import HEADINGS
+from babyrobot_levels.suites.sources import Bounds
+from babyrobot_levels.suites.suite import Suite, load_suite
 
 SuiteLike = str | os.PathLike[str] | Mapping[str, Any] | Suite
 

@@ -16,15 +16,15 @@ from babyrobot_levels.envs.engine.tables import Part, part_of
 from babyrobot_levels.envs.observations import Observation
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.vector.levels import misfit
-from babyrobot_levels.generate.named import named_levels
-from babyrobot_levels.generate.suite_sources import Bounds
-from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.jax.building import LevelArrays, arrays_of, build
 from babyrobot_levels.jax.observations import bytes_of, tables_of
 from babyrobot_levels.jax.params import EnvParams
 from babyrobot_levels.jax.room import Counts, Room
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.suites.named import named_levels
+from babyrobot_levels.suites.sources import Bounds
+from babyrobot_levels.suites.suite import Suite
 
 MAX_BYTES = 4 * 2**30
 """How much memory tables may take, by default."""

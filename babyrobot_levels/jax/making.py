@@ -8,12 +8,12 @@ from babyrobot_levels.envs.action_sets import ACTION_SETS
 from babyrobot_levels.envs.arguments import check_choice, checked_observation
 from babyrobot_levels.envs.engine.factory import checked_count, limits_of
 from babyrobot_levels.envs.suite import extent_of
-from babyrobot_levels.generate.named import Levels
-from babyrobot_levels.generate.suite_sources import Bounds
-from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.jax.env import LevelEnvironment
 from babyrobot_levels.jax.loading import MAX_BYTES, Loader, bounds_of, levels_in
 from babyrobot_levels.jax.params import EnvParams
+from babyrobot_levels.suites.named import Levels
+from babyrobot_levels.suites.sources import Bounds
+from babyrobot_levels.suites.suite import Suite
 
 
 def make(

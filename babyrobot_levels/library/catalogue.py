@@ -7,20 +7,30 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from html import escape
 from itertools import chain
 from pathlib import Path
 from typing import Any, SupportsIndex, overload
 
+from babyrobot_levels.analysis.shown import Shown
 from babyrobot_levels.language.documents import slug
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code, load_file
 from babyrobot_levels.library.search_path import GALLERY, Place, gallery_place, places, yaml_files
-from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError, SuiteNotFoundError
 from babyrobot_levels.text.files import SUFFIXES, is_file, read_source
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.words import nearest
+
+MAX_THUMBNAILS = 50
+"""How many levels of a list a notebook shows with a picture."""
+
+MAX_ROWS = 500
+"""How many levels of a list a notebook shows at all."""
+
+_THUMBNAIL, _SMALL = 200.0, 72.0
+"""The most width of a level's picture beside its facts, and in a list."""
 
 MAX_NEAREST = 3
 MAX_LISTED = 20
@@ -70,6 +80,19 @@ class LevelInfo(Shown):
         title = "" if self.title is None else f" {self.title!r}"
         return f"<LevelInfo {self.name!r}: {self.size[0]}x{self.size[1]}{title}>"
 
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import beside, facts
+
+        rows = [
+            ("Name", self.name),
+            ("Title", self.title or ""),
+            ("Size", _size(self)),
+            ("Tags", ", ".join(self.tags)),
+            ("Source", self.source or ""),
+            ("From", self.origin),
+        ]
+        return beside(_thumbnail(self, _THUMBNAIL), facts(rows))
+
     def to_dict(self) -> dict[str, Any]:
         """Return it as plain data."""
         return {
@@ -86,6 +109,23 @@ class LevelInfo(Shown):
 class LevelList(Shown, list[LevelInfo]):
     """A list of levels, which shows itself as a table. Its slices are such lists, too."""
 
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import table
+
+        rows = [
+            (
+                _thumbnail(info, _SMALL) if number < MAX_THUMBNAILS else "",
+                f"<code>{escape(info.name)}</code>",
+                escape(info.title or ""),
+                escape(_size(info)),
+                escape(", ".join(info.tags)),
+                escape(info.origin),
+            )
+            for number, info in enumerate(self[:MAX_ROWS])
+        ]
+        more = f"<p>… and {len(self) - MAX_ROWS:,} more</p>" if len(self) > MAX_ROWS else ""
+        return table(("", "Name", "Title", "Size", "Tags", "From"), rows) + more
+
     @overload
     def __getitem__(self, index: SupportsIndex) -> LevelInfo: ...
     @overload
@@ -101,6 +141,23 @@ class LevelList(Shown, list[LevelInfo]):
         ]
         more = [f"  … and {len(self) - MAX_LISTED} more"] if len(self) > MAX_LISTED else []
         return "\n".join([f"{len(self)} level{'s' * (len(self) != 1)}", *lines, *more])
+
+
+def _thumbnail(info: LevelInfo, width: float) -> str:
+    """Return a small picture; nothing of a level that is too large, or that is not there now."""
+    from babyrobot_levels.analysis.shown import MAX_SOLVED, image, level_picture
+
+    if info.size[0] * info.size[1] > MAX_SOLVED:
+        return ""
+    try:
+        level = load_file(info.path)
+    except LevelError:
+        return ""
+    return image(level_picture(level, width, small=True))
+
+
+def _size(info: LevelInfo) -> str:
+    return f"{info.size[0]} × {info.size[1]}"
 
 
 def load(level: str | os.PathLike[str] | Mapping[str, Any] | Level) -> Level:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from babyrobot_levels.language.documents import level_from_mapping
-from babyrobot_levels.library.shown import later
+from babyrobot_levels.analysis import pictures
+from babyrobot_levels.analysis.environments import make
 from babyrobot_levels.mdp.gridworld import GridWorld
 
 if TYPE_CHECKING:
@@ -26,31 +26,6 @@ class Level(GridWorld):
 
     __module__ = "babyrobot_levels"
 
-    @classmethod
-    def from_fields(
-        cls, fields: Mapping[str, Any], *, name: str | None = None, folder: Path | None = None
-    ) -> Level:
-        """Return the level that a mapping of the language's fields gives.
-
-        Args:
-            fields: the fields. NumPy's numbers and arrays, tuples and models are taken too.
-            name: the level's name, if the mapping gives none.
-            folder: where `themes/` may stand.
-
-        Raises:
-            LevelError: the mapping is not a valid level. The diagnostics point into the mapping
-                as it would be written in a file.
-        """
-        level = level_from_mapping(fields, cls, name=name, folder=folder)
-        if level.stands_on_grid and not level.has_random_maze:
-            from babyrobot_levels.language.documents import error_in_mapping
-            from babyrobot_levels.mdp.placement import placement_issues
-
-            issues = placement_issues(level, level.grid())
-            if issues:
-                raise error_in_mapping(fields, issues)
-        return level
-
     def __hash__(self) -> int:
         # Some fields are mappings, which have none; equal levels are alike in these.
         return hash((self.name, self.title, self.size, self.start))
@@ -62,35 +37,6 @@ class Level(GridWorld):
         return f"<Level{name}: {width}x{height}>"
 
     __str__ = __repr__
-
-    # -- other levels ----------------------------------------------------------------------
-
-    def replace(self, **fields: Any) -> Level:
-        """Return a level with other values for some fields; None removes a field.
-
-        Raises:
-            LevelError: the level would not be valid.
-        """
-        data = {**self.to_dict(), **fields}
-        given = {name: value for name, value in data.items() if value is not None}
-        name = self.name if "name" not in fields else None
-        other = self.from_fields(given, name=name, folder=self._folder)
-        other._origin = self._origin
-        return other
-
-    def resolve(self) -> Level:
-        """Return the same level with its maze written out as walls, without `maze` and `openings`.
-
-        A level without a maze is returned as it is.
-
-        Raises:
-            LevelError: the maze has no seed yet (`seed: random`).
-        """
-        from babyrobot_levels.mdp.drawn import resolved_fields
-
-        if self.maze is None:
-            return self
-        return self.replace(**resolved_fields(self, self.grid()))
 
     # -- as text ---------------------------------------------------------------------------
 
@@ -157,7 +103,7 @@ class Level(GridWorld):
             UndefinedReturnError: the level has no solution that could be shown.
             ValueError: another argument does not fit the level.
         """
-        picture: str = later("pictures").to_svg(
+        picture: str = pictures.to_svg(
             self,
             values=values,
             policy=policy,
@@ -189,7 +135,7 @@ class Level(GridWorld):
 
         Args and errors are those of `to_svg`; a `scale` of 1 is 48 points per cell.
         """
-        picture: bytes = later("pictures").to_pdf(
+        picture: bytes = pictures.to_pdf(
             self,
             values=values,
             policy=policy,
@@ -222,7 +168,7 @@ class Level(GridWorld):
         Args and errors are those of `to_svg`. Without a `scale`, a cell has 64 pixels, and fewer in
         large levels: no side of the picture has more than 4,000.
         """
-        picture: bytes = later("pictures").to_png(
+        picture: bytes = pictures.to_png(
             self,
             values=values,
             policy=policy,
@@ -269,7 +215,7 @@ class Level(GridWorld):
             UndefinedReturnError: the level has no solution that could be followed or shown.
             ValueError: another argument does not fit the level, or the film is too large.
         """
-        film: bytes = later("pictures").to_gif(
+        film: bytes = pictures.to_gif(
             self,
             policy=policy,
             seed=seed,
@@ -311,7 +257,7 @@ class Level(GridWorld):
             ValueError: the level is too large for a page, there is no such policy, or answers are
                 to be shown without answers.
         """
-        page: str = later("pictures").to_html(
+        page: str = pictures.to_html(
             self,
             values=values,
             policy=policy,
@@ -338,9 +284,7 @@ class Level(GridWorld):
                 `see_through`, `channels_last`, `planes_dtype`. A `max_episode_steps` takes the
                 place of the level's `max_steps`, -1 of any limit.
         """
-        import gymnasium
-
-        return gymnasium.make("babyrobot/Level-v0", level=self, **kwargs)
+        return make(self, **kwargs)
 
 
 def _saved(made: Made, path: str | os.PathLike[str] | None) -> Made:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import product
 
 from babyrobot_levels.language.fields import LevelFields
+from babyrobot_levels.language.things import Item, Mover, Switch
 
 Cell = tuple[int, int]
 Values = tuple[int, ...]
@@ -56,7 +57,7 @@ class Things:
 
     def __init__(self, level: LevelFields):
         self.level = level
-        named = (*level.items, *level.switches, *level.movers)
+        named: list[Item | Switch | Mover] = [*level.items, *level.switches, *level.movers]
         taken = {thing.name for thing in named}
 
         def free(name: str) -> str:

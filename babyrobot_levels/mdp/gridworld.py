@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import operator
+import os
+from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Self
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Self
 
+from babyrobot_levels import mdp
 from babyrobot_levels.language.level import LevelSpec
 from babyrobot_levels.language.walls import Maze
 from babyrobot_levels.mdp.grid import Grid, build_grid
@@ -18,6 +22,32 @@ if TYPE_CHECKING:
 
 class GridWorld(LevelSpec):
     """A valid level that knows what it comes to."""
+
+    @classmethod
+    def from_fields(
+        cls, fields: Mapping[str, Any], *, name: str | None = None, folder: Path | None = None
+    ) -> Self:
+        """Return the level that a mapping of the language's fields gives.
+
+        Args:
+            fields: the fields. NumPy's numbers and arrays, tuples and models are taken too.
+            name: the level's name, if the mapping gives none.
+            folder: where `themes/` may stand.
+
+        Raises:
+            LevelError: the mapping is not a valid level. The diagnostics point into the mapping
+                as it would be written in a file.
+        """
+        from babyrobot_levels.language.documents import error_in_mapping, level_from_mapping
+
+        level = level_from_mapping(fields, cls, name=name, folder=folder)
+        if level.stands_on_grid and not level.has_random_maze:
+            from babyrobot_levels.mdp.placement import placement_issues
+
+            issues = placement_issues(level, level.grid())
+            if issues:
+                raise error_in_mapping(fields, issues)
+        return level
 
     def grid(self) -> Grid:
         """Return walls and cells after the maze. The grid is made once and shared.
@@ -126,3 +156,45 @@ class GridWorld(LevelSpec):
         from babyrobot_levels.mdp.drawn import drawing_of
 
         return compose(drawing_of(self, self.grid()))
+
+    def replace(self, **fields: Any) -> Self:
+        """Return a level with other values for some fields; None removes a field.
+
+        Raises:
+            LevelError: the level would not be valid.
+        """
+        data = {**self.to_dict(), **fields}
+        given = {name: value for name, value in data.items() if value is not None}
+        name = self.name if "name" not in fields else None
+        other = self.from_fields(given, name=name, folder=self._folder)
+        other._origin = self._origin
+        return other
+
+    def resolve(self) -> Self:
+        """Return the same level with its maze written out as walls, without `maze` and `openings`.
+
+        A level without a maze is returned as it is.
+
+        Raises:
+            LevelError: the maze has no seed yet (`seed: random`).
+        """
+        from babyrobot_levels.mdp.drawn import resolved_fields
+
+        if self.maze is None:
+            return self
+        return self.replace(**resolved_fields(self, self.grid()))
+
+
+LevelLike = str | os.PathLike[str] | Mapping[str, Any] | GridWorld
+"""What `babyrobot_levels.load` takes: a name, a path, a share code, a mapping, or a level."""
+
+
+def world_of(level: LevelLike) -> GridWorld:
+    """Return a level that may be given by its name, as the public `load` does.
+
+    This is the one place where an earlier room asks the library for a level.
+    """
+    if isinstance(level, GridWorld):
+        return level
+    found: GridWorld = mdp.load(level)
+    return found

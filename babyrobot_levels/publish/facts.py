@@ -11,7 +11,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.metrics import metrics as metrics_of
 from babyrobot_levels.analysis.solver.space import space_of
-from babyrobot_levels.lint.optimal_policy import MAX_SOLVED
+from babyrobot_levels.linter.optimal_policy import MAX_SOLVED
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.metrics import Metrics

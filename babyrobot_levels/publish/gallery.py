@@ -13,14 +13,6 @@ from itertools import count
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.generate.batch import FolderError
-from babyrobot_levels.generate.named import (
-    LevelLike,
-    Levels,
-    folder_named,
-    named_levels,
-)
-from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.language.play import program
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
@@ -32,6 +24,14 @@ from babyrobot_levels.publish.level_files import Shown, write_level
 from babyrobot_levels.publish.level_page import with_neighbours
 from babyrobot_levels.publish.wall import wall_html
 from babyrobot_levels.scoring.sent import Item, received, sent
+from babyrobot_levels.suites.batch import FolderError
+from babyrobot_levels.suites.named import (
+    LevelLike,
+    Levels,
+    folder_named,
+    named_levels,
+)
+from babyrobot_levels.suites.suite import Suite
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import (
     GALLERY_FILES,

@@ -11,11 +11,9 @@ from itertools import islice
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.analysis.shown import html_of
-from babyrobot_levels.generate.named import Levels, named_levels
+from babyrobot_levels.analysis.shown import Shown as ShownInNotebook
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.shown import Shown as ShownInNotebook
 from babyrobot_levels.publish.sheet_entries import Entry, Shown, entry_of
 from babyrobot_levels.publish.sheet_pages import PageStyle, pages_of
 from babyrobot_levels.render.notebook.html import picture_of, strip
@@ -23,6 +21,7 @@ from babyrobot_levels.render.pdf import to_pdf
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.shapes import Scene
 from babyrobot_levels.render.svg import number, to_svg
+from babyrobot_levels.suites.named import Levels, named_levels
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.files import write_bytes
 
@@ -141,6 +140,9 @@ class Sheet(ShownInNotebook):
     pages: tuple[Scene, ...]
     title: str
 
+    def _html(self) -> str:
+        return strip([(picture_of(page, 480), "") for page in self.pages], None)
+
     def __repr__(self) -> str:
         return f"<Sheet {self.title!r} of {len(self.pages)} page{'s' * (len(self.pages) > 1)}>"
 
@@ -220,11 +222,6 @@ class Sheet(ShownInNotebook):
             raise ValueError(f"a sheet is saved as one of {', '.join(KINDS)}, not {kind!r}")
         for file, made in self.files(path, kind).items():
             write_bytes(file, made())
-
-
-@html_of.register
-def _(shown: Sheet) -> str:
-    return strip([(picture_of(page, 480), "") for page in shown.pages], None)
 
 
 def _entry(level: Level, shown: Shown) -> Entry:

@@ -22,14 +22,14 @@ from babyrobot_levels.envs.observations import Observation, make_observer
 from babyrobot_levels.envs.observations.extent import Extent
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.envs.suite import extent_of
-from babyrobot_levels.generate.named import named_levels
-from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.scoring.agents import Chooser, Floats, Player, Table, read_agent
 from babyrobot_levels.scoring.intervals import Played, extremes
 from babyrobot_levels.scoring.results import LevelScore, Scores
 from babyrobot_levels.scoring.tables import policy_of
+from babyrobot_levels.suites.named import named_levels
+from babyrobot_levels.suites.suite import Suite
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,14 +9,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from babyrobot_levels.generate.named import LevelLike, Levels, named_levels
-from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.language.share_code import is_code
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.library.catalogue import level_path, load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_code, load_file, load_source
 from babyrobot_levels.parallel.executor import Failure, portable
+from babyrobot_levels.suites.named import LevelLike, Levels, named_levels
+from babyrobot_levels.suites.suite import Suite, load_suite
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import read_source
 from babyrobot_levels.text.source import SourceFile

@@ -195,7 +195,7 @@ app.main()
         "pydantic",
         "babyrobot_levels.cli.commands",
         "babyrobot_levels.cli.lint",
-        "babyrobot_levels.lint.runner",
+        "babyrobot_levels.linter.runner",
         "numpy",
     ],
 )

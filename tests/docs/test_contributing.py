@@ -84,7 +84,7 @@ def test_the_fields_are_those_of_the_schema_and_of_the_reference() -> None:
 
 def test_each_rule_has_a_function_and_a_page() -> None:
     names = {rule.name for rule in registry("rule")()}
-    modules = (ROOT / "babyrobot_levels" / "lint" / "rules").glob("*.py")
+    modules = (ROOT / "babyrobot_levels" / "linter" / "rules").glob("*.py")
     sources = "".join(path.read_text(encoding="utf-8") for path in modules)
     functions = re.findall(r"^@rule\([^)]*\)\ndef (\w+)", sources, re.MULTILINE)
     assert {name.replace("_", "-") for name in functions} == names

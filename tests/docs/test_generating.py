@@ -10,8 +10,8 @@ from support.places import DOCS
 from support.sessions import environment, run_here
 
 import babyrobot_levels as brl
-from babyrobot_levels.generate.batch import origin_of
 from babyrobot_levels.language.suite import SuiteFields
+from babyrobot_levels.suites.batch import origin_of
 
 PAGE = (DOCS / "generating.md").read_text("utf-8")
 

@@ -71,7 +71,7 @@ def test_loading_a_level_never_calls_into_a_room_above() -> None:
 
 def test_at_the_top_stand_only_the_rooms() -> None:
     rooms = {room for layer in STRUCTURE.order for room in layer}
-    files = {"__init__.py", "__main__.py", "py.typed"}
+    files = {"__init__.py", "__init__.pyi", "__main__.py", "py.typed"}
     data, caches = {"data"}, {"__pycache__"}
     assert {path.name for path in PACKAGE.iterdir()} - data - caches == rooms | files
 

@@ -10,7 +10,7 @@ from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown.findings import findings_of
 from babyrobot_levels.editor.shown.linting import Linting
 from babyrobot_levels.editor.state import state_of
-from babyrobot_levels.lint.runner import Report
+from babyrobot_levels.linter.runner import Report
 from babyrobot_levels.text.diagnostics import Diagnostic, Severity
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import Position, SourceFile

@@ -9,7 +9,7 @@ import pytest
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown import linting
-from babyrobot_levels.lint.runner import check
+from babyrobot_levels.linter.runner import check
 
 LEVEL = """\
 version: 1

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import importlib
 import os
-import re
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -601,9 +600,9 @@ def test_all_public_names_come_with_a_star() -> None:
 
 
 def test_an_unknown_name_is_an_attribute_error() -> None:
-    told = re.escape("module 'babyrobot_levels' has no attribute 'laod'")
+    told = "No babyrobot_levels attribute laod"
     with pytest.raises(AttributeError, match=told):
-        brl.laod  # noqa: B018
+        brl.laod  # type: ignore[attr-defined]  # noqa: B018
     with pytest.raises(ImportError, match="laod"):
         exec("from babyrobot_levels import laod")
     assert not hasattr(brl, "__path_of_nothing__")

@@ -15,8 +15,8 @@ from support.reading import read_level
 
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import loads
-from babyrobot_levels.lint.reporters import render
-from babyrobot_levels.lint.runner import check
+from babyrobot_levels.linter.reporters import render
+from babyrobot_levels.linter.runner import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import source_of

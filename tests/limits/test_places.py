@@ -14,7 +14,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.language.documents import read_theme, theme_names
-from babyrobot_levels.lint.runner import check
+from babyrobot_levels.linter.runner import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.text.source import Position

@@ -12,7 +12,7 @@ import pytest
 
 import babyrobot_levels as brl
 from babyrobot_levels.library import catalogue
-from babyrobot_levels.lint.reporters import github, junit, sarif
+from babyrobot_levels.linter.reporters import github, junit, sarif
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelNotFoundError
 

@@ -17,7 +17,7 @@ from support.places import TESTS
 from support.things import thing_worlds
 from support.worlds import decorated_worlds, level_of_text, worlds
 
-from babyrobot_levels.generate.starter import TEMPLATES, StarterOptions, starter
+from babyrobot_levels.generation.starter import TEMPLATES, StarterOptions, starter
 from babyrobot_levels.language.formatting.formatter import format_source, format_text
 from babyrobot_levels.language.formatting.tree import tidy
 from babyrobot_levels.library.level import Level

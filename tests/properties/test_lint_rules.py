@@ -27,16 +27,16 @@ from support.worlds import (
 from babyrobot_levels.analysis.solver.evaluation import success_within
 from babyrobot_levels.language.drawing import compose
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.lint.fixer import apply, fix
-from babyrobot_levels.lint.optimal_policy import (
+from babyrobot_levels.linter.fixer import apply, fix
+from babyrobot_levels.linter.optimal_policy import (
     endless_loop,
     is_within_limit,
     solution_of,
     surely_terminates,
 )
-from babyrobot_levels.lint.registry import all_rules
-from babyrobot_levels.lint.runner import lint_source
-from babyrobot_levels.lint.variants import gives
+from babyrobot_levels.linter.registry import all_rules
+from babyrobot_levels.linter.runner import lint_source
+from babyrobot_levels.linter.variants import gives
 from babyrobot_levels.mdp import graph
 from babyrobot_levels.mdp.reachability import Reach, reach_of
 from babyrobot_levels.text.diagnostics import Diagnostic

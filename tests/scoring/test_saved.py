@@ -59,7 +59,9 @@ def test_the_output_of_solve_is_a_policy(tmp_path: Path) -> None:
     arguments = ["solve", "frozen-lake", "--within", "max_steps", "--format", "json"]
     (tmp_path / "solved.json").write_text(run_here(arguments, environment(tmp_path)).out)
     policy = load_policy(tmp_path / "solved.json")
-    assert np.array_equal(policy, brl.solve("frozen-lake", within="max_steps").policies)
+    policies = brl.solve("frozen-lake", within="max_steps").policies
+    assert policies is not None
+    assert np.array_equal(policy, policies)
 
 
 @pytest.mark.parametrize(

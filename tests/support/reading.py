@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from babyrobot_levels.language.validation import Checked
-from babyrobot_levels.library.checking import check_document
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.suites.checking import check_document
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.reader import read
 from babyrobot_levels.text.source import SourceFile

@@ -6,8 +6,8 @@ from functools import cache
 from pathlib import Path
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.lint.registry import find
-from babyrobot_levels.lint.runner import lint_source
+from babyrobot_levels.linter.registry import find
+from babyrobot_levels.linter.runner import lint_source
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import read_source
@@ -17,7 +17,7 @@ from support.reading import read_level
 LEVELS = TESTS / "levels"
 GOOD = sorted((LEVELS / "good").glob("*.yaml"))
 BAD = sorted((LEVELS / "bad").glob("*.yaml"))
-RULES = TESTS / "lint" / "rules"
+RULES = TESTS / "linter" / "rules"
 LINT_GOOD = sorted(RULES.glob("*/good-*.yaml"))
 LINT_BAD = sorted(RULES.glob("*/bad-*.yaml"))
 

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.environments import make
 from babyrobot_levels.analysis.learning.results import (
     Problem,
     Sweep,
@@ -237,7 +238,7 @@ class _Agent:
         space = problem.space
         self.values = np.zeros((space.mdp.num_states, num_actions(space.actions)))
         self._rng = np.random.default_rng(check_seed(seed))
-        made = space.level.make(observation="index", actions=space.actions)
+        made = make(space.level, observation="index", actions=space.actions)
         self._env = made.unwrapped
         self._env.reset(seed=int(self._rng.integers(2**31)))
 

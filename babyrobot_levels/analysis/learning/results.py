@@ -7,14 +7,20 @@ from typing import Any
 
 import numpy as np
 
+from babyrobot_levels.analysis.shown import MAX_SOLVED, image, number, state_picture
 from babyrobot_levels.analysis.solver.evaluation import MAX_STEPS
 from babyrobot_levels.analysis.solver.model import Floats, Ints, Model
-from babyrobot_levels.analysis.solver.optimum import TOLERANCE
+from babyrobot_levels.analysis.solver.optimum import TOLERANCE, solve
 from babyrobot_levels.analysis.solver.policies import Policy, read_policy
-from babyrobot_levels.analysis.solver.results import StateResult, check_actions, check_discount
+from babyrobot_levels.analysis.solver.results import (
+    EpisodeTooLongError,
+    StateResult,
+    UndefinedReturnError,
+    check_actions,
+    check_discount,
+)
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,7 +34,7 @@ class Run:
         estimates: the number of each result so far, and its estimate of the return from the starts.
     """
 
-    level: Level
+    level: GridWorld
     discount: float
     unit: str
     estimates: list[tuple[int, float]] = field(default_factory=list)
@@ -65,8 +71,8 @@ class Sweep(StateResult):
     run: Run | None = field(default=None, kw_only=True)
 
     @property
-    def level(self) -> Level | None:
-        """The level; None in what earlier versions pickled."""
+    def level(self) -> GridWorld | None:
+        """The level; None without a run."""
         return None if self.run is None else self.run.level
 
     @property
@@ -79,6 +85,46 @@ class Sweep(StateResult):
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} number={self.number} delta={self.delta:.6g}>"
+
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import Picture, beside, facts
+
+        run = self.run
+        rows = [("Number", f"{self.number:,}"), ("Largest change", f"{self.delta:.2g}")]
+        if run is not None:
+            rows[0] = (run.unit.title(), rows[0][1])
+            rows += [
+                ("Return from the start", number(value))
+                for at, value in run.estimates
+                if at == self.number
+            ]
+            rows.append(("Discount", number(run.discount)))
+        rows.append(("Actions", self.actions))
+        title, svg = self._curve(self._goal())
+        curve = Picture(svg.encode(), "image/svg+xml", 460, 260, title) if svg else None
+        return beside(image(state_picture(self)), image(curve) + facts(rows))
+
+    def _curve(self, goal: tuple[str, float] | None) -> tuple[str, str]:
+        """Return how the run has gone so far, a title and an SVG, which is empty without a run."""
+        from babyrobot_levels.render.curves import Curve, curves_svg
+
+        title, run = "Return from the start", self.run
+        if run is None:
+            return title, ""
+        points = [(at, value) for at, value in run.estimates if at <= self.number]
+        return title, curves_svg(
+            [Curve("estimate", points)], goal=goal, x_title=run.unit, y_title=title.lower()
+        )
+
+    def _goal(self) -> tuple[str, float] | None:
+        """Return the optimum that learning is compared with; None where it takes long."""
+        if self.run is None or self.values.size > MAX_SOLVED:
+            return None
+        try:
+            best = solve(self.run.level, self.run.discount, actions=self.actions)
+        except (UndefinedReturnError, EpisodeTooLongError):
+            return None
+        return "optimum", best.expected_return
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -95,6 +141,18 @@ class Trials(Sweep):
 
     action_values: Floats
     returns: Floats
+
+    def _curve(self, goal: tuple[str, float] | None) -> tuple[str, str]:
+        from babyrobot_levels.render.curves import FAINT, Curve, curves_svg
+
+        returns = self.returns
+        window = max(1, returns.size // 20)
+        means = np.convolve(returns, np.full(window, 1 / window), "valid")
+        raw = Curve("each episode", [*enumerate(returns.tolist(), 1)], FAINT, 1.0)
+        mean = Curve(f"mean of {window}", [*enumerate(means.tolist(), window)])
+        curves = [raw, mean] if window > 1 else [Curve("each episode", raw.points)]
+        svg = curves_svg(curves, goal=goal, x_title="episode", y_title="return")
+        return "Return of each episode", svg
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,7 +234,7 @@ def read_problem(level: Any, discount: float | None, actions: str, unit: str) ->
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
-    level = load(level)
+    level = world_of(level)
     space = space_of(level, actions)
     run = Run(level, check_discount(discount, level.discount), unit)
     return Problem(space, space.model(), run)

@@ -20,7 +20,7 @@ from babyrobot_levels.analysis.solver.policies import Policy
 from babyrobot_levels.analysis.solver.results import Result, check_discount
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.analysis.solver.within import weights_by_step
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.gridworld import world_of
 
 MAX_OUTCOMES = 4_000_000
 """The most outcomes that are followed, over all steps: about a second."""
@@ -107,7 +107,7 @@ def return_distribution(
         ValueError: another argument has an invalid value.
         EpisodeTooLongError: episodes take so many steps that simulating them takes too long.
     """
-    level = load(level)
+    level = world_of(level)
     discount = check_discount(discount, level.discount)
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
     return distribution_of(space_of(level, actions), policy, discount, limit)

@@ -29,8 +29,7 @@ from babyrobot_levels.analysis.solver.results import (
 )
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.analysis.solver.within import evaluate_within, weights_by_step
-from babyrobot_levels.library.catalogue import load
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import GridWorld, world_of
 
 MAX_STEPS = 10_000
 """The limit of steps of simulated episodes in levels without a limit of their own."""
@@ -95,7 +94,7 @@ def evaluation_of(
     within: int | str | None = None,
 ) -> Evaluation:
     """Do what `evaluate` does, without a warning where the expected return is infinite."""
-    level = load(level)
+    level = world_of(level)
     discount = check_discount(discount, level.discount)
     space, limit = space_of(level, actions), limit_of(within, policy, level)
     if limit is not None:
@@ -120,7 +119,7 @@ def evaluation_of(
     )
 
 
-def limit_of(within: int | str | None, policy: Any, level: Level) -> int | None:
+def limit_of(within: int | str | None, policy: Any, level: GridWorld) -> int | None:
     """Return the limit of steps that is asked for, or that of the policy; None for none."""
     return check_within(
         getattr(policy, "within", None) if within is None else within, level.max_steps
@@ -215,7 +214,7 @@ def simulate(
         LevelError: the level is not valid, or its maze has no seed yet.
         ValueError: another argument has an invalid value.
     """
-    level = load(level)
+    level = world_of(level)
     discount = check_discount(discount, level.discount)
     limit = limit_of(within, policy, level) or level.max_steps or MAX_STEPS
     if episodes < 1:
@@ -291,7 +290,7 @@ def success_within(
             the level is given.
         EpisodeTooLongError: there are so many steps that this takes too long.
     """
-    level = load(level)
+    level = world_of(level)
     if steps is None:
         steps = getattr(policy, "within", None) or level.max_steps
     if steps is None or steps < 0:

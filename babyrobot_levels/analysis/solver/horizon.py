@@ -16,7 +16,7 @@ import numpy as np
 from babyrobot_levels.analysis.solver.model import Floats
 from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
 from babyrobot_levels.analysis.solver.space import space_of
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.gridworld import world_of
 
 MAX_WORK = 10_000_000_000
 """About how many nanoseconds backward induction may take."""
@@ -68,7 +68,7 @@ def best_return_within(
     """
     if steps < 0:
         raise ValueError(f"steps must be 0 or more, not {steps}")
-    space = space_of(load(level), actions)
+    space = space_of(world_of(level), actions)
     model = space.model()
 
     def step(values: Floats) -> Floats:

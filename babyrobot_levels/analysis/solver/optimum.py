@@ -36,7 +36,7 @@ from babyrobot_levels.analysis.solver.results import (
 )
 from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.analysis.solver.within import solve_within
-from babyrobot_levels.library.catalogue import load
+from babyrobot_levels.mdp.gridworld import world_of
 
 TOLERANCE = 1e-9
 """Actions whose values differ by no more than this share of the optimal one are all greedy."""
@@ -81,7 +81,7 @@ def solve(
         EpisodeTooLongError: there is no discount, and on average it takes more than 10^10 steps to
             end; or the limit is so large that this takes too long, or the policy is too large.
     """
-    level = load(level)
+    level = world_of(level)
     discount = check_discount(discount, level.discount)
     space, limit = space_of(level, actions), check_within(within, level.max_steps)
     if limit is not None:

@@ -6,16 +6,17 @@ import math
 import operator
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from html import escape
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from babyrobot_levels.analysis.shown import Shown, image, number, share, state_picture
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.library.level import Level
-from babyrobot_levels.library.shown import Shown
 from babyrobot_levels.mdp.actions import Action, Turn
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.text.errors import BabyRobotError
 
 TURNS = "turns"
@@ -220,7 +221,7 @@ class Evaluation(StateResult):
     diverging_cells: tuple[tuple[int, int], ...] = field(default=(), kw_only=True)
     diverging_condition: str = field(default="", kw_only=True)
     within: int | None = field(default=None, kw_only=True)
-    level: Level | None = field(default=None, kw_only=True)
+    level: GridWorld | None = field(default=None, kw_only=True)
 
     @property
     def first_action(self) -> int:
@@ -257,6 +258,28 @@ class Evaluation(StateResult):
             "a discount below 1, such as 0.99, or a limit of steps, such as within=200, makes it "
             "finite"
         )
+
+    def _html(self) -> str:
+        from babyrobot_levels.render.notebook.html import beside, facts
+        from babyrobot_levels.render.words.phrases import with_limit
+
+        limit = None if self.level is None else self.level.max_steps
+        rows = [
+            ("Expected return", with_limit(number(self.expected_return), self.within, limit)),
+            ("Expected steps", number(self.expected_steps)),
+            ("Reaches an exit", share(self.exit_probability)),
+            ("Discount", number(self.discount)),
+            ("Actions", self.actions),
+            *self._how_found(),
+        ]
+        if self.level is not None and not self.level.exits:
+            del rows[2]
+        text = f"<p>{escape(self.explanation)}</p>" if self.explanation else ""
+        return beside(image(state_picture(self)), facts(rows) + text)
+
+    def _how_found(self) -> list[tuple[str, str]]:
+        """Return the row that tells how it was found."""
+        return []
 
     def __repr__(self) -> str:
         limit = "" if self.within is None else f" within={self.within}"
@@ -300,6 +323,9 @@ class Solution(Evaluation):
     iterations: int
     residual: float
     policies: Ints | None = field(default=None, kw_only=True)
+
+    def _how_found(self) -> list[tuple[str, str]]:
+        return [("Method", f"{self.method}, residual {self.residual:.1g}")]
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ import numpy as np
 
 from babyrobot_levels.analysis.solver.model import Flags, Floats, Ints, Model, build_model
 from babyrobot_levels.analysis.solver.results import TURNS, UndefinedReturnError, check_actions
-from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.reachability import exit_states
 from babyrobot_levels.mdp.states import state_text
 from babyrobot_levels.mdp.tables import Mdp
@@ -25,7 +25,7 @@ class StateSpace:
         actions: `"all"`, `"moves"` or `"turns"`.
     """
 
-    level: Level
+    level: GridWorld
     mdp: Mdp
     actions: str
 
@@ -102,7 +102,7 @@ class StateSpace:
         return float(chances[chances > 0] @ expected)
 
 
-def space_of(level: Level, actions: str) -> StateSpace:
+def space_of(level: GridWorld, actions: str) -> StateSpace:
     """Return the states of a level for a set of actions.
 
     Raises:

@@ -11,8 +11,8 @@ from babyrobot_levels.editor.changes.names import replace_names
 from babyrobot_levels.editor.changes.routes import Route
 from babyrobot_levels.editor.gestures import Fix, Move, Remove, Set
 from babyrobot_levels.language.geometry import Cell, show_cell
-from babyrobot_levels.lint.fixer import apply
-from babyrobot_levels.lint.runner import Report
+from babyrobot_levels.linter.fixer import apply
+from babyrobot_levels.linter.runner import Report
 
 _NEEDS = ("needs", "unless", "exit_needs")
 """Fields that hold names of items and switches."""

@@ -8,8 +8,8 @@ from itertools import islice
 from typing import Any, TypeGuard
 
 from babyrobot_levels.editor.shown.linting import Linting
-from babyrobot_levels.lint.finding import marked_at
-from babyrobot_levels.lint.registry import find
+from babyrobot_levels.linter.finding import marked_at
+from babyrobot_levels.linter.registry import find
 from babyrobot_levels.text.document import Document, Node
 from babyrobot_levels.text.source import Span
 

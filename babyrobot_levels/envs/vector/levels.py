@@ -37,11 +37,11 @@ from babyrobot_levels.envs.vector.next_levels import (
 )
 from babyrobot_levels.envs.vector.rendering import RenderedVectorEnv
 from babyrobot_levels.envs.vector.seeding import SeededVectorEnv
-from babyrobot_levels.generate.suite_sources import Bounds
-from babyrobot_levels.generate.suites import Suite
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.mdp.configurations import largest_radices
+from babyrobot_levels.suites.sources import Bounds
+from babyrobot_levels.suites.suite import Suite
 
 if TYPE_CHECKING:
     from babyrobot_levels.envs.action_sets import ActionSet

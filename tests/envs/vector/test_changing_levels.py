@@ -34,8 +34,8 @@ from babyrobot_levels.envs.observations import OBSERVATIONS
 from babyrobot_levels.envs.vector import levels as level_slots
 from babyrobot_levels.envs.vector.env import LevelVectorEnv
 from babyrobot_levels.envs.vector.suite import SuiteVectorEnv
-from babyrobot_levels.generate.suites import Suite, load_suite
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.suites.suite import Suite, load_suite
 
 SUITE_ID = "babyrobot/Suite-v0"
 SIZE = 5

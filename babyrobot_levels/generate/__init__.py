@@ -1,1 +1,0 @@
-"""Generating levels: suites, batches of files, and the templates of `babyrobot new-level`."""

@@ -1,0 +1,243 @@
+"""What a rule checks: one level, its text, and results that several rules share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.linter.finding import cell_mark, cells_text, count_drawn
+from babyrobot_levels.linter.suppressions import MARK, Suppression, suppressions
+from babyrobot_levels.mdp.grid import BIT, Grid, build_grid
+from babyrobot_levels.text.comments import Comment, comments
+from babyrobot_levels.text.diagnostics import Location, Route
+from babyrobot_levels.text.document import Document
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.source import SourceFile
+
+if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.results import Solution
+    from babyrobot_levels.linter.barriers import Barriers
+    from babyrobot_levels.linter.necessity import Necessity
+    from babyrobot_levels.linter.terrain import AreaEffect, TerrainEffects
+    from babyrobot_levels.linter.things import ThingEffects
+    from babyrobot_levels.mdp.reachability import Reach
+    from babyrobot_levels.mdp.tables import Mdp
+
+
+class LintContext:
+    """A valid level and its text. Everything that takes time is computed once, on first use.
+
+    Attributes:
+        level: the level.
+        document: its text as YAML, with the position of each value.
+        path: the file, if there is one.
+        active: codes and names, in lower case, of the rules that check this level.
+    """
+
+    def __init__(
+        self,
+        level: Level,
+        document: Document,
+        path: Path | None = None,
+        active: frozenset[str] = frozenset(),
+    ) -> None:
+        self.level, self.document, self.path, self.active = level, document, path, active
+
+    @property
+    def source(self) -> SourceFile:
+        """The text."""
+        return self.document.source
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The contents of the file as plain data."""
+        data: dict[str, Any] = self.document.data
+        return data
+
+    @cached_property
+    def comments(self) -> Sequence[Comment]:
+        """The comments of the text."""
+        return comments(self.document)
+
+    @cached_property
+    def suppressions(self) -> list[Suppression]:
+        """The comments that suppress rules."""
+        if MARK not in self.source.text:
+            return []
+        return suppressions(self.document, self.comments)
+
+    @cached_property
+    def starts(self) -> list[int]:
+        """The start states, in the order of the start cells, then of what is drawn at reset."""
+        cells = [self.state(cell) for cell in self.level.starts]
+        if not self.level.has_things:
+            return cells
+        states: list[int] = self.mdp.start.nonzero()[0].tolist()
+        return sorted(states, key=lambda state: (cells.index(state % self.mdp.cells), state))
+
+    @property
+    def grid(self) -> Grid:
+        """Walls and cells, including those of the maze."""
+        return self.level.grid()
+
+    @property
+    def mdp(self) -> Mdp:
+        """The exact tables."""
+        return self.level.compile()
+
+    @cached_property
+    def reach(self) -> Reach:
+        """Which states are reachable, and from which states an end of the episode is."""
+        from babyrobot_levels.mdp.reachability import reach_of
+
+        return reach_of(self.level, self.mdp)
+
+    def starts_on(self, cell: tuple[int, int]) -> Iterator[int]:
+        """Yield the start states on a start cell: with things, one for all that may be drawn."""
+        return (state for state in self.starts if self.cell(state) == cell)
+
+    def starts_text(self, states: list[int]) -> tuple[int, str]:
+        """Return the number of the first start cell of some start states, and words for them.
+
+        If what is drawn at reset decides which of the states of a cell are among them, the words
+        say what is drawn: `start [0, 0] with `gem` on [3, 1]`.
+        """
+        cells, some = self.level.starts, {*states}
+        others = {self.cell(state) for state in self.starts if state not in some}
+        whole = [number for number, cell in enumerate(cells) if cell not in others]
+        if whole:
+            text = cells_text([cells[number] for number in whole])
+            return whole[0], f"start{'s' * (len(whole) > 1)} {text}"
+        cell = self.cell(states[0])
+        told = self.things.told(states[0], states, self.starts)
+        more = len(states) - 1
+        rest = f" (and {more} more draw{'s' * (more > 1)})" if more else ""
+        return cells.index(cell), f"start {cells_text([cell])} with {told}{rest}"
+
+    @cached_property
+    def reached_cells(self) -> bytes:
+        """For each cell, 1 where an episode can be, in whatever configuration."""
+        return self._any_configuration(bytes(steps >= 0 for steps in self.reach.steps))
+
+    @cached_property
+    def occupied_cells(self) -> bytes:
+        """For each cell, 1 where an episode can be and goes on, in whatever configuration."""
+        return self._any_configuration(self.reach.on)
+
+    @cached_property
+    def ended_exits(self) -> set[int]:
+        """The numbers of the cells in which episodes end at an exit."""
+        steps, size = self.reach.steps, self.mdp.cells
+        return {
+            state % size
+            for state, left in enumerate(self.reach.to_exit)
+            if left == 0 and steps[state] >= 0
+        }
+
+    def _any_configuration(self, flags: bytes) -> bytes:
+        size = self.mdp.cells
+        if len(flags) == size:
+            return flags
+        return bytes(1 in flags[cell::size] for cell in range(size))
+
+    @cached_property
+    def solution(self) -> Solution | None:
+        """The optimal values and policy; None if they do not exist or take too long to compute."""
+        from babyrobot_levels.linter.optimal_policy import solution_of
+
+        return solution_of(self.level)
+
+    @cached_property
+    def necessity(self) -> Necessity:
+        """Which doors, and which needs of them and of the exits, make no difference."""
+        from babyrobot_levels.linter.necessity import Necessity
+
+        check_needs = "need-without-effect" in self.active
+        return Necessity(self.level, self.things.working_doors, check_needs=check_needs)
+
+    def has_same_digest(self, **fields: Any) -> bool:
+        """Return whether the level with other values for some fields has the same digest."""
+        from babyrobot_levels.linter.variants import changed
+
+        try:
+            return changed(self.level, **fields).digest == self.level.digest
+        except LevelError:
+            return False
+
+    @cached_property
+    def bare_grid(self) -> Grid:
+        """The grid without the level's own walls and openings: the maze, or an empty rectangle."""
+        if not self.level.walls and not self.level.openings:
+            return self.grid
+        return build_grid(self.level.model_copy(update={"walls": (), "openings": ()}))
+
+    @cached_property
+    def barriers(self) -> Barriers:
+        """The effects of walls and openings."""
+        from babyrobot_levels.linter.barriers import Barriers
+
+        return Barriers(self.level, self.bare_grid)
+
+    @cached_property
+    def terrain(self) -> TerrainEffects:
+        """The effects of areas, puddles and skidding."""
+        from babyrobot_levels.linter.terrain import TerrainEffects
+
+        return TerrainEffects(self.level)
+
+    @cached_property
+    def things(self) -> ThingEffects:
+        """What becomes of items, switches, doors and movers in the configurations that occur."""
+        from babyrobot_levels.linter.things import ThingEffects
+
+        return ThingEffects(self.level, self.mdp)
+
+    def listed_areas(self) -> Iterator[tuple[Route, AreaEffect]]:
+        """Yield the route and the effect of each area that the file lists."""
+        if "areas" in self.data:
+            for number, area in enumerate(self.terrain.areas):
+                yield ("areas", number), area
+
+    def state(self, cell: tuple[int, int]) -> int:
+        """Return the number of a cell `(x, y)`, which is its state in a level without things."""
+        return cell[1] * self.level.size[0] + cell[0]
+
+    def cell(self, state: int) -> tuple[int, int]:
+        """Return the cell `(x, y)` of a state, or of the number of a cell."""
+        width, height = self.level.size
+        y, x = divmod(state % (width * height), width)
+        return x, y
+
+    def neighbours(self, cell: int) -> Iterator[int]:
+        """Yield the numbers of the adjacent cells that no wall separates from a cell."""
+        for side, bit in BIT.items():
+            other = self.grid.neighbour(cell, side) if self.grid.open_bits[cell] & bit else None
+            if other is not None:
+                yield other
+
+    def place(self, state: int) -> Location:
+        """Return where the file shows the cell of a state: in the drawing, or by the size."""
+        if self.level.map is not None:
+            return cell_mark(self.level, *self.cell(state))
+        return ("maze" if self.level.maze is not None else "size",)
+
+    def place_of_end(self, field: str, number: int) -> Location:
+        """Return where the file gives a start or an exit (`field`), by its index."""
+        cells = self.level.starts if field == "start" else self.level.exits
+        if field == "exit" and "exit_one_of" in self.data:
+            return ("exit_one_of", number)
+        if self.level.map is not None or field not in self.data:
+            return self.place(self.state(cells[number]))
+        is_list = isinstance(getattr(self.level, field)[0], tuple)
+        return (field, number) if is_list else (field,)
+
+    def place_of_entry(self, field: str, number: int) -> Location:
+        """Return where the file gives an item, a switch, a door or a mover, by its index."""
+        drawn = count_drawn(self.level, field)
+        if number >= drawn:
+            return (field, number - drawn)
+        entry = getattr(self.level, field)[number]
+        return self.place(self.state(entry.places[0] if field == "items" else entry.at))

@@ -1,0 +1,154 @@
+"""Rules about movers: those that nobody can avoid, and those that nobody meets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from babyrobot_levels.linter.context import LintContext
+from babyrobot_levels.linter.finding import Finding
+from babyrobot_levels.linter.fixes import removal
+from babyrobot_levels.linter.rule import rule
+from babyrobot_levels.linter.things import Flags
+from babyrobot_levels.mdp.configurations import listed
+
+
+@rule("BR535")
+def unavoidable_mover(context: LintContext) -> Iterator[Finding]:
+    """Mover that the robot cannot avoid on its way to an exit.
+
+    ## What it does
+
+    Checks for movers that hit the robot with a probability above 0 under every policy that can
+    reach an exit, from some start and with what may be drawn at reset. In a level without exits,
+    all policies count. The check is exact: it finds the states in which some action surely leads
+    to such states again without a hit, and whether an exit can be reached by such actions alone.
+    If each mover can be avoided, but not all of them, the finding names all that may be met.
+
+    ## Why is this bad?
+
+    How an episode ends depends on luck. Often a mover can begin beside the start: in about 7% of
+    the seeds of Procgen's `Jumper` the agent begins on an enemy or on the goal, and the episode is
+    over after one step ([Procgen #59](https://github.com/openai/procgen/issues/59)).
+
+    If the risk is intended, suppress the finding: `# babyrobot: ignore[unavoidable-mover]`.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [4, 4]
+    movers:
+      - {name: bat, within: {at: [0, 0], size: [4, 3]}}
+    hit: {reward: -20}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    size: [4, 4]
+    movers:
+      - {name: bat, within: {at: [1, 0], size: [3, 3]}, start: [3, 0]}
+    hit: {reward: -20}
+    ```
+    """
+    level, things = context.level, context.things
+    if not level.movers or not things.can_look_for_hits:
+        return
+    import numpy as np
+
+    every = _unavoidable(context, np.logical_or.reduce(things.hits))
+    if not every:
+        return
+    alone = [(number, _unavoidable(context, hits)) for number, hits in enumerate(things.hits)]
+    for number, states in alone:
+        if states:
+            yield _unavoidable_finding(context, [number], states)
+    if not any(states for _, states in alone):
+        met = [number for number, hits in enumerate(things.hits) if hits.any()]
+        yield _unavoidable_finding(context, met, every)
+
+
+def _unavoidable(context: LintContext, hits: Flags) -> list[int]:
+    """Return the starts from which an exit can be reached, but not without risking a hit."""
+    from babyrobot_levels.linter.avoidance import unavoidable_starts
+    from babyrobot_levels.mdp.reachability import exit_states
+
+    exits = exit_states(context.level, context.mdp) if context.level.exits else None
+    found = unavoidable_starts(context.mdp, hits, exits) or []
+    # Starts from which no exit can be reached at all are reported by another rule.
+    return [state for state in found if exits is None or context.reach.to_exit[state] >= 0]
+
+
+def _unavoidable_finding(context: LintContext, numbers: list[int], states: list[int]) -> Finding:
+    names = [f"`{context.things.mover_name(number)}`" for number in numbers]
+    message = f"{listed(names)} cannot {'all ' * (len(names) > 1)}be avoided"
+    if context.level.exits:
+        message += " on the way to an exit"
+    if len(states) < len(context.starts):
+        message += f" from {context.starts_text(states)[1]}"
+    return Finding(
+        context.place_of_entry("movers", numbers[0]),
+        message,
+        "leave the robot room or time to get past, or let it start farther away",
+    )
+
+
+@rule("BR536")
+def mover_never_met(context: LintContext) -> Iterator[Finding]:
+    """Mover that never hits the robot.
+
+    ## What it does
+
+    Checks for movers that hit the robot in no transition of a state that an episode can reach,
+    whatever the robot does. The check uses the exact transition tables.
+
+    ## Why is this bad?
+
+    The mover is a decoration, but multiplies the states by the length of its path or the cells of
+    its rectangle. Usually the path is in the wrong place, or a wall cuts it off.
+
+    In NAVIX's `DynamicObstacles`, agents that walked into a ball were not hit
+    ([NAVIX #91](https://github.com/epignatelli/navix/issues/91)).
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [4, 2]
+    exit: [3, 0]
+    walls:
+      - {at: [0, 1], side: N, length: 4}
+    movers:
+      - {name: guard, path: [[1, 1], [2, 1]], back: true}
+    hit: {reward: -20}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    size: [4, 2]
+    exit: [3, 0]
+    movers:
+      - {name: guard, path: [[1, 1], [2, 1]], back: true}
+    hit: {reward: -20}
+    ```
+
+    ## Fix safety
+
+    The fix removes the mover. It is unsafe, because the tables then have fewer states; the optimal
+    return stays the same.
+    """
+    level, things = context.level, context.things
+    if not level.movers or not things.can_look_for_hits:
+        return
+    for number, hits in enumerate(things.hits):
+        if not hits.any():
+            name = f"`{things.mover_name(number)}`"
+            yield Finding(
+                ("movers", number),
+                f"{name} never meets the robot",
+                "let it move where the robot goes, or remove it",
+                fix=removal(context.document, f"remove {name}", ("movers", number), safe=False),
+            )

@@ -1,0 +1,222 @@
+"""Rules about rewards: those that no step gives, and ends that are worth more than an exit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.linter.context import LintContext
+from babyrobot_levels.linter.finding import Finding, cells_text
+from babyrobot_levels.linter.fixes import removal
+from babyrobot_levels.linter.rule import rule
+from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.text.diagnostics import Key, Location, Mark
+
+if TYPE_CHECKING:
+    from babyrobot_levels.analysis.solver.ends import OtherEnds
+
+_HELP = {
+    "exit": "the level has no exit that a step can reach",
+    "closer": "the level has no exit to move closer to",
+    "farther": "the level has no exit to move away from",
+    "bounce": "the level has no glass wall to bounce off",
+    "bump": "no move is ever refused by a wall",
+}
+
+
+@rule("BR520")
+def reward_without_effect(context: LintContext) -> Iterator[Finding]:
+    """Entry of `rewards` that no step gives.
+
+    ## What it does
+
+    Checks for rewards that no outcome in the transition tables includes: `exit`, `closer` and
+    `farther` in a level without exits, `bounce` in a level without glass walls, or `bump` where
+    every move is possible.
+
+    ## Why is this bad?
+
+    Changing the value makes no difference.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    rewards: {step: -1, bounce: -5}
+    ```
+
+    Use instead:
+
+    ```yaml
+    version: 1
+    rewards: {step: -1, bump: -5}
+    ```
+
+    ## Fix safety
+
+    The fix removes the reward. It is safe: the transition tables stay the same.
+    """
+    given = context.level.rewards.model_fields_set - {"step"}
+    for name in sorted(given):
+        if getattr(context.level.rewards, name) is not None and not _is_given(context, name):
+            yield Finding(
+                Key(("rewards", name)),
+                f"the reward `{name}` is never given",
+                _HELP.get(name),
+                fix=removal(context.document, f"remove `{name}`", ("rewards", name)),
+            )
+
+
+def _is_given(context: LintContext, name: str) -> bool:
+    """Return whether some outcome includes a reward; compile a variant only if necessary."""
+    level, mdp = context.level, context.mdp
+    if not context.grid.glass:
+        # Without glass, no reward is added to another.
+        value = getattr(level.rewards, name)
+        if name == "bounce" or not (mdp.reward == value).any():
+            return False
+        if value not in _other_rewards(context, name):
+            return True
+    if _is_surely_given(context, name):
+        return True
+    from babyrobot_levels.linter.variants import gives
+
+    return gives(level, name)
+
+
+def _other_rewards(context: LintContext, name: str) -> set[float | None]:
+    """Return all other rewards of the level, and 0, the reward of terminal states."""
+    level = context.level
+    puddles = [level.puddle_types.small.reward, level.puddle_types.large.reward]
+    rewards = level.rewards.model_dump(exclude={name})
+    return {
+        0.0,
+        *rewards.values(),
+        *puddles,
+        *(area.reward for area in level.areas),
+        *(warp.reward for warp in level.warps),
+        *(item.reward for item in level.items),
+        level.hit.reward,
+    }
+
+
+def _is_surely_given(context: LintContext, name: str) -> bool:
+    """Return whether some move gives a reward, in levels where little else takes precedence.
+
+    False means unknown.
+    """
+    level, successors = context.level, context.reach.successors
+    if level.has_things:
+        return False
+    if name == "exit":
+        # Only a warp takes precedence over the exit.
+        exits = {context.state(cell) for cell in level.exits}
+        if any(warp.to in level.exits for warp in level.warps):
+            return False
+        return any(not exits.isdisjoint(others) for others in successors)
+    if name in ("bump", "stay"):
+        # Only a warp takes precedence where the robot stays on a cell that is no exit.
+        from babyrobot_levels.mdp.tables import REFUSED
+
+        is_possible = name == "stay" or bool((context.mdp.obstruction == REFUSED).any())
+        return is_possible and not level.warps and not level.wind
+    if name not in ("closer", "farther") or level.warps or level.wind or len(level.exits) != 1:
+        return False
+    # A transition to another state was not refused.
+    (x, y), (width, height) = level.exits[0], level.size
+    far = [(x - column) ** 2 + (y - row) ** 2 for row in range(height) for column in range(width)]
+    sign = 1 if name == "closer" else -1
+    return any(
+        far[other] and sign * far[state] > sign * far[other]
+        for state, others in enumerate(successors)
+        for other in others
+    )
+
+
+RISK_TAKEN = 0.2
+"""How much less likely than possible an exit may be reached: a small risk saves time."""
+
+
+@rule("BR537")
+def exit_given_up(context: LintContext) -> Iterator[Finding]:
+    """Exit that the optimal policy gives up for another end of the episode.
+
+    ## What it does
+
+    Checks for levels in which the optimal policy ends episodes in a cell with `ends: true` or by a
+    hit, although another policy reaches an exit more often: from some start, the probabilities of
+    reaching an exit differ by more than 0.2. Both are exact. So nothing is reported where an end
+    cannot be avoided, as on slippery ice, or where a small risk saves time. Ends with a positive
+    reward are goals of their own. Levels of more than 5,000 states are not solved.
+
+    If the optimal policy never ends the episode, [`unbounded-return`](unbounded-return.md) says so.
+
+    ## Why is this bad?
+
+    Each step costs something, so an end that costs less than the way to the exit is the best that
+    the robot can do. An agent that learns well walks into the guard or into the hole, and the
+    better it learns, the less often it arrives.
+
+    ## Example
+
+    ```yaml
+    version: 1
+    size: [6, 3]
+    areas:
+      - {at: [1, 1], color: black, ends: true}
+    ```
+
+    Let the end cost more than the way. Use instead:
+
+    ```yaml
+    version: 1
+    size: [6, 3]
+    areas:
+      - {at: [1, 1], color: black, ends: true, reward: -50}
+    ```
+    """
+    level, reach = context.level, context.reach
+    if not level.exits or reach.to_end == reach.to_exit or context.solution is None:
+        return
+    from babyrobot_levels.analysis.solver.ends import exit_chances, other_ends
+    from babyrobot_levels.analysis.solver.results import EpisodeTooLongError
+
+    try:
+        starts, own, best = exit_chances(context.solution)
+    except EpisodeTooLongError:
+        return
+    worst = int((best - own).argmax())
+    if best[worst] - own[worst] <= RISK_TAKEN:
+        return
+    ends = other_ends(context.solution, int(starts[worst]))
+    # What gives a reward is a goal of its own.
+    if not ends or context.mdp.reward[ends.at].max() > 0:
+        return
+    whence = f"from {cells_text([context.cell(int(starts[worst]))])} " if own.size > 1 else ""
+    location, what = _chosen_end(context, ends)
+    share, possible = (f"{100 * chances[worst]:.3g} %" for chances in (own, best))
+    yield Finding(
+        location,
+        f"{whence}the optimal policy reaches an exit in {share} of the episodes, where {possible} "
+        f"are possible: it prefers {what}",
+        "give this end a reward that is worse than any way to the exit, or the exit a higher one",
+    )
+
+
+def _chosen_end(context: LintContext, ends: OtherEnds) -> tuple[Location, str]:
+    """Return where the file has the ends that a policy may meet, and words for them."""
+    level = context.level
+    movers = []
+    if level.movers and context.things.can_look_for_hits:
+        movers = [number for number, hits in enumerate(context.things.hits) if hits[ends.at].any()]
+    if movers:
+        hit = ("hit",) if "hit" in context.data else context.place_of_entry("movers", movers[0])
+        return hit, f"to be hit by {listed([f'`{context.things.mover_name(n)}`' for n in movers])}"
+    cells = [*dict.fromkeys(map(context.cell, ends.targets.tolist()))]
+    location = context.place(int(ends.targets[0]))
+    if not isinstance(location, Mark):
+        for number, area in level.written("areas"):
+            (x, y), (columns, rows) = area.at, area.size
+            if area.ends and x <= cells[0][0] < x + columns and y <= cells[0][1] < y + rows:
+                location = ("areas", number)
+    return location, f"the end at {cells_text(cells)}"

@@ -1,0 +1,1 @@
+"""Suites: many levels as one, given by a file, listed or generated."""

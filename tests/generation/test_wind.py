@@ -1,0 +1,96 @@
+"""Wind in generated levels: as many rows and columns as asked for, and always a way to the exit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from support.sessions import environment, run_here
+
+import babyrobot_levels as brl
+from babyrobot_levels.generation import search
+
+FIELDS: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "name": "windy",
+    "count": 30,
+    "size": {"min": [4, 5], "max": [7, 7]},
+    "maze": {"algorithm": "wilson", "loops": {"max": 1}},
+    "exit": "farthest",
+    "puddles": {"max": 2},
+    "wind": {"min": 1, "max": 3},
+}
+
+
+def lines(level: brl.Level) -> int:
+    given = {} if level.wind is None else level.wind.model_dump(exclude_none=True)
+    assert {strength for side in given.values() for strength in side} <= {0, 1}
+    return sum(map(sum, given.values()))
+
+
+def may_never_get_out(level: brl.Level) -> bool:
+    """Whether the robot can get into a state from which no exit can be reached."""
+    mdp = level.compile()
+    leads = np.zeros((mdp.num_states, mdp.num_states), bool)
+    for state in np.flatnonzero(~mdp.is_terminal):
+        leads[state, mdp.next_state[state][mdp.probability[state] > 0]] = True
+    reach = leads | np.eye(len(leads), dtype=bool)
+    for _ in range(len(leads).bit_length()):
+        reach = reach @ reach
+    met = reach[np.flatnonzero(mdp.start)].any(axis=0)
+    return not reach[met][:, mdp.is_terminal].any(axis=1).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("more", [{}, {"start": "farthest"}, {"keys": 1, "guards": {"max": 1}}])
+def test_there_is_a_way_out_of_wherever_the_wind_pushes(more: dict[str, Any]) -> None:
+    suite = brl.load_suite({**FIELDS, **more, "count": 12})
+    counts = set()
+    for level in suite:
+        counts.add(lines(level))
+        assert not may_never_get_out(level)
+        assert level.to_dict()["wind"]
+    assert counts == {1, 2, 3}
+
+
+def test_environments_show_the_wind_of_all_levels() -> None:
+    suite = brl.load_suite({**FIELDS, "wind": {"max": 1}})
+    assert any(level.wind is None for level in suite)
+    envs = brl.LevelVectorEnv(levels=suite, num_envs=len(suite), observation="planes")
+    planes = envs.get_attr("plane_names")[0]
+    observations, _ = envs.reset(seed=1)
+    pushes = np.array([observations[:, planes.index(f"wind-{side}")].any(axis=(1, 2))
+                       for side in ("north", "east", "south", "west")])  # fmt: skip
+    assert pushes.any(axis=0).tolist() == [level.wind is not None for level in suite]
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"wind": 13}, "the smallest level has only 9 rows and columns"),
+        ({"wind": {"min": 3, "max": 1}}, "wind"),
+        ({"wind": -1}, "wind"),
+    ],
+)
+def test_what_cannot_be_is_an_error(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(brl.LevelError, match=message):
+        brl.load_suite({**FIELDS, **fields})
+
+
+def test_too_much_wind_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search, "MOST_TRIES", 50)
+    suite = brl.load_suite({**FIELDS, "size": [7, 7], "maze": {}, "wind": 14})
+    with pytest.raises(search.UnsatisfiableError, match="a way against the wind"):
+        suite[0]
+
+
+def test_the_command_takes_a_range(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    command = "generate --count 4 --size 6x6 --wind 1..2 -o out"
+    assert run_here(command.split(), environment(tmp_path)).status == 0
+    files = sorted((tmp_path / "out").glob("*.yaml"))
+    assert {lines(brl.load(file)) for file in files} <= {1, 2}
+    assert "--wind 1..2" in files[0].read_text("utf-8")

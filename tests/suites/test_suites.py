@@ -1,0 +1,293 @@
+"""Suites: levels that are made when they are asked for, the same ones whoever asks."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.sessions import environment, run_here
+
+import babyrobot_levels as brl
+from babyrobot_levels.library.catalogue import catalogue, suite_files
+from babyrobot_levels.suites.suite import Suite, load_suite
+from babyrobot_levels.text.emitter import emit
+
+WITH_DOORS = ("bench-hard", "locked-mazes")
+SHIPPED = ("bench-easy", "classics", "long-ways", "small-mazes", "wet-mazes", *WITH_DOORS)
+
+FIELDS: dict[str, Any] = {
+    "version": 1,
+    "kind": "suite",
+    "name": "mixed",
+    "seed": 7,
+    "count": 120,
+    "size": {"min": [4, 4], "max": [7, 6]},
+    "maze": {"algorithm": ["wilson", "depth-first"], "loops": {"max": 0.4}},
+    "puddles": {"max": 3},
+    "exit": "random",
+    "rewards": {"exit": 10},
+    "discount": 0.9,
+    "max_steps": 99,
+    "theme": "green",
+    "splits": {"train": 0.75, "test": 0.25},
+}
+
+
+@pytest.fixture(scope="module")
+def mixed() -> Suite:
+    return load_suite(FIELDS)
+
+
+# -- as a sequence ---------------------------------------------------------------------------
+
+
+def test_it_is_a_sequence_of_levels(mixed: Suite) -> None:
+    assert len(mixed) == 120
+    assert [level.name for level in mixed[3:6]] == ["mixed-00003", "mixed-00004", "mixed-00005"]
+    assert mixed[-1].digest == mixed[119].digest
+    assert [level.name for level in mixed[::-50]] == ["mixed-00119", "mixed-00069", "mixed-00019"]
+    assert len(mixed[10:][5:20]) == 15
+    assert mixed[10:][5].name == "mixed-00015"
+    with pytest.raises(IndexError, match="there is no level 120: the suite has 120"):
+        mixed[120]
+
+
+def test_a_level_does_not_depend_on_what_was_asked_before(mixed: Suite) -> None:
+    fresh = load_suite(FIELDS)
+    assert (
+        fresh[77].to_yaml()
+        == [*mixed][77].to_yaml()
+        == pickle.loads(pickle.dumps(mixed))[77].to_yaml()
+    )
+
+
+def test_suites_are_equal_that_have_the_same_levels(mixed: Suite) -> None:
+    fresh, part = load_suite(FIELDS), mixed.split("test")[4:9]
+    assert mixed == fresh == mixed[:]
+    assert mixed != mixed[:60]
+    assert part == fresh[94:99] != fresh[95:100]
+    assert part != load_suite({**FIELDS, "seed": 8})[94:99]
+    assert mixed != list(mixed[:2])
+    again = pickle.loads(pickle.dumps(part))
+    assert again == part
+    assert repr(again) == repr(part) == "<Suite 'mixed': 5 levels, split 'test'>"
+
+
+def test_parts_have_the_theme_that_stands_beside_the_suite(tmp_path: Path) -> None:
+    (tmp_path / "themes").mkdir()
+    (tmp_path / "themes" / "sea.yaml").write_text("colors: {base: '#cceeff'}\n", "utf-8")
+    (tmp_path / "seas.yaml").write_text(emit({**FIELDS, "theme": "sea"}), "utf-8")
+    suite = load_suite(tmp_path / "seas.yaml")
+    picture = suite[91].to_svg()
+    assert "#cceeff" in picture
+    for part in (suite[91:], suite.split("test")[1:], pickle.loads(pickle.dumps(suite))[91:]):
+        assert part[0].to_svg() == picture
+    assert suite.to_dict()["theme"] == "sea"
+    assert load_suite(suite.to_dict(whole=True))[91].to_svg() == picture
+
+
+def test_levels_have_what_the_suite_states(mixed: Suite) -> None:
+    seen: dict[str, set[Any]] = {"size": set(), "algorithm": set(), "puddles": set()}
+    for level in mixed:
+        assert 4 <= level.size[0] <= 7
+        assert 4 <= level.size[1] <= 6
+        assert level.maze is not None
+        assert (level.rewards.exit, level.discount, level.max_steps) == (10, 0.9, 99)
+        assert level.theme == "green"
+        seen["size"].add(level.size)
+        seen["algorithm"].add(level.maze.algorithm)
+        seen["puddles"].add(len(level.puddles))
+        assert brl.metrics(level).reachable == 1
+    assert len(seen["size"]) == 12
+    assert seen["algorithm"] == {"wilson", "depth-first"}
+    assert seen["puddles"] == {0, 1, 2, 3}
+
+
+def test_levels_are_the_same_for_ever() -> None:
+    # What papers cite must not change: neither by a new version, nor by another machine.
+    pinned = {"small-mazes": 17, "wet-mazes": 1999, "long-ways": 3}
+    assert {name: load_suite(name)[number].digest[7:19] for name, number in pinned.items()} == {
+        "small-mazes": "55a8e66b07c3",
+        "wet-mazes": "9e0fd25c98a0",
+        "long-ways": "c9daf1aafeb2",
+    }
+
+
+def test_a_level_is_the_file_that_generate_writes(
+    mixed: Suite, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mixed.yaml").write_text(mixed.to_yaml(), "utf-8")
+    assert run_here(["generate", "mixed.yaml", "-o", "out"], environment(tmp_path)).status == 0
+    for number in (0, 5, 89, 90, 119):
+        folder = "train" if number < 90 else "test"
+        text = Path("out", folder, f"mixed-{number:05}.yaml").read_text("utf-8")
+        assert text.split("\n", 2)[2] == mixed[number].to_yaml()
+        assert "suite mixed, seed 7" in text
+
+
+# -- splits ----------------------------------------------------------------------------------
+
+
+def test_splits_share_no_maze() -> None:
+    # There are 192 mazes of this size, most of which come several times.
+    suite = load_suite(
+        {**FIELDS, "size": [3, 3], "maze": {"algorithm": "wilson"}, "count": 400, "puddles": 2}
+    )
+    train, test = suite.split("train"), suite.split("test")
+    assert (len(train), len(test)) == (300, 100)
+    assert train[0].name == "mixed-00000"
+    assert test[0].name == "mixed-00300"
+    mazes = [{level.grid().open_bits for level in part} for part in (train, test)]
+    assert len(mazes[0]) < 192
+    assert mazes[0].isdisjoint(mazes[1])
+
+
+def test_the_same_shares_keep_all_suites_apart(mixed: Suite) -> None:
+    other = load_suite({**FIELDS, "seed": 8, "size": [3, 3], "count": 200})
+    third = load_suite({**FIELDS, "seed": 9, "size": [3, 3], "count": 200})
+    train = {level.grid().open_bits for level in other.split("train")}
+    assert train.isdisjoint(level.grid().open_bits for level in third.split("test"))
+    assert not train.isdisjoint(level.grid().open_bits for level in third.split("train"))
+
+
+def test_splits_have_names(mixed: Suite) -> None:
+    assert mixed.splits == ("train", "test")
+    with pytest.raises(ValueError, match=r"there is no split 'tset'.*did you mean `test`"):
+        mixed.split("tset")
+    with pytest.raises(ValueError, match="a slice of a suite has no splits"):
+        mixed[:10].split("train")
+    assert repr(mixed.split("test")) == "<Suite 'mixed': 30 levels, split 'test'>"
+
+
+@pytest.mark.parametrize("count", [10, 11, 13, 1000, 10**9])
+def test_every_level_is_in_one_split(count: int) -> None:
+    suite = load_suite({**FIELDS, "count": count, "splits": {"a": 0.1, "b": 0.2, "c": 0.7}})
+    parts: list[Any] = [suite.split(name).numbers for name in "abc"]
+    assert [part.start for part in parts] == [0, parts[0].stop, parts[1].stop]
+    assert parts[2].stop == count
+    assert len(parts[0]) == pytest.approx(0.1 * count, abs=0.51)
+
+
+# -- conditions ------------------------------------------------------------------------------
+
+
+def test_conditions_hold_and_starve_aloud() -> None:
+    fields = {**FIELDS, "size": [6, 6], "splits": {}, "exit": "corner"}
+    del fields["max_steps"]
+    suite = load_suite({**fields, "path_length": {"min": 12, "max": 14}, "dead_ends": 8})
+    for level in suite[:10]:
+        metrics = brl.metrics(level)
+        assert metrics.path_length in (12, 13, 14)
+        assert metrics.dead_ends == 8
+    hungry = load_suite({**fields, "maze": {}, "path_length": {"min": 35}})
+    with pytest.raises(
+        brl.UnsatisfiableError, match=r"path_length 35\.\.: the largest of .* was \d\d"
+    ):
+        hungry[0]
+
+
+def test_no_shortest_walk_is_cut_off() -> None:
+    suite = load_suite({**FIELDS, "size": [6, 6], "max_steps": 11, "exit": "corner"})
+    lengths = {brl.metrics(level).path_length for level in suite[:20]}
+    assert lengths <= {10, 11}
+
+
+# -- files -----------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(name, marks=pytest.mark.slow if name in WITH_DOORS else ()) for name in SHIPPED],
+)
+def test_the_shipped_suites(name: str) -> None:
+    suite = load_suite(name)
+    assert suite.name == name
+    # Each candidate with doors is solved several times.
+    count = 15 if name in WITH_DOORS else 300
+    for part in [suite.split(split) for split in suite.splits] or [suite]:
+        assert len({level.digest for level in part[:count]}) == min(count, len(part))
+
+
+def test_the_catalogue_knows_suites_from_levels(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert set(SHIPPED) <= set(suite_files())
+    infos, broken = catalogue()
+    assert not {info.name for info in infos} & set(SHIPPED)
+    assert broken == []
+
+
+def test_a_suite_is_no_level_and_says_so() -> None:
+    with pytest.raises(brl.LevelError, match="this is a suite of levels, not a level"):
+        brl.load("small-mazes")
+    with pytest.raises(brl.SuiteNotFoundError, match="no suite called 'small-maze'; did you mean"):
+        load_suite("small-maze")
+    with pytest.raises(brl.SuiteNotFoundError, match="there is no file"):
+        load_suite(Path("nowhere.yaml"))
+    with pytest.raises(TypeError, match="not int"):
+        load_suite(3)  # type: ignore[arg-type]
+
+
+FAULTS = """\
+version: 1
+kind: suite
+count: 0
+size: {min: [5, 5], max: [4, 8]}
+splits: {train: 0.8, test: 0.3}
+path_lenght: 3
+theme: pink
+"""
+
+
+def test_faults_are_told_where_they_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = Path("faulty.yaml")
+    told = []
+    # Fields first, then what is between them, then what is beside the file.
+    for text in (FAULTS, FAULTS.replace(": 0\n", ": 9\n").replace("path_lenght: 3\n", "")):
+        path.write_text(text, "utf-8")
+        told += [(each.line, each.column, each.code) for each in brl.check(path)]
+    path.write_text("version: 1\nkind: suite\ncount: 9\ntheme: pink\n", "utf-8")
+    told += [(each.line, each.column, each.code) for each in brl.check(path)]
+    assert told == [
+        (3, 8, "BR205"),
+        (6, 1, "BR201"),
+        (4, 13, "BR205"),
+        (5, 9, "BR205"),
+        (4, 8, "BR401"),
+    ]
+    for command in ("validate", "lint", "format"):
+        done = run_here([command, str(path)], environment(tmp_path))
+        assert done.status == 1
+        assert "faulty.yaml:4:8: error BR401: unknown theme `pink`" in done.out
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"kind": "suit"}, "`kind` must be `suite`"),
+        ({"count": 2.5}, "`count` must be an integer"),
+        ({"size": 5}, r"`size` must be `\[width, height\]`, or a mapping"),
+        ({"size": [2, 1]}, "a level of 2 cells is too small"),
+        ({"puddles": [1, 2]}, "`puddles` must be an integer, or a mapping"),
+        ({"puddles": {"min": 2}}, "missing field `max`"),
+        ({"puddles": 23}, "only 14 cells"),
+        ({"maze": {"algorithm": []}}, "must not be an empty list"),
+        ({"maze": {"loops": {"min": 0.5, "max": 0.2}}}, "`min` .0.5. is above"),
+        ({"start": "middle"}, "`start` must be one of `corner`, `random`, `farthest`"),
+        ({"start": "farthest", "size": [300, 3], "puddles": 0}, "drawn as a map"),
+        ({"splits": {"a": 0.5, "b": 0.4}}, "the shares add up to 0.9"),
+        ({"splits": {"a": 0.999, "b": 0.001}}, "`b` gets none of the 120 levels"),
+        ({"path_length": {"min": 60}}, "a shortest path in 42 cells has at most 41 steps"),
+        ({"path_length": 1}, "at least two steps"),
+        ({"dead_ends": 60}, "a level of 42 cells cannot have so many dead ends"),
+    ],
+)
+def test_what_cannot_be_is_an_error(fields: dict[str, Any], message: str) -> None:
+    with pytest.raises(brl.LevelError, match=message):
+        load_suite({**FIELDS, **fields})
