@@ -151,7 +151,7 @@ def test_a_resolved_level_finds_its_schema(folder: Path) -> None:
 
 def test_a_resolved_level_finds_its_theme_or_takes_it_along(folder: Path) -> None:
     (folder / "elsewhere").mkdir()
-    walls = "version: 1\nsize: [3, 2]\nwalls:\n  - {at: [0, 0], side: S, length: 2}\n"
+    walls = "version: 1\nsize: [3, 2]\n# small\nwalls:\n  - {at: [0, 0], side: S, length: 2}\n"
     call = ("resolve", "levels/ours.yaml", "-o")
     for path in ("levels/walls.yaml", "elsewhere/walls.yaml"):
         assert babyrobot(*call, path).out == ""

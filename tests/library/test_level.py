@@ -393,9 +393,9 @@ def test_only_the_lines_of_changed_fields_are_new(tmp_path: Path) -> None:
     )
 
 
-def test_a_field_that_is_gone_takes_its_lines_with_it(tmp_path: Path) -> None:
+def test_a_field_that_is_gone_leaves_its_comment(tmp_path: Path) -> None:
     text = saved(brl.loads(FILE).replace(title=None, rewards=None), tmp_path)
-    expected = FILE.replace("title:   'A  title'  # kept\n", "").replace(
+    expected = FILE.replace("title:   'A  title'  # kept\n", "# kept\n").replace(
         "rewards: {step: -1}\n", ""
     )
     assert text == expected
