@@ -127,7 +127,8 @@ def overlays() -> Iterator[dict[str, Any]]:
 def test_levels_of_the_gallery(path: Path, font: Font) -> None:
     level = load(str(path))
     level = level.with_maze_seed(1) if level.has_random_maze else level
-    assert difference(build_scene(level), font) < SHARE
+    # Letters differ most, and those of rules are small and many in a panel.
+    assert difference(build_scene(level), font) < SHARE * (1.5 if level.display.side_panel else 1)
 
 
 @pytest.mark.parametrize("theme", BUILTIN_THEMES)
