@@ -383,8 +383,8 @@ def _both(result: Difference) -> Iterator[str]:
     from babyrobot_levels.render.notebook.html import picture_of, strip
     from babyrobot_levels.render.page_data import bare
     from babyrobot_levels.render.scene.build import build_scene
-    from babyrobot_levels.render.scene.changes import Side, marked
     from babyrobot_levels.render.scene.layout import layout_of
+    from babyrobot_levels.render.scene.marks import Side, marked
 
     cells = {change.cell for change in cell_changes(*result.levels, None).first if change.cell}
     walls = wall_changes(*result.levels, None).first

@@ -12,8 +12,7 @@ from babyrobot_levels.render.page import PLAYER, code_of, embedded_json
 from babyrobot_levels.render.page_data import common_data
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.scene.tones import toned
+from babyrobot_levels.render.scene.shapes import Scene, toned
 from babyrobot_levels.render.svg import to_svg
 
 

@@ -18,14 +18,13 @@ from babyrobot_levels.render.helvetica import width_of
 from babyrobot_levels.render.page_data import bare
 from babyrobot_levels.render.scene.build import floor_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
-from babyrobot_levels.render.scene.number_labels import form_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import SampledRule
-from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape, Text, toned
 from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.texts import form_of
 from babyrobot_levels.render.scene.things import pieces
-from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.words.phrases import with_limit
 from babyrobot_levels.render.words.rules import rules_of
 from babyrobot_levels.text.diagnostics import one_line

@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 from babyrobot_levels.publish.sheet_entries import INK, Entry
 from babyrobot_levels.render.helvetica import cut, width_of, wrapped
+from babyrobot_levels.render.scene.layout import height_for
 from babyrobot_levels.render.scene.panels import SampledRule, rule_shapes
-from babyrobot_levels.render.scene.rule_rows import height_for
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
     Path,

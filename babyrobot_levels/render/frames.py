@@ -3,26 +3,239 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar
 
-from babyrobot_levels.render.grounds import Grounds, remember
+import numpy as np
+
+from babyrobot_levels.render.raster import composite, to_rgb, translucent
+from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, STRIP, Layout, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.pose import STANDING, Pose
+from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.scene.situation import Cell, place_of, situation_of
-from babyrobot_levels.render.scene.things import moving_pieces
+from babyrobot_levels.render.scene.shapes import Scene, shifted, toned
+from babyrobot_levels.render.scene.situation import (
+    STANDING,
+    Cell,
+    Pose,
+    Situation,
+    place_of,
+    situation_of,
+)
+from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.things import Piece, moving_pieces, pieces
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from babyrobot_levels.mdp.gridworld import GridWorld
-    from babyrobot_levels.render.grounds import Patch, Sprite
     from babyrobot_levels.render.raster import Translucent
+
+    Patch = tuple[slice, slice, NDArray[np.uint8]]
+    """Rows, columns, and the pixels that are there."""
+
+    Sprite = tuple[slice, slice, Translucent]
+    """Rows, columns, and the picture that is laid there."""
+
+_GRAY = (0.299, 0.587, 0.114)
+"""The brightness of red, green and blue (ITU-R BT.601)."""
+
+_SPRITES = 1024
+"""The number of sprites that are cached: each a thing in one of its places or values."""
+
+_BYTES = 32 * 1024 * 1024
+"""The memory for cached grounds."""
+
+_AtHand = tuple[int | None, int | None]
+"""The configuration and heading of an overlay that depends on them."""
+
+_Key = TypeVar("_Key", bound=Hashable)
+_Value = TypeVar("_Value")
+
+
+@dataclass(frozen=True, slots=True)
+class Ground:
+    """A configuration without the robot and movers.
+
+    Attributes:
+        name: configurations whose grounds look the same have the same.
+        below: what is below the robot.
+        above: what of the overlay is above it.
+        whole: the two of them.
+    """
+
+    name: Hashable
+    below: NDArray[np.uint8]
+    above: Translucent | None
+    whole: NDArray[np.uint8]
+
+    def patch(self, sprites: Sequence[Sprite]) -> Patch:
+        """Lay sprites on a part of the ground, one over the other, below what is above them."""
+        top, bottom = min(y.start for y, _, _ in sprites), max(y.stop for y, _, _ in sprites)
+        left, right = min(x.start for _, x, _ in sprites), max(x.stop for _, x, _ in sprites)
+        rows, columns = slice(top, bottom), slice(left, right)
+        pixels = self.below[rows, columns].copy()
+        for y, x, image in sprites:
+            part = slice(y.start - top, y.stop - top), slice(x.start - left, x.stop - left)
+            pixels[part] = composite(image, pixels[part])
+        if self.above is not None:
+            ink, through = self.above
+            pixels = composite((ink[rows, columns], through[rows, columns]), pixels)
+        return rows, columns, pixels
+
+
+class Grounds:
+    """Paints the configurations of a level, and sprites to lay on them.
+
+    The level is painted once, and what lies, stands open or is held laid on copies of it. The most
+    recent grounds and sprites are cached.
+
+    Args:
+        level: the level; a maze needs a seed.
+        layout: the parts of the picture.
+        size: its width and height in pixels.
+        cells_only: whether the margin, the panels and the compass are left out.
+        grayscale: whether there is one channel instead of three.
+        overlay: values, arrows and texts shown over the cells and in the panels.
+
+    Raises:
+        LevelError: the maze has no seed yet (`seed: random`).
+        ValueError: the size is not positive or too large, or the overlay has another size than
+            the level.
+    """
+
+    def __init__(
+        self,
+        level: GridWorld,
+        layout: Layout,
+        size: tuple[int, int],
+        *,
+        cells_only: bool = False,
+        grayscale: bool = False,
+        overlay: Overlay | None = None,
+    ) -> None:
+        self._level, self._layout, self._grayscale = level, layout, grayscale
+        self._overlay, self.size = overlay, size
+        self.scale = size[0] / layout.width, size[1] / layout.height
+        layers = build_layers(
+            level, robot=False, cells_only=cells_only, overlay=overlay, layout=layout
+        )
+        self._slots = Slots(level, layout, overlay or Overlay())
+        self._base, self._grid = layers["base"], layers["grid"]
+        self._bare: dict[_AtHand | None, NDArray[np.uint8]] = {}
+        self._sprites: dict[Hashable, Sprite] = {}
+        self._overlays: dict[_AtHand, tuple[Scene, Scene, Translucent]] = {}
+        self._grounds: dict[Hashable, Ground] = {}
+        self._limit = max(4, _BYTES // (6 * size[0] * size[1]))
+
+    def named(self, name: Hashable) -> Ground | None:
+        """Return a ground by its name, None if it is not cached any more."""
+        return self._grounds.get(name)
+
+    def at(self, configuration: int, heading: int | None = None) -> Ground:
+        """Return the ground of a configuration, by its number.
+
+        Args:
+            configuration: the number of the configuration.
+            heading: that of a robot that turns, for an overlay that depends on it.
+        """
+        situation, overlay = situation_of(self._level, configuration), self._overlay
+        at_hand: _AtHand = (None, None)
+        if overlay is not None and overlay.parts is not None:
+            at_hand = configuration, heading
+        name = situation.standing, at_hand
+        ground = self._grounds.get(name)
+        if ground is None:
+            ground = self._painted_ground(name, situation, at_hand)
+            remember(self._grounds, name, ground, self._limit)
+        return ground
+
+    def _painted_ground(self, name: Hashable, situation: Situation, at_hand: _AtHand) -> Ground:
+        heat, under, above = self._painted_overlay(at_hand)
+        if self._level.has_things:
+            below = self._with_things(situation, heat, at_hand)
+            if under.shapes:
+                below = composite(self.translucent(under, self.size), below)
+        else:
+            below = self._painted(_joined(self._base, heat, self._grid, under), self.size)
+        return Ground(name, below, above, below if above is None else composite(above, below))
+
+    def _with_things(
+        self, situation: Situation, heat: Scene, at_hand: _AtHand
+    ) -> NDArray[np.uint8]:
+        key = at_hand if heat.shapes else None
+        bare = self._bare.get(key)
+        if bare is None:
+            bare = self._painted(_joined(self._base, heat, self._grid), self.size)
+            remember(self._bare, key, bare, self._limit)
+        picture = bare.copy()
+        for piece in pieces(self._level, self._layout, situation, self._slots):
+            rows, columns, image = self.sprite(piece)
+            picture[rows, columns] = composite(image, picture[rows, columns])
+        return picture
+
+    def _painted_overlay(self, at_hand: _AtHand) -> tuple[Scene, Scene, Translucent | None]:
+        """Return the heat map, what else of the overlay is below the robot, and what is above."""
+        whole = self._layout.width, self._layout.height
+        if self._overlay is None:
+            return Scene(*whole, ()), Scene(*whole, ()), None
+        found = self._overlays.get(at_hand)
+        if found is None:
+            part = self._overlay.at(*at_hand)
+            layers = overlay_shapes(self._level, part, self._layout, self._slots)
+            texts = Scene(*whole, (*layers.overlay, *layers.text))
+            heat, under = Scene(*whole, layers.heat), Scene(*whole, layers.underlay)
+            found = heat, under, self.translucent(texts, self.size)
+            remember(self._overlays, at_hand, found, self._limit)
+        return found
+
+    def sprite(self, piece: Piece) -> Sprite:
+        """Return the picture of a piece, and the pixels in which it is."""
+        found = self._sprites.get(piece.name)
+        if found is None:
+            (scale_x, scale_y), (left, top, right, bottom) = self.scale, piece.box
+            x, y = max(0, math.floor(left * scale_x)), max(0, math.floor(top * scale_y))
+            width = min(self.size[0], math.ceil(right * scale_x)) - x
+            height = min(self.size[1], math.ceil(bottom * scale_y)) - y
+            shapes = tuple(shifted(piece.shapes, -x / scale_x, -y / scale_y))
+            scene = Scene(width / scale_x, height / scale_y, shapes)
+            image = self.translucent(scene, (width, height))
+            found = slice(y, y + height), slice(x, x + width), image
+            remember(self._sprites, piece.name, found, _SPRITES)
+        return found
+
+    def translucent(self, scene: Scene, size: tuple[int, int]) -> Translucent:
+        """Return a scene as a picture that can be laid on a ground."""
+        return translucent(lambda ground: self._painted(scene, size, ground))
+
+    def _painted(
+        self, scene: Scene, size: tuple[int, int], ground: str = "white"
+    ) -> NDArray[np.uint8]:
+        shapes = toned(scene.shapes, self._level.resolved_theme.colors)
+        pixels = to_rgb(replace(scene, shapes=shapes), size, ground)
+        return _gray(pixels) if self._grayscale else pixels
+
+
+def _joined(scene: Scene, *others: Scene) -> Scene:
+    """Return scenes as one."""
+    shapes = (shape for other in others for shape in other.shapes)
+    return replace(scene, shapes=(*scene.shapes, *shapes))
+
+
+def _gray(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    brightness: NDArray[np.float64] = np.rint(pixels @ np.array(_GRAY))
+    return brightness[..., np.newaxis].astype(np.uint8)
+
+
+def remember(cache: dict[_Key, _Value], key: _Key, value: _Value, limit: int) -> None:
+    """Add an entry to a cache; a full cache drops its oldest entry."""
+    if len(cache) >= limit:
+        del cache[next(iter(cache))]
+    cache[key] = value
+
 
 MAX_FRAME_SIDE = 2048
 """The largest width and height of a frame without a given size."""

@@ -42,8 +42,7 @@ from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene
-from babyrobot_levels.render.scene.tones import toned
+from babyrobot_levels.render.scene.shapes import Scene, toned
 from babyrobot_levels.render.svg import (
     FONT,
     elements,

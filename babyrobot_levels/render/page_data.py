@@ -35,11 +35,11 @@ from babyrobot_levels.render.scene.heat import BAR_STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.movers import CORNERS, SMALL
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.pose import Pose
+from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.robot import GLOW, LAMP, OUTLINE, VISOR, robot_shapes
-from babyrobot_levels.render.scene.samples import sample_shapes
 from babyrobot_levels.render.scene.scale import STEPS
 from babyrobot_levels.render.scene.shapes import Shape
+from babyrobot_levels.render.scene.situation import Pose
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts
 from babyrobot_levels.render.svg import number

@@ -9,7 +9,7 @@ import numpy as np
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.mdp.events import Event, events_of, hits_by_mover
-from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
+from babyrobot_levels.render.scene.situation import STANDING, Mood, Pose, pose_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,28 +10,26 @@ from typing import TYPE_CHECKING, NamedTuple
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import layout_of
-from babyrobot_levels.render.scene.number_labels import Form, form_of
 from babyrobot_levels.render.scene.overlay import Overlay, Rows
 from babyrobot_levels.render.scene.scale import Scale
 from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
+from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.terminal import ALL_COLORS, cut_out
 from babyrobot_levels.render.text_colors import RESET, Grounds, Palette, escape
-from babyrobot_levels.render.text_marks import (
+from babyrobot_levels.render.text_plan import (
     USUAL,
+    WINDS,
     Cells,
     Mark,
-    held_line,
-    marks_of,
-    with_marks,
-)
-from babyrobot_levels.render.text_plan import (
-    WINDS,
     Symbols,
     ascii_lines,
     drawing_without_things,
+    held_line,
+    marks_of,
     symbols_of,
     unicode_lines,
+    with_marks,
 )
 from babyrobot_levels.text.source import printable
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.terminal import ALL_COLORS, PALETTE
-from babyrobot_levels.render.text_marks import Cells, Mark, Position
+from babyrobot_levels.render.text_plan import Cells, Mark, Position
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

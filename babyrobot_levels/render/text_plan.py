@@ -4,17 +4,158 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.drawn import drawing_of
-from babyrobot_levels.render.text_marks import without_things
+from babyrobot_levels.render.scene.icons import default_color
+from babyrobot_levels.render.scene.situation import Situation
+from babyrobot_levels.render.scene.things import door_color
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.level import LevelSpec
     from babyrobot_levels.mdp.gridworld import GridWorld
+
+ITEMS = {"key": "♀k", "coin": "¢c", "gem": "♦g", "star": "★*", "box": "■b"}
+"""The character of each shape: in Unicode, and in ASCII."""
+
+OFF, ON = "0", "1"
+LOCKED = "X"
+MOVER = "Ω&"
+
+_UPRIGHT = {True: "┃/", False: "::"}
+_LEVEL = {True: ("━━━", "-/-"), False: ("╴ ╶", "- -")}
+"""Doors by whether they are closed: in Unicode, and in ASCII. The middle is as wide as needed."""
+
+Position = tuple[int, int]
+"""A line and a column of the text."""
+
+
+class Cells(NamedTuple):
+    """Where the cells of a text are: how wide they are, and which character is their symbol."""
+
+    width: int = 3
+    symbol: int = 1
+
+    def position(self, x: int, y: int) -> Position:
+        """Return where the symbol of a cell is."""
+        return 2 * y + 1, (self.width + 1) * x + 1 + self.symbol
+
+
+USUAL = Cells()
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A character on a picture of text.
+
+    Attributes:
+        character: the character.
+        color: its colour, None for that which the character has anywhere.
+        is_solid: whether the colour is that of its background.
+    """
+
+    character: str
+    color: str | None = None
+    is_solid: bool = True
+
+
+def marks_of(
+    level: GridWorld,
+    situation: Situation,
+    *,
+    plain: bool,
+    taken: frozenset[tuple[int, int]] = frozenset(),
+    cells: Cells = USUAL,
+) -> dict[Position, Mark]:
+    """Return what of a picture shows the things of a level.
+
+    The symbol of a cell is one of them: a mover before an item or a switch. The next one is
+    beside it.
+
+    Args:
+        level: the level.
+        situation: what is where.
+        plain: whether to use ASCII characters only.
+        taken: the cells whose symbol is something else: the robot, or an arrow.
+        cells: where the cells are.
+    """
+    marks: dict[Position, Mark] = {}
+    used = set(taken)
+    for x, y, mark in _in_cells(level, situation, 1 if plain else 0):
+        line, column = cells.position(x, y)
+        marks.setdefault((line, column + ((x, y) in used)), mark)
+        used.add((x, y))
+    return marks | dict(_doors(level, situation, 1 if plain else 0, cells))
+
+
+def _in_cells(level: GridWorld, situation: Situation, kind: int) -> Iterator[tuple[int, int, Mark]]:
+    colors = level.resolved_theme.colors
+    for mover, (x, y) in zip(level.movers, situation.movers, strict=True):
+        name = "guard" if mover.within is None else "wanderer"
+        yield x, y, Mark(MOVER[kind], mover.color or default_color(name, colors))
+    for item, cells in zip(level.items, situation.items, strict=True):
+        for x, y in cells:
+            color = item.color or default_color(item.picture, colors)
+            yield x, y, Mark(ITEMS[item.picture][kind], color)
+    for switch, is_on in zip(level.switches, situation.on, strict=True):
+        color = switch.color or default_color("switch", colors)
+        yield *switch.at, Mark(ON if is_on else OFF, color)
+    if situation.is_locked or level.exit_one_of is not None:
+        for x, y in situation.exits:
+            yield x, y, Mark(LOCKED if situation.is_locked else d.EXIT)
+
+
+def _doors(
+    level: GridWorld, situation: Situation, kind: int, cells: Cells
+) -> Iterator[tuple[Position, Mark]]:
+    for door, closed in zip(level.doors, situation.doors, strict=True):
+        color = door_color(level, door)
+        for x, y in sides_of(door):
+            line, left = 2 * y + 1, (cells.width + 1) * x
+            if door.side in ("E", "W"):
+                column = left + (cells.width + 1 if door.side == "E" else 0)
+                yield (line, column), Mark(_UPRIGHT[closed][kind], color, closed)
+            else:
+                line += 1 if door.side == "S" else -1
+                form = _LEVEL[closed][kind]
+                text = form[0] + form[1] * (cells.width - 2) + form[2]
+                for column, character in enumerate(text[: cells.width], left + 1):
+                    yield (line, column), Mark(character, color, closed)
+
+
+def held_line(level: GridWorld, situation: Situation) -> str:
+    """Return what is held in a line, empty for a level without items."""
+    if not level.items:
+        return ""
+    held = [item.name for item, at in zip(level.items, situation.items, strict=True) if not at]
+    return f"held: {', '.join(held) or 'nothing'}"
+
+
+def with_marks(lines: list[str], marks: dict[Position, Mark]) -> list[str]:
+    """Return the lines of a picture with marks on them."""
+    lines = lines.copy()
+    for (row, column), mark in marks.items():
+        line = lines[row]
+        lines[row] = line[:column] + mark.character + line[column + 1 :]
+    return lines
+
+
+def without_things(level: GridWorld, drawing: d.Drawing) -> d.Drawing:
+    """Return a drawing without the doors, items and switches that the language's drawing shows."""
+    if not level.has_things:
+        return drawing
+    named = {ord(letter): d.PLAIN for letter, entry in level.legend.items() if entry.kind != "area"}
+    doors = {ord(d.DOOR): d.OPEN}
+    return d.Drawing(
+        tuple(row.translate(named) for row in drawing.cells),
+        tuple(row.translate(doors) for row in drawing.east),
+        tuple(row.translate(doors) for row in drawing.south),
+    )
+
 
 TO_START = "↻"
 HELD = "◉"

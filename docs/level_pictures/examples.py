@@ -25,8 +25,9 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.linter.registry import all_rules
 from babyrobot_levels.linter.runner import Report, lint_source
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.changes import MARK, RIM
+from babyrobot_levels.render.scene.icons import RIM
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of
+from babyrobot_levels.render.scene.marks import MARK
 from babyrobot_levels.render.scene.shapes import Path, Scene, rounded
 from babyrobot_levels.text.errors import InvalidDocument, LevelError
 from babyrobot_levels.text.source import SourceFile

@@ -15,7 +15,7 @@ from IPython.core.formatters import DisplayFormatter
 
 import babyrobot_levels as brl
 from babyrobot_levels.library.catalogue import LevelList
-from babyrobot_levels.render.scene.changes import MARK
+from babyrobot_levels.render.scene.marks import MARK
 
 HOSTILE = "<script>alert(1)</script>&"
 

@@ -6,7 +6,7 @@ import pytest
 from support.thing_pictures import DOCUMENT, FOLDER, pictures
 
 from babyrobot_levels.render.text import PLAIN_ROBOTS, ROBOTS
-from babyrobot_levels.render.text_marks import ITEMS, LOCKED, MOVER
+from babyrobot_levels.render.text_plan import ITEMS, LOCKED, MOVER
 
 TEXT = DOCUMENT.read_text(encoding="utf-8")
 

@@ -36,8 +36,8 @@ from babyrobot_levels.render.raster import to_rgb
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.overlay import Note, Overlay
-from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.shapes import Rect, Shape, Text
+from babyrobot_levels.render.scene.situation import Mood, Pose
 
 EACH = (
     "areas",

@@ -21,8 +21,8 @@ from babyrobot_levels.render.page import SCRIPTS, embedded_json, to_html
 from babyrobot_levels.render.page_data import Guide, facts, playable
 from babyrobot_levels.render.page_tables import CHEER, EVENTS, POSES
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.pose import Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
+from babyrobot_levels.render.scene.situation import Mood, Pose, pose_of
 
 EVIL = "</title></script><!--<script>alert(1)</script><img src=x onerror=alert(2)>&amp;\"'$title"
 

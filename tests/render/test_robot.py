@@ -15,9 +15,9 @@ from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.raster import polylines, to_rgb
 from babyrobot_levels.render.scene.build import build_base, build_scene
 from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.situation import STANDING, Mood, Pose, pose_of
 
 POSES = [Pose(facing, mood) for mood in Mood for facing in Action]
 WIDTH = 5

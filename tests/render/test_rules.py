@@ -14,7 +14,7 @@ from babyrobot_levels.library.level import Level
 from babyrobot_levels.render.page_data import page_data
 from babyrobot_levels.render.scene.build import build_scene
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.samples import sample_shapes
+from babyrobot_levels.render.scene.panels import sample_shapes
 from babyrobot_levels.render.scene.shapes import Ellipse, Path, Rect, Scene, Text
 from babyrobot_levels.render.words.goal import goal_of
 from babyrobot_levels.render.words.phrases import chance, color_name, ranges

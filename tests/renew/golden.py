@@ -17,9 +17,9 @@ from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.layout import CELL
 from babyrobot_levels.render.scene.movers import figure_shapes
-from babyrobot_levels.render.scene.pose import Mood, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
+from babyrobot_levels.render.scene.situation import Mood, Pose
 from babyrobot_levels.render.svg import to_svg
 
 FOLDER = TESTS / "render" / "golden"

@@ -106,7 +106,7 @@ class Sweep(StateResult):
 
     def _curve(self, goal: tuple[str, float] | None) -> tuple[str, str]:
         """Return how the run has gone so far, a title and an SVG, which is empty without a run."""
-        from babyrobot_levels.render.curves import Curve, curves_svg
+        from babyrobot_levels.render.charts import Curve, curves_svg
 
         title, run = "Return from the start", self.run
         if run is None:
@@ -143,7 +143,7 @@ class Trials(Sweep):
     returns: Floats
 
     def _curve(self, goal: tuple[str, float] | None) -> tuple[str, str]:
-        from babyrobot_levels.render.curves import FAINT, Curve, curves_svg
+        from babyrobot_levels.render.charts import FAINT, Curve, curves_svg
 
         returns = self.returns
         window = max(1, returns.size // 20)

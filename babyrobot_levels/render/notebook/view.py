@@ -23,13 +23,20 @@ from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.overlay_shapes import overlay_shapes
-from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose, pose_of
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted
-from babyrobot_levels.render.scene.situation import Cell, Place, place_of, situation_of
+from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted, toned
+from babyrobot_levels.render.scene.situation import (
+    STANDING,
+    Cell,
+    Mood,
+    Place,
+    Pose,
+    place_of,
+    pose_of,
+    situation_of,
+)
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
-from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.text import TextPainter
 from babyrobot_levels.render.words.describe import describe
 

@@ -18,14 +18,12 @@ from babyrobot_levels.render.scene.panels import (
     rules_shapes,
     strip_shapes,
 )
-from babyrobot_levels.render.scene.pose import STANDING, Pose
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene, Shape
-from babyrobot_levels.render.scene.situation import place_of, situation_of
+from babyrobot_levels.render.scene.shapes import Scene, Shape, toned
+from babyrobot_levels.render.scene.situation import STANDING, Pose, place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import coordinate_texts, end_texts, label_shapes
 from babyrobot_levels.render.scene.things import moving_pieces, pieces
-from babyrobot_levels.render.scene.tones import toned
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 
 if TYPE_CHECKING:

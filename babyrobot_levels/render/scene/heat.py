@@ -13,10 +13,8 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import plate_for
-from babyrobot_levels.render.scene.cell_grounds import CellGrounds
-from babyrobot_levels.render.scene.ground import shore_shapes
+from babyrobot_levels.render.scene.ground import CellGrounds, shore_shapes
 from babyrobot_levels.render.scene.layout import CELL, LEGEND, Layout, each_cell
-from babyrobot_levels.render.scene.number_labels import Form, form_of, number_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
 from babyrobot_levels.render.scene.shapes import (
@@ -30,6 +28,7 @@ from babyrobot_levels.render.scene.shapes import (
     scaled,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+from babyrobot_levels.render.scene.texts import Form, form_of, number_shapes
 from babyrobot_levels.render.scene.walls import casing_shapes
 
 if TYPE_CHECKING:

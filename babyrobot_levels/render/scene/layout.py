@@ -1,4 +1,4 @@
-"""The layout of a picture: grid, margin, panels, compass, and lines of text."""
+"""The layout of a picture: grid, margin, panels, compass, lines of text, and rules."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from babyrobot_levels.language.looks import Panel
 from babyrobot_levels.render.scene.overlay import Content, Overlay, Rows
-from babyrobot_levels.render.scene.rule_rows import NARROWEST, height_for
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -323,3 +322,105 @@ def fit(text: str, room: float) -> tuple[float, str]:
             return size, text
     count = max(1, int(room / (_FIT_SIZES[-1] * CHARACTER_WIDTH)) - 1)
     return _FIT_SIZES[-1], text[:count].rstrip() + "…"
+
+
+# -- where rules stand in a box --------------------------------------------------------------------
+
+SAMPLE = 18.0
+"""The side of a sample in pixels."""
+
+RULE_SIZE = 11.5
+"""The font size."""
+
+RULE_LINE = 14.0
+"""The height of a line."""
+
+NARROWEST = 130.0
+"""The least width of a box for rules."""
+
+_RULE_EDGE, _GAP, _BETWEEN = 10.0, 8.0, 5.0
+"""The padding of a box, and the distances between a sample and its text, and between two rows."""
+
+TEXT_LEFT = SAMPLE + _GAP
+"""The distance of a text from the left edge of its row."""
+
+_RULE_COLUMN = 230.0
+"""The least width of one of several columns."""
+
+_ROUNDING = 1e-6
+"""A box as high as its rules may be lower by rounding."""
+
+_RULE_CHARACTER = 0.54
+"""The average width of a character, as a share of the font size."""
+
+_SCALES = (1.0, 0.9, 0.8, 0.7)
+"""The scales of rules in a box that is given, from the largest: smaller letters are not read."""
+
+
+class Row(NamedTuple):
+    """A rule in a box.
+
+    Attributes:
+        rule: its number.
+        left: its left edge, counted from that of the box.
+        top: its upper edge, likewise.
+        lines: the lines of its text.
+    """
+
+    rule: int
+    left: float
+    top: float
+    lines: Sequence[str]
+
+
+def height_for(texts: Sequence[str], width: float) -> float:
+    """Return the height of a box in which all rules have room."""
+    heights = list(map(_rule_height, _rule_lines(texts, width)))
+    room = max(heights, default=0.0)
+    while not _rules_fit(heights, room, _rule_columns(width)):
+        room += 1.0
+    return room - _BETWEEN + 2 * _RULE_EDGE
+
+
+def scale_for(texts: Sequence[str], width: float, height: float) -> float | None:
+    """Return the largest scale at which all rules have room in a box; None if there is none."""
+    fits = (each for each in _SCALES if each * height_for(texts, width / each) <= height)
+    return next(fits, None)
+
+
+def rows_in(texts: Sequence[str], width: float, height: float) -> list[Row]:
+    """Return the rows in a box that has room for all."""
+    rows: list[Row] = []
+    column, down = 0, 0.0
+    room, columns = height - 2 * _RULE_EDGE + _BETWEEN, _rule_columns(width)
+    for number, lines in enumerate(_rule_lines(texts, width)):
+        tall = _rule_height(lines)
+        if down + tall > room + _ROUNDING and rows and column + 1 < columns:
+            column, down = column + 1, 0.0
+        rows.append(Row(number, _RULE_EDGE + column * width / columns, _RULE_EDGE + down, lines))
+        down += tall
+    return rows
+
+
+def _rule_columns(width: float) -> int:
+    return max(1, int(width / _RULE_COLUMN))
+
+
+def _rule_lines(texts: Sequence[str], width: float) -> list[list[str]]:
+    room = width / _rule_columns(width) - 2 * _RULE_EDGE - TEXT_LEFT
+    characters = max(1, int(room / (RULE_SIZE * _RULE_CHARACTER)))
+    return [textwrap.wrap(text, characters) for text in texts]
+
+
+def _rule_height(lines: Sequence[str]) -> float:
+    """Return the height of a row, with the distance to the next one."""
+    return max(SAMPLE, RULE_LINE * len(lines)) + _BETWEEN
+
+
+def _rules_fit(heights: Sequence[float], room: float, columns: int) -> bool:
+    down = 0.0
+    for height in heights:
+        if down + height > room:
+            columns, down = columns - 1, 0.0
+        down += height
+    return columns > 0

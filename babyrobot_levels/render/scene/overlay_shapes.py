@@ -10,7 +10,6 @@ from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import CELL, Layout, each_cell
-from babyrobot_levels.render.scene.number_labels import Anchor, Form, form_of, number_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import panel_texts
 from babyrobot_levels.render.scene.scale import ink_on
@@ -24,7 +23,15 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
 )
 from babyrobot_levels.render.scene.slots import Box, Cell, Slots
-from babyrobot_levels.render.scene.texts import busy_cells, coordinate_texts, note_shapes
+from babyrobot_levels.render.scene.texts import (
+    Anchor,
+    Form,
+    busy_cells,
+    coordinate_texts,
+    form_of,
+    note_shapes,
+    number_shapes,
+)
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.render.scene.pose import STANDING, Mood, Pose
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Ellipse,
@@ -24,6 +23,7 @@ from babyrobot_levels.render.scene.shapes import (
     scaled,
     shifted,
 )
+from babyrobot_levels.render.scene.situation import STANDING, Mood, Pose
 from babyrobot_levels.render.scene.slots import ROBOT_CORNER, SMALL_ROBOT
 
 OUTLINE = "#232c38"

@@ -1,4 +1,4 @@
-"""The shapes of scenes, and paths built from points.
+"""The shapes of scenes, paths built from points, and shapes moved, scaled and in greys.
 
 A painter that supports these four shapes can paint every scene. Lengths are pixels, x grows to the
 right, y downwards. Colours are CSS strings, as levels write them; `opacity` comes on top of a
@@ -10,6 +10,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
+
+from babyrobot_levels.language.looks import Colors
+from babyrobot_levels.render.colors import gray, is_gray
 
 Command = tuple[str, tuple[float, ...]]
 """A step of a path, in SVG's letters: `M` x y, `L` x y, `C` x1 y1 x2 y2 x y, or `Z`."""
@@ -236,3 +239,15 @@ MAX_SIDE = 2048
 def screen_scale(scene: Scene) -> float:
     """Return the scale at which a scene is shown on a screen: 1, or less for a large one."""
     return min(1.0, MAX_SIDE / max(scene.width, scene.height))
+
+
+def toned(shapes: Iterable[Shape], colors: Colors) -> tuple[Shape, ...]:
+    """Return shapes as a theme shows them: all of them in greys if its colours are greys."""
+    return tuple(map(_grayed, shapes) if is_gray(colors) else shapes)
+
+
+def _grayed(shape: Shape) -> Shape:
+    if not isinstance(shape, Path):
+        return replace(shape, fill=gray(shape.fill))
+    fill, stroke = (None if color is None else gray(color) for color in (shape.fill, shape.stroke))
+    return replace(shape, fill=fill, stroke=stroke)

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed, plate_for
-from babyrobot_levels.render.scene.cell_grounds import CellGrounds
-from babyrobot_levels.render.scene.ground import flag_shapes
+from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
 from babyrobot_levels.render.scene.icons import (
     INK,
     Commands,

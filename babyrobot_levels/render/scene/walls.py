@@ -10,7 +10,7 @@ from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.colors import GRAPHICS, contrast, rim_on
-from babyrobot_levels.render.scene.cell_grounds import CellGrounds
+from babyrobot_levels.render.scene.ground import CellGrounds
 from babyrobot_levels.render.scene.icons import INK, RIM
 from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout
 from babyrobot_levels.render.scene.shapes import Command, Path, Rect, Shape, Text, polyline

@@ -1,11 +1,12 @@
-"""Curves as SVG: how something develops, and the line that it should reach."""
+"""Charts: curves that develop, and bars side by side, with the lines that they should reach."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
+from babyrobot_levels.render.scene.shapes import Path, Rect, Scene, Shape, Text, polyline
 from babyrobot_levels.render.svg import FONT, escaped, number
 
 WIDTH, HEIGHT = 460, 260
@@ -171,3 +172,96 @@ def _text(x: float, y: float, text: str, anchor: str) -> str:
         f'<text x="{number(x)}" y="{number(y)}" text-anchor="{anchor}" fill="{_INK}">'
         f"{escaped(text)}</text>"
     )
+
+
+# -- bars ------------------------------------------------------------------------------------------
+
+_ROW, _BAR = 22.0, 13.0
+"""The heights of a row and of its bar, in pixels."""
+
+_BARS_LEFT, _BARS_RIGHT, _BARS_TOP, _BARS_BOTTOM = 150.0, 60.0, 46.0, 14.0
+"""The margins around the bars."""
+
+_BARS_WIDTH = 360.0
+"""The width of the bars' ground."""
+
+_LETTERS = 21
+"""The most characters of a name."""
+
+_FORWARD, _BACKWARD = "#0b4f8a", "#8f2f2f"
+"""The colours of bars from 0 to the right, and to the left."""
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A bar.
+
+    Attributes:
+        name: what it is of.
+        value: its length; nan for none.
+        low: the lower end of an interval around it; equal to `value` for none.
+        high: the upper end.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+
+
+def bars_scene(bars: Sequence[Bar], *, title: str, zero: str, one: str) -> Scene:
+    """Return bars as a picture; what is below -1 or above 1.2 is cut off.
+
+    Args:
+        bars: the bars, from top to bottom.
+        title: what they tell.
+        zero: the name of the line at 0.
+        one: the name of the line at 1.
+    """
+    shown = [value for bar in bars for value in (bar.value, bar.low, bar.high)]
+    least = max(-1.0, min([0.0, *filter(math.isfinite, shown)]))
+    most = min(1.2, max([1.0, *filter(math.isfinite, shown)]))
+    unit = _BARS_WIDTH / (most - least)
+
+    def at(value: float) -> float:
+        return _BARS_LEFT + (min(max(value, least), most) - least) * unit
+
+    height = _BARS_TOP + _ROW * len(bars) + _BARS_BOTTOM
+    width = _BARS_LEFT + _BARS_WIDTH + _BARS_RIGHT
+    bottom = height - _BARS_BOTTOM + 4
+    shapes: list[Shape] = [Rect(0, 0, width, height, _GROUND, radius=6)]
+    for value, name, color, dash in ((0.0, zero, _INK, None), (1.0, one, _GOAL, (7.0, 4.0))):
+        x = at(value)
+        line = polyline([(x, _BARS_TOP - 6), (x, bottom)])
+        shapes += [
+            Text(x, _BARS_TOP - 12, f"{name} {value:g}", 12, color),
+            Path(line, stroke=color, width=1.5, dash=dash),
+        ]
+    shapes.append(Text(_BARS_LEFT, 16, title, 13, _INK, "start", bold=True))
+    for row, bar in enumerate(bars):
+        shapes += _row(bar, _BARS_TOP + _ROW * row, at)
+    described = "; ".join(f"{bar.name}: {_told(bar.value)}" for bar in bars[:40])
+    return Scene(width, height, tuple(shapes), title, described)
+
+
+def _row(bar: Bar, top: float, at: Callable[[float], float]) -> Iterator[Shape]:
+    middle = top + _ROW / 2
+    name = bar.name if len(bar.name) <= _LETTERS else f"{bar.name[: _LETTERS - 1]}…"
+    yield Text(_BARS_LEFT - 10, middle + 4, name, 12, _INK, "end")
+    if not math.isnan(bar.value):
+        begin, end = sorted((at(0.0), at(bar.value)))
+        color = _FORWARD if bar.value >= 0 else _BACKWARD
+        yield Rect(begin, middle - _BAR / 2, end - begin, _BAR, color)
+        if bar.low < bar.high:
+            low, high = at(bar.low), at(bar.high)
+            yield Path(polyline([(low, middle), (high, middle)]), stroke=_INK, width=2)
+            for x in (low, high):
+                yield Path(polyline([(x, middle - 4), (x, middle + 4)]), stroke=_INK, width=2)
+    yield Text(
+        _BARS_LEFT + _BARS_WIDTH + _BARS_RIGHT - 12, middle + 4, _told(bar.value), 12, _INK, "end"
+    )
+
+
+def _told(value: float) -> str:
+    # Without the sign of a zero.
+    return "-" if math.isnan(value) else f"{round(value, 2) + 0.0:.2f}"

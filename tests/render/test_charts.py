@@ -7,9 +7,9 @@ import xml.etree.ElementTree as ET
 
 import pytest
 
-from babyrobot_levels.render import curves
+from babyrobot_levels.render import charts
+from babyrobot_levels.render.charts import Curve, curves_svg
 from babyrobot_levels.render.colors import contrast
-from babyrobot_levels.render.curves import Curve, curves_svg
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -52,14 +52,14 @@ def test_a_single_point_is_a_dot() -> None:
     root = drawn(Curve("a", [(1, 7.0)]), goal=("b", 7.0))
     assert lines(root) == []
     (dot,) = root.iter(f"{SVG}circle")
-    assert 0 < float(dot.attrib["cx"]) < curves.WIDTH
-    assert 0 < float(dot.attrib["cy"]) < curves.HEIGHT
+    assert 0 < float(dot.attrib["cx"]) < charts.WIDTH
+    assert 0 < float(dot.attrib["cy"]) < charts.HEIGHT
 
 
 def test_a_long_curve_is_thinned_out_and_keeps_its_end() -> None:
     (line,) = lines(drawn(Curve("a", [(x, float(x)) for x in range(10_007)])))
-    assert len(line) <= curves.MAX_POINTS + 1
-    assert line[-1][0] == curves.WIDTH - 16
+    assert len(line) <= charts.MAX_POINTS + 1
+    assert line[-1][0] == charts.WIDTH - 16
 
 
 def test_names_are_escaped() -> None:
@@ -68,9 +68,9 @@ def test_names_are_escaped() -> None:
 
 def test_lines_and_texts_stand_out_from_the_ground() -> None:
     for color, least in (
-        (curves.STRONG, 4.5),
-        (curves.FAINT, 3),
-        (curves._GOAL, 4.5),
-        (curves._INK, 4.5),
+        (charts.STRONG, 4.5),
+        (charts.FAINT, 3),
+        (charts._GOAL, 4.5),
+        (charts._INK, 4.5),
     ):
-        assert contrast(color, curves._GROUND) >= least, color
+        assert contrast(color, charts._GROUND) >= least, color
