@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.language.geometry import show_cell
-from babyrobot_levels.mdp.configurations import listed
 from babyrobot_levels.render.words.phrases import cells
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.analysis.changes import Change

@@ -34,6 +34,7 @@ from babyrobot_levels.language.base import (
 )
 from babyrobot_levels.language.cells import Area, Puddle, PuddleTypes, Rectangle, SkidLike
 from babyrobot_levels.language.drawing import RESERVED
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import Display, ThemeLike
 from babyrobot_levels.language.moves import Rewards, Warp, Wind
 from babyrobot_levels.language.things import (
@@ -202,9 +203,7 @@ class LevelFields(Model):
     @property
     def has_things(self) -> bool:
         """Whether the level has anything whose state changes during an episode."""
-        return bool(
-            self.items or self.doors or self.switches or self.movers or self.exit_one_of is not None
-        )
+        return self.exit_one_of is not None or any(kind.of(self) for kind in THINGS)
 
     @property
     def stands_on_grid(self) -> bool:

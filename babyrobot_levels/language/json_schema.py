@@ -8,7 +8,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections import ChainMap
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -17,12 +17,13 @@ from typing import Any
 from pydantic import BaseModel
 
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
+from babyrobot_levels.language.kinds import LEGEND
 from babyrobot_levels.language.looks import FORM_PATTERN, NAMES, PATTERN, Theme
 from babyrobot_levels.language.pack import PackFields
 from babyrobot_levels.language.play import PlayFields
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.suite_list import KINDS, SuiteListFields
-from babyrobot_levels.language.things import LEGEND_FIELDS, LegendEntry
+from babyrobot_levels.language.things import LegendEntry
 
 # Draft 7 is what the editors know best.
 DIALECT = "http://json-schema.org/draft-07/schema#"
@@ -55,15 +56,15 @@ def level_schema() -> dict[str, Any]:
     within = _given("within", ["path"])
     within["properties"]["back"] = {"const": False}
     definitions["Mover"]["oneOf"] = [_given("path", ["within", "start"]), within]
-    others = {
-        kind: [name for name in LegendEntry.model_fields if name not in fields]
-        for kind, fields in LEGEND_FIELDS.items()
-    }
-    definitions["LegendEntry"]["oneOf"] = [
-        _without(others["area"]),
-        *(_given(kind, others[kind]) for kind in ("item", "switch")),
-    ]
+    definitions["LegendEntry"]["oneOf"] = [*_legend_entries()]
     return schema
+
+
+def _legend_entries() -> Iterator[dict[str, Any]]:
+    """Yield the schema of an entry of the legend for each kind that it may stand for."""
+    for kind in sorted(LEGEND, key=lambda kind: kind.has_name):
+        others = [name for name in LegendEntry.model_fields if name not in kind.legend]
+        yield _given(kind.name, others) if kind.has_name else _without(others)
 
 
 def _given(name: str, without: Iterable[str]) -> dict[str, Any]:

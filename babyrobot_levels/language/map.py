@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.base import MAX_SIZE
-from babyrobot_levels.language.cells import Area, Puddle, Rectangle
+from babyrobot_levels.language.base import MAX_SIZE, Model
+from babyrobot_levels.language.cells import Puddle, Rectangle
 from babyrobot_levels.language.fields import DRAWN, LevelFields, fields_with
 from babyrobot_levels.language.geometry import show_cell
-from babyrobot_levels.language.things import LEGEND_FIELDS, Door, Item, LegendEntry, Switch
+from babyrobot_levels.language.kinds import KIND, LEGEND, Kind
+from babyrobot_levels.language.things import DRAWN_NAMES, Door, LegendEntry
 from babyrobot_levels.language.walls import Wall, sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key
-
-GLASS_PASS = 0.5
-"""The `pass` of a drawn wall of glass without an entry in `walls`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,8 +24,7 @@ class Drawn:
     Attributes:
         drawing: the drawing.
         fields: the values of the fields that it gives.
-        counts: how many of the first entries of `walls`, `areas`, `items` and `switches` come
-            from it.
+        counts: how many of the first entries of a list come from it.
     """
 
     drawing: d.Drawing
@@ -71,106 +69,84 @@ def expand_map(level: LevelFields) -> tuple[Drawn | None, list[Issue]]:
         issues.append(Issue("BR206", Key(("exit_one_of",)), message, help_text))
     issues += _check_wall_entries(level, drawing)
     issues += _check_doors(level, drawing)
-    issues += _check_drawn_switches(level, drawing)
+    issues += _check_drawn_once(level, drawing)
     if issues:
         return None, issues
-    walls, areas = drawn_walls(drawing), legend_areas(level, drawing)
-    items, switches = legend_items(level, drawing), legend_switches(level, drawing)
+    drawn: dict[str, Sequence[Model]] = {
+        "walls": drawn_walls(drawing),
+        **{kind.field: legend_entries(kind, level, drawing) for kind in LEGEND},
+    }
     fields = {
         "size": (drawing.width, drawing.height),
         "start": starts[0] if len(starts) == 1 else tuple(starts),
         "exit": "none" if not exits else exits[0] if len(exits) == 1 else tuple(exits),
-        "walls": (*walls, *level.walls),
-        "puddles": tuple(
-            Puddle(at=cell, size=size)
-            for character, size in ((d.SMALL, "small"), (d.LARGE, "large"))
-            for cell in drawing.find(character)
-        ),
         "blocked": tuple(
             Rectangle(at=cell, size=(length, 1)) for cell, length in drawing.row_runs(d.BLOCKED)
         ),
-        "areas": (*areas, *level.areas),
-        "items": (*items, *level.items),
-        "switches": (*switches, *level.switches),
+        "puddles": tuple(
+            Puddle.model_validate({"at": cell, **given})
+            for character, given in KIND["puddle"].marks.items()
+            for cell in drawing.find(character)
+        ),
+        **{field: (*entries, *getattr(level, field)) for field, entries in drawn.items()},
     }
-    counts = {
-        "walls": len(walls),
-        "areas": len(areas),
-        "items": len(items),
-        "switches": len(switches),
-    }
-    return Drawn(drawing, fields, counts), []
+    return Drawn(drawing, fields, {field: len(entries) for field, entries in drawn.items()}), []
 
 
 def drawn_walls(drawing: d.Drawing) -> list[Wall]:
     """Return the walls of a drawing, those in a line as one with a `length`."""
-    walls = [
-        Wall.model_validate({"at": cell, "side": side, "length": length})
-        for cell, side, length in drawing.runs(d.SOLID)
-    ]
-    walls += [
-        Wall.model_validate({"at": cell, "side": side, "length": length, "pass": GLASS_PASS})
-        for cell, side, length in drawing.runs(d.GLASS)
-    ]
-    return walls
-
-
-def legend_areas(level: LevelFields, drawing: d.Drawing) -> list[Area]:
-    """Return an area for each cell that shows a character of the legend, things left out."""
     return [
-        Area.model_validate({"at": cell, **_given(traits)})
-        for character, traits in level.legend.items()
-        if traits.kind == "area"
-        for cell in drawing.find(character)
+        Wall.model_validate({"at": cell, "side": side, "length": length, **given})
+        for mark, given in KIND["wall"].marks.items()
+        for cell, side, length in drawing.runs(mark)
     ]
 
 
-def legend_items(level: LevelFields, drawing: d.Drawing) -> list[Item]:
-    """Return the items of the legend: where several cells show one, it lies in one of them."""
+def legend_entries(kind: Kind, level: LevelFields, drawing: d.Drawing) -> list[Model]:
+    """Return the entries of a kind that characters of the legend stand for.
+
+    There is one for each cell that shows the character; where the kind may lie in one of several
+    cells, there is one for all of them.
+    """
     return [
-        Item.model_validate(
-            {
-                "name": entry.item,
-                **({"at": cells[0]} if len(cells) == 1 else {"one_of": cells}),
-                **_given(entry),
-            }
-        )
+        kind.entry({**place, **_given(kind, entry)})
         for character, entry in level.legend.items()
-        if entry.kind == "item"
-        for cells in [drawing.find(character)]
-        if cells
+        if entry.kind == kind.name
+        for place in _places(kind, drawing.find(character))
     ]
 
 
-def legend_switches(level: LevelFields, drawing: d.Drawing) -> list[Switch]:
-    """Return the switches of the legend."""
-    return [
-        Switch.model_validate({"name": entry.switch, "at": cell, **_given(entry)})
-        for character, entry in level.legend.items()
-        if entry.kind == "switch"
-        for cell in drawing.find(character)
-    ]
+def _places(kind: Kind, cells: list[tuple[int, int]]) -> list[dict[str, Any]]:
+    if len(cells) > 1 and "one_of" in kind.properties:
+        return [{"one_of": cells}]
+    return [{"at": cell} for cell in cells]
 
 
-def _given(entry: LegendEntry) -> dict[str, Any]:
-    """Return the given properties of what an entry stands for, without its name."""
-    names = [name for name in LEGEND_FIELDS[entry.kind] if name not in ("item", "switch")]
-    return {name: getattr(entry, name) for name in names if name in entry.model_fields_set}
+def _given(kind: Kind, entry: LegendEntry) -> dict[str, Any]:
+    """Return the given properties of what an entry of the legend stands for."""
+    names = {kind.name: "name"}
+    return {
+        names.get(name, name): getattr(entry, name)
+        for name in kind.legend
+        if name in entry.model_fields_set
+    }
 
 
 def _check_legend(level: LevelFields) -> list[Issue]:
-    """Check that an entry has only fields of what it stands for: an area, an item, or a switch."""
+    """Check that an entry has only fields of the kind that it stands for."""
     issues = []
     for character, entry in level.legend.items():
-        allowed = LEGEND_FIELDS[entry.kind]
+        allowed = KIND[entry.kind].legend
         for name in LegendEntry.model_fields:
             if name in allowed or name not in entry.model_fields_set or _is_none(entry, name):
                 continue
-            if name == "switch":
-                message = "`switch` cannot be combined with `item`: a character stands for one"
+            if name in DRAWN_NAMES:
+                message = f"`{name}` cannot be combined with `{entry.kind}`"
+                message += ": a character stands for one"
                 help_text: str | None = "use a character for each of them"
             elif entry.kind == "area":
-                owner = "an `item`" if name == "shape" else "a `switch`"
+                kind = next(kind for kind in LEGEND if name in kind.legend)
+                owner = kind.one.replace(kind.noun, f"`{kind.name}`")
                 message = f"`{name}` needs {owner}: `{character}` stands for an area"
                 help_text = f"add {owner} with a name, or remove `{name}`"
             else:
@@ -184,17 +160,18 @@ def _is_none(entry: LegendEntry, name: str) -> bool:
     return getattr(entry, name) is None
 
 
-def _check_drawn_switches(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
-    """Check that the drawing shows each switch once."""
+def _check_drawn_once(level: LevelFields, drawing: d.Drawing) -> list[Issue]:
+    """Check that the drawing shows what has a name once, if it cannot lie in one of many cells."""
     return [
         Issue(
             "BR314",
             d.mark_of(level.map or "", *cell),
-            f"the switch `{entry.switch}` is drawn twice",
-            "draw it once, and give other switches a character and a name of their own",
+            f"the {kind.noun} `{getattr(entry, kind.name)}` is drawn twice",
+            f"draw it once, and give other {kind.plural} a character and a name of their own",
         )
         for character, entry in level.legend.items()
-        if entry.kind == "switch"
+        for kind in [KIND[entry.kind]]
+        if kind.has_name and "one_of" not in kind.properties
         for cell in drawing.find(character)[1:2]
     ]
 

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 from babyrobot_levels.language.base import FORM_PREFIX, SIDE_NAMES, SIDES, SLUG
+from babyrobot_levels.language.kinds import THINGS
 from babyrobot_levels.language.looks import NAMES, PATTERN, THEME_NAME, Colors
 from babyrobot_levels.language.pack import VERSION
 from babyrobot_levels.text.scalars import is_plain_string
@@ -72,7 +73,7 @@ SINGLES = {
 MISSING = {"count": "a suite has a `count` of mazes to grow, or lists `levels`"}
 """What to do about a missing field that another one can take the place of."""
 
-THINGS = {"items", "doors", "switches", "movers", "exit_needs", "legend"}
+NAMING = {*(kind.field for kind in THINGS), "exit_needs", "legend"}
 """Fields with names of things in them."""
 
 DIRECTIONS = {
@@ -260,7 +261,7 @@ def _pattern(pattern: str, root: str, value: Any) -> Complaint:
         )
     if pattern == SLUG:
         message = f"must be lower-case letters and digits joined by `-`, not {show(value)}"
-        if root in THINGS:
+        if root in NAMING:
             return "BR207", message, "use a name such as `red-key`"
         return "BR207", message, "use a name such as `first-maze`; `title` takes any text"
     if pattern == VERSION:

@@ -14,10 +14,11 @@ from babyrobot_levels.language.geometry import (
     off_the_grid,
     show_cell,
 )
-from babyrobot_levels.language.things import Item, Mover, Switch, as_names
+from babyrobot_levels.language.kinds import NAMED, NEEDED, Kind
+from babyrobot_levels.language.things import DRAWN_NAMES, Item, Mover, as_names
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.text.diagnostics import Issue, Key, Location
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import did_you_mean, listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.fields import LevelFields
@@ -29,7 +30,7 @@ MAX_WAYS = 1 << 14
 
 
 def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
-    """Yield the errors of items, doors, switches and movers."""
+    """Yield the errors of the things of a level, and of what its exits need."""
     if level.exit_one_of is not None and "exit" in level.model_fields_set:
         yield Issue(
             "BR206",
@@ -58,45 +59,35 @@ def check_things(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
 
 
 def _check_names(level: LevelFields) -> Iterator[Issue]:
-    seen: dict[str, str] = {}
-    for field, what in (("items", "item"), ("switches", "switch"), ("movers", "mover")):
-        for index, thing in enumerate(getattr(level, field)):
+    seen: dict[str, Kind] = {}
+    for kind in NAMED:
+        for index, thing in enumerate(kind.of(level)):
             if thing.name is not None and thing.name in seen:
                 yield Issue(
                     "BR320",
-                    _place(level, field, index, "name"),
-                    f"the name `{thing.name}` is already that of {_article(seen[thing.name])}",
-                    "give each item, switch and mover a name of its own",
+                    _place(level, kind.field, index, "name"),
+                    f"the name `{thing.name}` is already that of {seen[thing.name].one}",
+                    f"give each {listed([kind.noun for kind in NAMED])} a name of its own",
                 )
-            seen.setdefault(thing.name, what)
-
-
-def _article(noun: str) -> str:
-    return f"an {noun}" if noun[0] in "aeiou" else f"a {noun}"
+            seen.setdefault(thing.name, kind)
 
 
 Part = tuple[str, int, str, *tuple[int, ...]]
-"""A part of an item, a switch or a mover: the field of the level, its number there, and which."""
+"""A part of a thing with a name: the field of the level, its number there, and which."""
 
 
 def _place(level: LevelFields, field: str, index: int, *more: str | int) -> Location:
-    """Return the location of a part of an item, a switch or a mover, drawn or written."""
+    """Return the location of a part of a thing with a name, drawn or written."""
     drawn = level._drawn.get(field, 0)
     if index >= drawn:
         return (field, index - drawn, *more)
-    thing: Item | Switch = getattr(level, field)[index]
-    cells = thing.places if isinstance(thing, Item) else (thing.at,)
     number = more[-1] if isinstance(more[-1], int) else 0
-    return mark_of(level.map or "", *cells[number])
+    return mark_of(level.map or "", *getattr(level, field)[index].places[number])
 
 
 def _check_needs(level: LevelFields) -> Iterator[Issue]:
-    known = {
-        thing.name: what
-        for what, things in (("item", level.items), ("switch", level.switches))
-        for thing in things
-    }
-    movers = {mover.name for mover in level.movers}
+    known = [thing.name for kind in NEEDED for thing in kind.of(level)]
+    others = {thing.name: kind for kind in NAMED if kind.need is None for thing in kind.of(level)}
     told: list[tuple[str | tuple[str, ...], Route]] = [(level.exit_needs, ("exit_needs",))]
     for index, door in enumerate(level.doors):
         told += [(door.needs, ("doors", index, "needs")), (door.unless, ("doors", index, "unless"))]
@@ -104,31 +95,34 @@ def _check_needs(level: LevelFields) -> Iterator[Issue]:
         for number, name in enumerate(as_names(names)):
             if name not in known:
                 where = route if isinstance(names, str) else (*route, number)
-                yield _unknown_name(level, name, where, [*known], is_mover=name in movers)
+                yield _unknown_name(level, name, where, known, others.get(name))
 
 
 def _unknown_name(
-    level: LevelFields, name: str, route: Route, known: list[str], *, is_mover: bool
+    level: LevelFields, name: str, route: Route, known: list[str], other: Kind | None
 ) -> Issue:
-    if is_mover:
-        message = f"`{name}` is a mover, which can be neither held nor switched on"
-        return Issue("BR321", route, message, "name an item or a switch")
+    if other is not None:
+        message = f"`{name}` is {other.one}, which can be neither held nor switched on"
+        help_text = f"name {listed([kind.one for kind in NEEDED], 'or')}"
+        return Issue("BR321", route, message, help_text)
     for character, entry in level.legend.items():
-        if name in (entry.item, entry.switch):
+        if name in [getattr(entry, each) for each in DRAWN_NAMES]:
             message = f"the map does not show `{character}`, the {entry.kind} `{name}`"
             return Issue("BR321", route, message, f"draw `{character}` in a cell")
     # Comparing with very many names would take long.
     guess = did_you_mean(name, known) if len(known) <= 200 else ""
     shown = ", ".join(known[:8]) + (", …" if len(known) > 8 else "")
-    help_text = f"known names: {shown}" if known else "the level has no items and no switches"
-    return Issue("BR321", route, f"there is no item or switch `{name}`{guess}", help_text)
+    none = f"the level has {listed([f'no {kind.plural}' for kind in NEEDED])}"
+    nouns = listed([kind.noun for kind in NEEDED], "or")
+    help_text = f"known names: {shown}" if known else none
+    return Issue("BR321", route, f"there is no {nouns} `{name}`{guess}", help_text)
 
 
-# -- items, switches, doors ----------------------------------------------------------------
+# -- what lies in cells, doors -------------------------------------------------------------
 
 
 def _check_places(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
-    """Check where items and switches lie."""
+    """Check where what doors and exits can need lies."""
     exits = set(level.exits)
     entered = {warp.at for warp in level.warps if warp.when == "enter"}
     seen: dict[Cell, tuple[str, str]] = {}
@@ -150,7 +144,8 @@ def _check_places(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
             yield Issue("BR318", _place(level, *part), message, f"move the {what}")
         elif other != name:
             message = f"the {what} `{name}` {show_cell(cell)} is on the cell of the {kind}"
-            help_text = "move one of them: a cell holds one item or switch"
+            nouns = listed([kind.noun for kind in NEEDED], "or")
+            help_text = f"move one of them: a cell holds one {nouns}"
             yield Issue("BR319", _place(level, *part), f"{message} `{other}`", help_text)
     for index, item in enumerate(level.items):
         yield from _check_item(level, item, index)
@@ -158,13 +153,12 @@ def _check_places(level: LevelFields, blocked: IsBlocked) -> Iterator[Issue]:
 
 def _lying(level: LevelFields) -> Iterator[tuple[str, str, Cell, Part]]:
     """Yield what lies where: what it is, its name, its cell, and which part says so."""
-    for index, item in enumerate(level.items):
-        if item.at is not None:
-            yield "item", item.name, item.at, ("items", index, "at")
-        for number, cell in enumerate(item.one_of or ()):
-            yield "item", item.name, cell, ("items", index, "one_of", number)
-    for index, switch in enumerate(level.switches):
-        yield "switch", switch.name, switch.at, ("switches", index, "at")
+    for kind in NEEDED:
+        for index, thing in enumerate(kind.of(level)):
+            if thing.at is not None:
+                yield kind.noun, thing.name, thing.at, (kind.field, index, "at")
+            for number, cell in enumerate(getattr(thing, "one_of", None) or ()):
+                yield kind.noun, thing.name, cell, (kind.field, index, "one_of", number)
 
 
 def _check_item(level: LevelFields, item: Item, index: int) -> Iterator[Issue]:

@@ -97,6 +97,11 @@ class Switch(Model):
     label: Text | None = None
     """A text to show on it."""
 
+    @property
+    def places(self) -> tuple[tuple[int, int], ...]:
+        """The cells in which it may lie: its own."""
+        return (self.at,)
+
 
 class Mover(Model):
     """A guard that walks a path, or a wanderer that walks at random in a rectangle."""
@@ -137,6 +142,10 @@ class Hit(Model):
     """Whether the episode ends."""
 
 
+DRAWN_NAMES = ("item", "switch")
+"""The fields of `DrawnThing` with names; each is the name of a kind."""
+
+
 class DrawnThing(Model):
     """An item or a switch of a drawing."""
 
@@ -163,14 +172,6 @@ class LegendEntry(Traits, DrawnThing):
     """A text to show on it."""
 
     @property
-    def kind(self) -> Literal["area", "item", "switch"]:
-        """What the character stands for."""
-        return "item" if self.item is not None else "switch" if self.switch is not None else "area"
-
-
-LEGEND_FIELDS = {
-    "area": (*Traits.model_fields,),
-    "item": ("item", "shape", "reward", "color", "label"),
-    "switch": ("switch", "once", "on", "color", "label"),
-}
-"""The fields of an entry of the legend, by what it stands for."""
+    def kind(self) -> str:
+        """The name of the kind that the character stands for."""
+        return next((name for name in DRAWN_NAMES if getattr(self, name) is not None), "area")

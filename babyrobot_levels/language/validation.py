@@ -12,6 +12,7 @@ from pydantic import BaseModel, ValidationError
 from babyrobot_levels.language.base import FORM_PREFIX
 from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.language.drawing import is_block_map
+from babyrobot_levels.language.kinds import NAMED
 from babyrobot_levels.language.messages import complaint
 from babyrobot_levels.text.diagnostics import Diagnostic, Issue, Key, Mark, Route
 from babyrobot_levels.text.document import Document
@@ -239,7 +240,7 @@ class _Rest:
     def causes(self, issue: Issue) -> bool:
         """Tell whether an issue may only be there because invalid entries were left out."""
         if issue.code == "BR321":
-            return not self.without.isdisjoint(("items", "switches", "movers"))
+            return not self.without.isdisjoint(kind.field for kind in NAMED)
         # A drawn door without an entry.
         is_drawn = issue.code == "BR314" and isinstance(issue.location, Mark)
         return is_drawn and "doors" in self.without

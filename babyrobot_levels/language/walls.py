@@ -34,6 +34,9 @@ Algorithm = Literal[
     "eller",
 ]
 
+GLASS_PASS = 0.5
+"""The `pass` of a drawn wall of glass without an entry in `walls`."""
+
 RECTANGULAR = frozenset({"recursive-division", "binary-tree", "sidewinder", "eller"})
 """The algorithms that need the whole rectangle: no cell of it may be blocked."""
 

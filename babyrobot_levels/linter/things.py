@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.mdp.configurations import listed
 from babyrobot_levels.mdp.tables import Mdp
+from babyrobot_levels.text.words import listed
 
 Flags = NDArray[np.bool_]
 

@@ -11,6 +11,7 @@ from itertools import product
 
 from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.things import Item, Mover, Switch
+from babyrobot_levels.text.words import listed
 
 Cell = tuple[int, int]
 Values = tuple[int, ...]
@@ -204,11 +205,6 @@ class Things:
             if cell in item.places and item.places[values[column]] == cell:
                 taken[column] = len(item.places)
         return tuple(taken)
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names as a list in words: `a, b and c`."""
-    return " and ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
 
 
 def largest_radices(one: tuple[int, ...], other: tuple[int, ...]) -> tuple[int, ...]:

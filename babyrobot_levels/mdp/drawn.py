@@ -8,9 +8,8 @@ from typing import Any
 
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.level import LevelSpec
-from babyrobot_levels.language.map import GLASS_PASS
 from babyrobot_levels.language.runs import consecutive
-from babyrobot_levels.language.walls import Wall, sides_of
+from babyrobot_levels.language.walls import GLASS_PASS, Wall, sides_of
 from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 

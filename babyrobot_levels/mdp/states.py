@@ -8,10 +8,10 @@ from functools import cache
 import numpy as np
 
 from babyrobot_levels.language.base import SIDES
-from babyrobot_levels.mdp.configurations import Things, listed
+from babyrobot_levels.mdp.configurations import Things
 from babyrobot_levels.mdp.gridworld import GridWorld
 from babyrobot_levels.mdp.tables import Mdp
-from babyrobot_levels.text.words import did_you_mean
+from babyrobot_levels.text.words import did_you_mean, listed
 
 MAX_LISTED = 10
 """How many sets of held things an error lists."""

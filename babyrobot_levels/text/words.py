@@ -156,6 +156,11 @@ def nearest(name: str, known: Iterable[str], count: int = 3) -> list[str]:
     return [by_folded[match] for match in matches]
 
 
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Return names as a list in words: `a, b and c`."""
+    return f" {last} ".join([", ".join(names[:-1]), *names[-1:]] if len(names) > 1 else names)
+
+
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return `; did you mean …?` with the nearest known name, or an empty text."""
     found = nearest(name, known, 1)

@@ -14,7 +14,7 @@ from babyrobot_levels.editor.changes.sides import Entry, Run
 from babyrobot_levels.editor.entries.drawn_places import Place, drawn_places
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.geometry import show_cell
-from babyrobot_levels.language.map import GLASS_PASS
+from babyrobot_levels.language.walls import GLASS_PASS
 
 _PUDDLES = {"small": d.SMALL, "large": d.LARGE}
 

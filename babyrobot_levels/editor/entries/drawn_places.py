@@ -8,9 +8,8 @@ from typing import Any
 
 from babyrobot_levels.editor.entries.forms import expanded
 from babyrobot_levels.language import drawing as d
-from babyrobot_levels.language.map import GLASS_PASS
 from babyrobot_levels.language.things import LegendEntry
-from babyrobot_levels.language.walls import sides_of
+from babyrobot_levels.language.walls import GLASS_PASS, sides_of
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.document import Document
 

@@ -9,7 +9,7 @@ from babyrobot_levels.linter.finding import Finding
 from babyrobot_levels.linter.fixes import removal
 from babyrobot_levels.linter.rule import rule
 from babyrobot_levels.linter.things import Flags
-from babyrobot_levels.mdp.configurations import listed
+from babyrobot_levels.text.words import listed
 
 
 @rule("BR535")

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.base import SIDE_NAMES
 from babyrobot_levels.language.geometry import show_cell
-from babyrobot_levels.mdp.configurations import Configuration, listed
+from babyrobot_levels.mdp.configurations import Configuration
 from babyrobot_levels.mdp.doors import door_sides
 from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.grounds import grounds_of
 from babyrobot_levels.render.words.things import item_count, spoken
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Item

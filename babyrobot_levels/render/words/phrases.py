@@ -9,9 +9,9 @@ from babyrobot_levels.language.cells import Skid
 from babyrobot_levels.language.geometry import show_cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.language.runs import consecutive
-from babyrobot_levels.mdp.configurations import listed
 from babyrobot_levels.render.colors import gray, is_gray, rgba
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.words import listed
 
 LONGEST_NAME = 28
 """The most characters of a name or label in a text."""

@@ -6,9 +6,9 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from babyrobot_levels.mdp.configurations import listed
 from babyrobot_levels.mdp.doors import door_name
 from babyrobot_levels.render.words import phrases
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Door, Item, Mover, Switch

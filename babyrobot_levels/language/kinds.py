@@ -1,0 +1,235 @@
+"""The kinds of what can stand in a level, one record each.
+
+Lists of kinds are derived from `KINDS`, and written nowhere else: what the editor erases, what the
+linter looks through, what differs between two levels, how messages and rules call a kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from dataclasses import field as dataclass_field
+from enum import StrEnum
+from typing import Any
+
+from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.base import Model
+from babyrobot_levels.language.cells import Area, Puddle, Rectangle, Traits
+from babyrobot_levels.language.moves import Warp, Wind
+from babyrobot_levels.language.things import DRAWN_NAMES, Door, Item, LegendEntry, Mover, Switch
+from babyrobot_levels.language.walls import GLASS_PASS, Opening, Wall
+
+LOOKS = frozenset({"color", "fit", "label", "shape", "width"})
+"""The fields of entries that only pictures show."""
+
+
+class Where(StrEnum):
+    """What a kind stands on."""
+
+    CELL = "cell"
+    RECTANGLE = "rectangle"
+    SIDE = "side"
+    PATH = "path"
+    LINE = "line"
+    """A column or a row."""
+
+
+@dataclass(frozen=True, slots=True)
+class Need:
+    """The words for a kind that doors and exits can need.
+
+    Attributes:
+        get: what to do, as in "fetch the key".
+        getting: the same as a noun, as in "by taking it".
+        met: what it is when that is done: "held".
+        unmet: what it is before: "not held".
+    """
+
+    get: str
+    getting: str
+    met: str
+    unmet: str
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """A kind of what can stand in a level.
+
+    Attributes:
+        name: its name, by which code and the legend of drawings know it.
+        field: the field of a level that gives it.
+        where: what it stands on.
+        model: the model of an entry of its field; None for one that holds bare cells.
+        noun: what it is called; its name by default.
+        marks: the characters of drawings that show it, each with the fields of the entry.
+        by_lot: the field of a level that gives several, of which one is drawn at each reset.
+        state: what of it changes during an episode, in words; empty if nothing does.
+        need: its words, if doors and exits can need it.
+        label: what an entry is called; by its name, or as the kind, by default.
+    """
+
+    name: str
+    field: str
+    where: Where
+    model: type[Model] | None = None
+    noun: str = ""
+    marks: Mapping[str, Mapping[str, Any]] = dataclass_field(default_factory=dict)
+    by_lot: str = ""
+    state: str = ""
+    need: Need | None = None
+    label: Callable[[Any], str] | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "noun", self.noun or self.name)
+
+    @property
+    def plural(self) -> str:
+        """What several of it are called."""
+        return f"{self.noun}{'es' if self.noun.endswith('ch') else 's'}"
+
+    @property
+    def one(self) -> str:
+        """Its noun with the indefinite article."""
+        return f"{'an' if self.noun[0] in 'aeiou' else 'a'} {self.noun}"
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The fields of a level that give it."""
+        return (self.field, self.by_lot) if self.by_lot else (self.field,)
+
+    @property
+    def properties(self) -> tuple[str, ...]:
+        """The names of the fields of an entry, as files have them."""
+        fields = {} if self.model is None else self.model.model_fields
+        return tuple(info.alias or name for name, info in fields.items())
+
+    @property
+    def has_name(self) -> bool:
+        """Whether its entries have names, unique among all of the level."""
+        return "name" in self.properties
+
+    @property
+    def is_listed(self) -> bool:
+        """Whether its field is a list of entries."""
+        return self.model is not None and self.where is not Where.LINE
+
+    @property
+    def legend(self) -> tuple[str, ...]:
+        """The fields of an entry of the legend that stands for it; none if no such entry can."""
+        if self.name not in DRAWN_NAMES:
+            return (*Traits.model_fields,) if self.model is Area else ()
+        known = [name for name in self.properties if name in LegendEntry.model_fields]
+        return (self.name, *sorted(known, key=lambda name: name in Traits.model_fields))
+
+    def entry(self, data: Mapping[str, Any]) -> Model:
+        """Return an entry of its field."""
+        assert self.model is not None
+        return self.model.model_validate(data)
+
+    def called(self, entry: Any) -> str:
+        """Return what an entry is called."""
+        if self.label is not None:
+            return self.label(entry)
+        return str(entry.name) if self.has_name else self.name
+
+    def of(self, level: Any) -> tuple[Any, ...]:
+        """Return the entries of a level."""
+        entries: tuple[Any, ...] = getattr(level, self.field)
+        return entries
+
+
+def _mover_label(mover: Mover) -> str:
+    return mover.name or ("wanderer" if mover.within else "guard")
+
+
+def _door_label(door: Door) -> str:
+    needs = [f"needs {', '.join(door.keys)}"] if door.keys else []
+    unless = [f"unless {', '.join(door.locks)}"] if door.locks else []
+    return ", ".join(["door", *needs, *unless])
+
+
+KINDS = (
+    Kind(
+        "item",
+        "items",
+        Where.CELL,
+        Item,
+        state="the items that are held",
+        need=Need("fetch", "taking", "held", "not held"),
+    ),
+    Kind(
+        "door",
+        "doors",
+        Where.SIDE,
+        Door,
+        marks={d.DOOR: {}},
+        state="the doors that are open",
+        label=_door_label,
+    ),
+    Kind(
+        "switch",
+        "switches",
+        Where.CELL,
+        Switch,
+        state="the switches that are on",
+        need=Need("switch on", "flipping", "on", "off"),
+    ),
+    Kind(
+        "mover",
+        "movers",
+        Where.PATH,
+        Mover,
+        state="the places of movers",
+        label=_mover_label,
+    ),
+    Kind("start", "start", Where.CELL, marks={d.START: {}}),
+    Kind("exit", "exit", Where.CELL, marks={d.EXIT: {}}, by_lot="exit_one_of"),
+    Kind(
+        "warp",
+        "warps",
+        Where.CELL,
+        Warp,
+        label=lambda warp: f"warp to {warp.to if warp.to == 'start' else [*warp.to]}",
+    ),
+    Kind(
+        "puddle",
+        "puddles",
+        Where.CELL,
+        Puddle,
+        marks={d.SMALL: {"size": "small"}, d.LARGE: {"size": "large"}},
+        label=lambda puddle: f"{puddle.size} puddle",
+    ),
+    Kind(
+        "blocked", "blocked", Where.RECTANGLE, Rectangle, noun="blocked cell", marks={d.BLOCKED: {}}
+    ),
+    Kind("area", "areas", Where.RECTANGLE, Area, label=lambda area: area.label or "area"),
+    Kind(
+        "wall",
+        "walls",
+        Where.SIDE,
+        Wall,
+        marks={d.SOLID: {}, d.GLASS: {"pass": GLASS_PASS}},
+        label=lambda wall: f"glass {wall.pass_:g}" if wall.pass_ else "wall",
+    ),
+    Kind("opening", "openings", Where.SIDE, Opening),
+    Kind("wind", "wind", Where.LINE, Wind),
+)
+"""All kinds: of those in cells and of those at sides, what lies on top comes first."""
+
+KIND: Mapping[str, Kind] = {kind.name: kind for kind in KINDS}
+"""The kinds by their names."""
+
+LEGEND = tuple(kind for kind in KINDS if kind.legend)
+"""The kinds for which a character of the legend can stand."""
+
+LISTED = tuple(kind for kind in KINDS if kind.is_listed)
+"""The kinds whose fields are lists of entries."""
+
+THINGS = tuple(kind for kind in KINDS if kind.state)
+"""The kinds whose state changes during an episode."""
+
+NAMED = tuple(kind for kind in KINDS if kind.has_name)
+"""The kinds whose entries have names."""
+
+NEEDED = tuple(kind for kind in KINDS if kind.need is not None)
+"""The kinds that doors and exits can need, by the names of their entries."""
