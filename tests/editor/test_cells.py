@@ -101,6 +101,12 @@ def test_erased_cell_leaves_the_rest_of_a_rectangle() -> None:
     )
 
 
+def test_rectangles_beside_the_erased_cell_stay_as_they_are() -> None:
+    others = "blocked:\n  - {at: [0, 1]}  # rock\n  - {at: [2, 0], size: [1, 3]}\n"
+    text = paint(Session(EMPTY + others + "  - {at: [1, 0]}\n"), "erase", (1, 0))
+    assert added(text) == others
+
+
 def test_blocked_cell_is_empty() -> None:
     text = """\
 items:
@@ -324,6 +330,33 @@ def test_drawing_shows_what_is_painted() -> None:
     paint(session, "large", (0, 1))
     paint(session, "blocked", (2, 0))
     assert rows(paint(session, "small", (1, 1))) == ["| S   k  ###|", "| O   o   E |"]
+
+
+def test_only_doors_of_a_drawing_go_beside_blocked_cells() -> None:
+    rows = [
+        "+---+---+---+",
+        "|       |   |",
+        "+-/-+   +---+",
+        "| S   k   E |",
+        "+   +   +   +",
+        "|   |       |",
+        "+---+---+---+",
+    ]
+    drawn = "".join(f"  {row}\n" for row in rows)
+    door = "doors:\n  - {at: [0, 0], side: S, needs: key}\n"
+    session = Session(f"version: 1\nmap: |\n{drawn}legend:\n  k: {{item: key}}\n{door}")
+    text = paint(session, "blocked", (0, 0), (2, 0), (0, 2), (2, 2))
+    assert "doors" not in text
+    assert session.level is not None
+    assert str(session.level.map).splitlines() == [
+        "+---+---+---+",
+        "|###    |###|",
+        "+   +   +---+",
+        "| S   k   E |",
+        "+   +   +   +",
+        "|###|    ###|",
+        "+---+---+---+",
+    ]
 
 
 def test_character_that_is_no_longer_drawn_leaves_the_legend() -> None:

@@ -347,6 +347,12 @@ def test_drawn_wall_is_moved_and_stays_within_the_outer_wall() -> None:
     assert drawing(session)[2] == "+   +- -+-/-+"
 
 
+def test_wall_of_a_drawing_of_one_row_is_moved() -> None:
+    session = Session("version: 1\nmap: |\n  +---+---+---+\n  | S |     E |\n  +---+---+---+\n")
+    done(session, "move", route=["map", 0, 0, "E"], from_=[0, 0], to=[1, 0])
+    assert drawing(session)[1] == "| S     | E |"
+
+
 def test_door_is_moved_in_the_drawing_too() -> None:
     session = Session(DRAWN)
     text = done(session, "move", route=["doors", 0], from_=[2, 0], to=[1, 0])

@@ -178,6 +178,14 @@ def test_door_in_a_maze_stands_in_an_opening() -> None:
     assert build(session, x, y, "E", "wall") == MAZE + KEY
 
 
+def test_run_that_is_open_already_keeps_its_opening_whole() -> None:
+    session = Session(MAZE)
+    x, y = wall_of(session)
+    opening = f"openings:\n  - {{at: [{x}, {y}], side: E, length: 2}}\n"
+    session = Session(MAZE + opening)
+    assert build(session, x, y, "E", "none") == MAZE + opening
+
+
 def test_run_in_a_maze_opens_only_its_walls() -> None:
     session = Session(MAZE)
     build(session, 0, 0, "S", "none", length=5)

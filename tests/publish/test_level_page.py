@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 from support.markup import Reader
+from support.packs import babyrobot, pack_text, packed
+from support.packs import level as pack_level
 
 import babyrobot_levels as brl
 from babyrobot_levels.analysis.pictures import guide_of
@@ -287,6 +289,15 @@ def test_a_citation_names_the_level_and_its_digest() -> None:
     assert citation(world).endswith(world.digest)
     texts = page_of(world).texts["pre"]
     assert {citation(world), bibtex(world), world.digest, world.share_code()} <= set(texts)
+
+
+@pytest.mark.usefixtures("here")
+def test_a_citation_of_a_level_of_a_pack_names_that_pack_and_its_version() -> None:
+    farm = {"pack.yaml": pack_text("farm", "3.0.0"), "levels/lion.yaml": pack_level()}
+    for archive in (packed("1.0.0"), packed("3.0.0", farm)):
+        assert babyrobot("install", archive).status == 0
+    for name, version in (("farm/lion", "farm 3.0.0"), ("zoo/lion", "zoo 1.0.0")):
+        assert citation(load(name), name).startswith(f"{name} (pack {version}, babyrobot-levels ")
 
 
 def test_bibtex_escapes_what_latex_would_read() -> None:

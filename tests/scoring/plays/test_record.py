@@ -82,6 +82,21 @@ def test_the_time_limit_is_that_of_the_environment(path: Path) -> None:
     assert brl.verify_play(play).is_valid
 
 
+@pytest.mark.parametrize("limits", [(2, 5), (5, 2)])
+def test_of_several_time_limits_the_first_to_end_counts(
+    path: Path, limits: tuple[int, int]
+) -> None:
+    inner = brl.load("final-maze").make(max_episode_steps=limits[0])
+    env = brl.RecordPlay(gymnasium.wrappers.TimeLimit(inner, limits[1]), path)
+    env.reset()
+    env.step(0)
+    env.step(0)
+    env.close()
+    (play,) = brl.read_plays(path)
+    assert (play.steps, play.max_steps, play.end) == (2, 2, "truncated")
+    assert brl.verify_play(play).is_valid
+
+
 def test_a_chosen_start(path: Path) -> None:
     env = brl.RecordPlay(brl.load("final-maze").make(), path)
     env.reset(options={"start": [3, 3]})
