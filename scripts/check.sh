@@ -15,8 +15,8 @@ source scripts/venv.sh
 options=(--quiet --disable-pip-version-check --no-compile)
 # Each process has tests that stand together, and takes others' once it has none left.
 workers=(-n 2 --dist worksteal)
-# What depends on clusters, browsers and terminals is tried once more if it fails, and the report says so.
-again=(--reruns 1 -rR)
+# What waits for clusters, browsers and terminals is tried once more if it fails, and this says so; see tests/conftest.py.
+again=(-rR)
 # The tests start hundreds of processes: each would compile the package anew.
 unset PYTHONDONTWRITEBYTECODE
 # Does what the pages say that need some extras, in an environment that has them and hatchling, for pip.

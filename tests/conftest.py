@@ -1,9 +1,10 @@
-"""What all tests share: which of them are slow, how much hypothesis tries, folders, a browser."""
+"""What all tests share: which are slow or flaky, how much hypothesis tries, folders, a browser."""
 
 from __future__ import annotations
 
 import os
 import shutil
+import signal
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -40,6 +41,15 @@ SLOW = {
 LIBRARIES = {"jax_levels", "on_ray", "site"}
 """Likewise, those in which every test needs libraries that few environments have."""
 
+FLAKY = {
+    "cli/test_edit.py",
+    "cli/test_terminals.py",
+    "envs/test_rllib.py",
+    "envs/test_terminal.py",
+    "on_ray",
+}
+"""Those that wait for a terminal, a server or a cluster; with them, every test in a browser."""
+
 NO_NETWORK = "--host-resolver-rules=MAP rebound.test 127.0.0.1, MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"
 """Whatever a page asks for, nothing but this machine answers; it has a second name."""
 
@@ -52,6 +62,12 @@ settings.register_profile("exploring", max_examples=200, deadline=None)
 settings.load_profile("fast")
 
 
+def pytest_configure() -> None:
+    """Let Ctrl-C interrupt what tests start, also where it is ignored, as under nohup."""
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
     """Leave out folders whose libraries may be missing, as these are imported with the tests."""
     left_out = "not libraries" in config.getoption("markexpr")
@@ -60,7 +76,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what is slow, and what needs libraries, by its place."""
+    """Mark what is slow, what needs libraries, and what may fail once, by its place."""
     for item in items:
         place = item.path.relative_to(TESTS)
         places = {each.as_posix() for each in (place, *place.parents)}
@@ -68,6 +84,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.slow)
         if LIBRARIES & places:
             item.add_marker(pytest.mark.libraries)
+        if FLAKY & places or "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker(pytest.mark.flaky(reruns=1))
 
 
 @pytest.fixture
