@@ -25,12 +25,7 @@ from babyrobot_levels.publish.level_page import with_neighbours
 from babyrobot_levels.publish.wall import wall_html
 from babyrobot_levels.scoring.sent import Item, received, sent
 from babyrobot_levels.suites.batch import FolderError
-from babyrobot_levels.suites.named import (
-    LevelLike,
-    Levels,
-    folder_named,
-    named_levels,
-)
+from babyrobot_levels.suites.named import LevelLike, Levels, folder_named, named_levels
 from babyrobot_levels.suites.suite import Suite
 from babyrobot_levels.text.errors import BabyRobotError
 from babyrobot_levels.text.files import (

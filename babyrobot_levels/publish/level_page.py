@@ -20,12 +20,7 @@ from babyrobot_levels.publish.facts import Facts
 from babyrobot_levels.publish.highlight import python_html, yaml_html
 from babyrobot_levels.publish.level_values import shown_values, values_panel
 from babyrobot_levels.render.page import embedded_json, player_html
-from babyrobot_levels.render.page_data import (
-    Guide,
-    TooLargeError,
-    page_data,
-    rounded,
-)
+from babyrobot_levels.render.page_data import Guide, TooLargeError, page_data, rounded
 from babyrobot_levels.render.svg import escaped, number, quoted
 from babyrobot_levels.render.words.describe import describe
 from babyrobot_levels.text.errors import BabyRobotError, LevelError

@@ -8,12 +8,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.moves import shifts
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-Cell = tuple[int, int]
 
 STRENGTHS = 3
 """How many strengths a picture tells apart."""

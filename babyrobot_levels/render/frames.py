@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, STRIP, Layout, layout_of
@@ -18,7 +19,6 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, shifted, toned
 from babyrobot_levels.render.scene.situation import (
     STANDING,
-    Cell,
     Pose,
     Situation,
     place_of,

@@ -13,27 +13,26 @@ import numpy as np
 from PIL import Image
 from PIL.GifImagePlugin import getdata
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.frames import Grounds
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_base
 from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_width
-from babyrobot_levels.render.scene.movers import mover_shapes, mover_spots
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, scaled, toned
 from babyrobot_levels.render.scene.situation import (
     STANDING,
-    Cell,
     GoodEnds,
     Pose,
     place_of,
     pose_of,
     situation_of,
 )
-from babyrobot_levels.render.scene.things import held_pieces
+from babyrobot_levels.render.scene.things import held_pieces, mover_shapes, mover_spots
 from babyrobot_levels.render.svg import number
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.page_shapes import BAR, Group, Palette, length, pack
 from babyrobot_levels.render.scene.heat import Heat, legend_bar, legend_plate, legend_texts
 from babyrobot_levels.render.scene.layout import Layout
@@ -21,7 +22,7 @@ from babyrobot_levels.render.scene.overlay_shapes import (
 )
 from babyrobot_levels.render.scene.scale import ink_on, scale_of
 from babyrobot_levels.render.scene.shapes import Shape
-from babyrobot_levels.render.scene.slots import Cell, Slots
+from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import busy_cells, form_of, number_shapes
 
 if TYPE_CHECKING:

@@ -18,12 +18,12 @@ from babyrobot_levels.mdp.doors import door_name, door_sides
 from babyrobot_levels.render.page_shapes import Group, Palette, length, pack
 from babyrobot_levels.render.scene.icons import Spot
 from babyrobot_levels.render.scene.layout import Layout
-from babyrobot_levels.render.scene.movers import mover_shapes
 from babyrobot_levels.render.scene.situation import look_of, situation_of
-from babyrobot_levels.render.scene.things import Piece, pieces, thing_label
+from babyrobot_levels.render.scene.things import Piece, mover_shapes, pieces, thing_label
 
 if TYPE_CHECKING:
-    from babyrobot_levels.mdp.configurations import Cell, Configuration
+    from babyrobot_levels.language.geometry import Cell
+    from babyrobot_levels.mdp.configurations import Configuration
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 Thing = dict[str, Any]

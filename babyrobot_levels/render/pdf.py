@@ -15,7 +15,7 @@ from itertools import groupby
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.helvetica import CODES, EXTRA, composition, width_of
 from babyrobot_levels.render.scene.shapes import (
-    Command,
+    Commands,
     Ellipse,
     Path,
     Rect,
@@ -328,7 +328,7 @@ def _eastern(character: str, text: str) -> str:
     return "J" if _KANA.search(text) else "C"
 
 
-def _path(commands: tuple[Command, ...]) -> str:
+def _path(commands: Commands) -> str:
     return " ".join(
         "h" if letter == "Z" else f"{' '.join(map(number, numbers))} {letter.lower()}"
         for letter, numbers in commands

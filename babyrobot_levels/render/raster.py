@@ -16,7 +16,7 @@ from PIL import Image, ImageDraw, ImageFont
 
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.shapes import (
-    Command,
+    Commands,
     Ellipse,
     Path,
     Point,
@@ -423,7 +423,7 @@ def _font(size: float) -> ImageFont.FreeTypeFont:
 # -- paths as straight lines ------------------------------------------------------------------
 
 
-def polylines(commands: tuple[Command, ...], scale: float = 1.0) -> list[Polyline]:
+def polylines(commands: Commands, scale: float = 1.0) -> list[Polyline]:
     """Return the pieces of a path as polylines; curves look smooth at `scale`."""
     pieces: list[Polyline] = []
     for letter, numbers in commands:

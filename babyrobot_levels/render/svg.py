@@ -8,7 +8,7 @@ from xml.sax.saxutils import escape, quoteattr
 from zlib import crc32
 
 from babyrobot_levels.render.colors import rgba
-from babyrobot_levels.render.scene.shapes import Command, Ellipse, Path, Rect, Scene, Shape, Text
+from babyrobot_levels.render.scene.shapes import Commands, Ellipse, Path, Rect, Scene, Shape, Text
 
 FONT = "Helvetica, Arial, 'Liberation Sans', sans-serif"
 _NOT_XML = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -76,14 +76,14 @@ def number(value: float) -> str:
     return "0" if text == "-0" else text
 
 
-def path_data(commands: tuple[Command, ...]) -> str:
+def path_data(commands: Commands) -> str:
     """Return a path in SVG notation; one of many straight lines is written as steps."""
     if len(commands) > _LONG and not any(letter == "C" for letter, _ in commands):
         return "".join(_steps(commands))
     return "".join(letter + " ".join(map(number, numbers)) for letter, numbers in commands)
 
 
-def _steps(commands: tuple[Command, ...]) -> Iterator[str]:
+def _steps(commands: Commands) -> Iterator[str]:
     """Yield straight lines, each point from the one before, which takes fewer characters."""
     # Sums of what is written, so that nothing adds up.
     x = y = first_x = first_y = 0

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import Rgb, rgba
 from babyrobot_levels.render.scene.heat import Heat
 from babyrobot_levels.render.scene.layout import layout_of
@@ -52,7 +53,6 @@ _BLACK = (0, 0, 0)
 _BAR = 24
 """The columns of the bar in the legend of a scale."""
 
-Cell = tuple[int, int]
 
 _AtHand = tuple[int | None, int | None]
 """The configuration and heading of an overlay that depends on them."""

@@ -13,10 +13,15 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.mdp.states import configuration_with
 from babyrobot_levels.render.scene.build import build_scene
-from babyrobot_levels.render.scene.icons import Spot, default_color, item_shapes, padlock_shapes
+from babyrobot_levels.render.scene.icons import (
+    Spot,
+    default_color,
+    figure_shapes,
+    item_shapes,
+    padlock_shapes,
+)
 from babyrobot_levels.render.scene.info import overlay_from
 from babyrobot_levels.render.scene.layout import CELL
-from babyrobot_levels.render.scene.movers import figure_shapes
 from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Rect, Scene, Shape
 from babyrobot_levels.render.scene.situation import Mood, Pose

@@ -12,7 +12,7 @@ from ipycanvas import Canvas, MultiCanvas, hold_canvas  # type: ignore[import-un
 
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.scene.shapes import (
-    Command,
+    Commands,
     Ellipse,
     Path,
     Rect,
@@ -141,7 +141,7 @@ class _Brush:
             self._dash = dash
         self._canvas.stroke()
 
-    def _trace(self, commands: tuple[Command, ...]) -> None:
+    def _trace(self, commands: Commands) -> None:
         canvas = self._canvas
         canvas.begin_path()
         for letter, numbers in commands:

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import Action
 from babyrobot_levels.render.notebook.bundle import (
     MARKDOWN,
@@ -27,7 +28,6 @@ from babyrobot_levels.render.scene.robot import robot_shapes
 from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted, toned
 from babyrobot_levels.render.scene.situation import (
     STANDING,
-    Cell,
     Mood,
     Place,
     Pose,

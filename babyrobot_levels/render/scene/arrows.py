@@ -6,12 +6,14 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.effects import Effects
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     QUARTER,
     Command,
+    Commands,
     Ellipse,
     Path,
     Point,
@@ -20,15 +22,7 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import (
-    ICON,
-    LABEL_MARGIN,
-    Arrow,
-    Box,
-    Cell,
-    Commands,
-    Slots,
-)
+from babyrobot_levels.render.scene.slots import ICON, LABEL_MARGIN, Arrow, Box, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

@@ -7,11 +7,13 @@ from collections.abc import Callable, Iterable, Iterator
 from operator import gt, or_
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.runs import rectangles, runs
 from babyrobot_levels.render.colors import GRAPHICS, contrast, ink_on, mixed, rim_on
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     Command,
+    Commands,
     Ellipse,
     Path,
     Point,
@@ -19,11 +21,11 @@ from babyrobot_levels.render.scene.shapes import (
     Shape,
     circle,
     curve,
-    polygon,
     polyline,
+    rectangle,
     smooth,
 )
-from babyrobot_levels.render.scene.slots import Cell, Slots
+from babyrobot_levels.render.scene.slots import Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.cells import Puddle
@@ -114,7 +116,7 @@ def flag_shapes(layout: Layout, cell: tuple[int, int], color: str) -> Iterator[S
     x, y = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
     yield Ellipse(x - 8, y + 13, 9, 2.4, "#000000", 0.25)
     yield Path(polyline([(x - 8, y - 22), (x - 8, y + 13)]), stroke=color, width=3, cap="round")
-    cloth: tuple[Command, ...] = (
+    cloth: Commands = (
         ("M", (x - 7, y - 21)),
         ("C", (x - 1, y - 25, x + 5, y - 16, x + 13, y - 19)),
         ("L", (x + 13, y - 4)),
@@ -133,7 +135,10 @@ def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
     ]
     if len(blocks) > 1:
         # As one shape: where two meet within a pixel, the ground would shine through.
-        yield Path(tuple(step for block in blocks for step in _outline(block)), fill=fill)
+        outlines = (
+            rectangle(each.x, each.y, each.x + each.width, each.y + each.height) for each in blocks
+        )
+        yield Path(tuple(step for outline in outlines for step in outline), fill=fill)
     else:
         yield from blocks
     for y in range(layout.rows):
@@ -146,11 +151,6 @@ def _blocked(layout: Layout, blocked: bytes, fill: str) -> Iterator[Shape]:
         for x, length in runs(map(gt, row, below), True):
             left, bottom = layout.corner(x, y + 1)
             yield Rect(left, bottom - _EDGE, length * CELL, _EDGE, "#000000", opacity=0.3)
-
-
-def _outline(rect: Rect) -> tuple[Command, ...]:
-    right, bottom = rect.x + rect.width, rect.y + rect.height
-    return polygon([(rect.x, rect.y), (right, rect.y), (right, bottom), (rect.x, bottom)])
 
 
 def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
@@ -168,9 +168,7 @@ def _line_commands(layout: Layout, blocked: bytes) -> Iterator[Command]:
             yield from _line(layout, (x, y + inset), (x, y + length - inset))
 
 
-def _line(
-    layout: Layout, start: tuple[float, float], end: tuple[float, float]
-) -> tuple[Command, ...]:
+def _line(layout: Layout, start: tuple[float, float], end: tuple[float, float]) -> Commands:
     return polyline([layout.corner(*start), layout.corner(*end)])
 
 

@@ -11,6 +11,7 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import plate_for
 from babyrobot_levels.render.scene.ground import CellGrounds, shore_shapes
@@ -20,14 +21,14 @@ from babyrobot_levels.render.scene.scale import Scale, count_scale, scale_of
 from babyrobot_levels.render.scene.shapes import (
     Command,
     Path,
-    Point,
     Rect,
     Shape,
     polygon,
     polyline,
+    rectangle,
     scaled,
 )
-from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+from babyrobot_levels.render.scene.slots import Box, Slots
 from babyrobot_levels.render.scene.texts import Form, form_of, number_shapes
 from babyrobot_levels.render.scene.walls import casing_shapes
 
@@ -245,8 +246,7 @@ def _tiles(tiles: Mapping[Cell, str], layout: Layout) -> Iterator[Shape]:
         (left, top), (right, foot) = layout.corner(x, first), layout.corner(x + length, last)
         right = right if x + length == layout.columns else right + _OVERLAP
         foot = foot if last == layout.rows else foot + _OVERLAP
-        corners = [(left, top), (right, top), (right, foot), (left, foot)]
-        parts[color] += polygon(corners)
+        parts[color] += rectangle(left, top, right, foot)
 
     for y in range(layout.rows + 1):
         row = [(tiles.get((x, y)), x) for x in range(layout.columns)]
@@ -277,12 +277,6 @@ def frame_shapes(level: GridWorld, cells: AbstractSet[Cell], layout: Layout) -> 
             (-1, 0, (left, top, left + _FRAME, foot)),
         ):
             if grounds.get((x + dx, y + dy)) != color:
-                parts[color] += _outline(corners)
+                parts[color] += rectangle(*corners)
     for color, commands in parts.items():
         yield Path(tuple(commands), fill=color)
-
-
-def _outline(corners: tuple[float, float, float, float]) -> tuple[Command, ...]:
-    left, top, right, foot = corners
-    points: list[Point] = [(left, top), (right, top), (right, foot), (left, foot)]
-    return polygon(points)

@@ -1,4 +1,4 @@
-"""The pictures of items, and the lock of an exit: flat shapes with an outline and a light rim.
+"""The pictures of items, locks and movers: flat shapes with an outline and a light rim.
 
 The dark outline holds on light grounds, the rim on dark ones, so that an icon stands out on any
 theme, and on areas of any colour.
@@ -10,10 +10,12 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.looks import Colors
 from babyrobot_levels.render.colors import gray, is_gray, mixed
 from babyrobot_levels.render.scene.shapes import (
     Command,
+    Commands,
     Path,
     Shape,
     circle,
@@ -32,8 +34,6 @@ RIM = "#ffffff"
 _LIGHT, _DARK = "#ffffff", "#000000"
 _OUTLINE, _RIM = 2.2, 1.6
 """The widths of outline and rim in pixels."""
-
-Commands = tuple[Command, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,3 +208,67 @@ def padlock_shapes(color: str, spot: Spot) -> Iterator[Shape]:
     yield from spot.body(rounded(-11.5, -2, 23, 16, 3.5), color)
     yield spot.fill(circle(0, 4.6, 2.7), INK)
     yield spot.line(polyline([(0, 5), (0, 9.4)]), INK, 2.4)
+
+
+# -- movers --------------------------------------------------------------------------------------
+
+
+def figure_shapes(kind: str, color: str, spot: Spot, look: Cell = (0, 0)) -> Iterator[Shape]:
+    """Yield the figure of a `guard`, or of a `wanderer`."""
+    yield from (_guard if kind == "guard" else _wanderer)(color, spot, look)
+
+
+def _guard(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
+    """Yield a ghost with two large eyes."""
+    body: Commands = (
+        ("M", (-15, 15.5)),
+        ("L", (-15, -2)),
+        ("C", (-15, -22.5, 15, -22.5, 15, -2)),
+        ("L", (15, 15.5)),
+        ("C", (12.5, 15.5, 12, 10.5, 10, 10.5)),
+        ("C", (8, 10.5, 7.5, 15.5, 5, 15.5)),
+        ("C", (2.5, 15.5, 2, 10.5, 0, 10.5)),
+        ("C", (-2, 10.5, -2.5, 15.5, -5, 15.5)),
+        ("C", (-7.5, 15.5, -8, 10.5, -10, 10.5)),
+        ("C", (-12, 10.5, -12.5, 15.5, -15, 15.5)),
+        ("Z", ()),
+    )
+    yield from spot.body(body, color)
+    shine = curve((-11.4, -4.0), (-10.6, -11.4), (-4.4, -13.6))
+    yield spot.line(shine, _LIGHT, 2.2, 0.6)
+    yield from _eyes(spot, -2.5, 5.6, 4.4, 5.2, look)
+
+
+def _wanderer(color: str, spot: Spot, look: Cell) -> Iterator[Shape]:
+    """Yield a bat with spread wings."""
+    wings: list[Command] = []
+    for side in (-1, 1):
+        wings += [
+            ("M", (7 * side, -3)),
+            ("C", (12 * side, -12, 18 * side, -14, 24.5 * side, -13)),
+            ("C", (22 * side, -7, 22.5 * side, -1, 24 * side, 7)),
+            ("C", (20 * side, 3.5, 18 * side, 4.5, 16 * side, 8)),
+            ("C", (13.5 * side, 5, 10.5 * side, 5.5, 7 * side, 8)),
+            ("Z", ()),
+        ]
+    head = circle(0, 1, 11.5, 11.5)
+    ears = [
+        command
+        for side in (-1, 1)
+        for command in polygon([(10 * side, -4), (8.5 * side, -16), (2.5 * side, -9)])
+    ]
+    figure = (*wings, *ears, *head)
+    yield from spot.body(figure, color)
+    yield spot.fill(wings, _DARK, 0.3)
+    yield spot.line(circle(0, 1, 11.5, 11.5), INK, 1.8)
+    yield spot.fill(head, color)
+    yield from _eyes(spot, -0.5, 4.6, 3.6, 4.2, look)
+    yield spot.line(curve((-3.2, 7.2), (0, 9.4), (3.2, 7.2)), INK, 1.8)
+
+
+def _eyes(spot: Spot, y: float, apart: float, rx: float, ry: float, look: Cell) -> Iterator[Shape]:
+    for side in (-1, 1):
+        yield spot.fill(circle(apart * side, y, rx, ry), _LIGHT)
+        yield spot.line(circle(apart * side, y, rx, ry), INK, 1.2)
+        x, down = apart * side + 0.42 * rx * look[0], 0.42 * ry * look[1]
+        yield spot.fill(circle(x, y + 0.6 + down, 0.54 * rx, 0.54 * ry), INK)

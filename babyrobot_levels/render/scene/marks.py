@@ -6,12 +6,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.effects import STRENGTHS, Effects
 from babyrobot_levels.render.scene.arrows import warp_shapes, wind_shapes
-from babyrobot_levels.render.scene.icons import INK, RIM, Commands, Spot
+from babyrobot_levels.render.scene.icons import INK, RIM, Spot
 from babyrobot_levels.render.scene.layout import CELL, Layout
 from babyrobot_levels.render.scene.shapes import (
     Command,
+    Commands,
     Path,
     Scene,
     Shape,
@@ -20,7 +22,7 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     rounded,
 )
-from babyrobot_levels.render.scene.slots import Cell, Slots
+from babyrobot_levels.render.scene.slots import Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld

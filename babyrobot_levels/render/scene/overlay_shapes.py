@@ -6,6 +6,7 @@ import math
 from collections.abc import Container, Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.colors import rim_on
 from babyrobot_levels.render.scene.heat import Heat
@@ -22,7 +23,7 @@ from babyrobot_levels.render.scene.shapes import (
     polygon,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+from babyrobot_levels.render.scene.slots import Arrow, Box, Slots
 from babyrobot_levels.render.scene.texts import (
     Anchor,
     Form,
@@ -227,9 +228,7 @@ def arrow_shapes(
         yield Path(tips, fill=color)
 
 
-def _arrow(
-    start: Point, towards: tuple[int, int], gap: float, reach: float
-) -> tuple[tuple[Command, ...], tuple[Command, ...]]:
+def _arrow(start: Point, towards: tuple[int, int], gap: float, reach: float) -> Arrow:
     """Return shaft and head of an arrow that begins and ends `gap` and `reach` from `start`."""
     length = 0.5 * reach
 

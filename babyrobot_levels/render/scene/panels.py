@@ -36,7 +36,6 @@ from babyrobot_levels.render.scene.layout import (
     wrapped,
 )
 from babyrobot_levels.render.scene.marks import effect_shapes
-from babyrobot_levels.render.scene.movers import mover_shapes
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.shapes import (
     Ellipse,
@@ -52,7 +51,7 @@ from babyrobot_levels.render.scene.shapes import (
 )
 from babyrobot_levels.render.scene.situation import situation_of
 from babyrobot_levels.render.scene.slots import Slots
-from babyrobot_levels.render.scene.things import pieces
+from babyrobot_levels.render.scene.things import mover_shapes, pieces
 from babyrobot_levels.render.scene.walls import casing_shapes, wall_shapes
 
 if TYPE_CHECKING:

@@ -10,6 +10,7 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.scene.shapes import (
     Command,
+    Commands,
     Ellipse,
     Path,
     Point,
@@ -271,7 +272,7 @@ class Figure:
         """Return a filled outline."""
         return Path(self._bent(commands), fill=fill)
 
-    def _bent(self, commands: Iterable[Command]) -> tuple[Command, ...]:
+    def _bent(self, commands: Iterable[Command]) -> Commands:
         return tuple(
             (
                 letter,

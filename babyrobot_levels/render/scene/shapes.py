@@ -17,6 +17,9 @@ from babyrobot_levels.render.colors import gray, is_gray
 Command = tuple[str, tuple[float, ...]]
 """A step of a path, in SVG's letters: `M` x y, `L` x y, `C` x1 y1 x2 y2 x y, or `Z`."""
 
+Commands = tuple[Command, ...]
+"""A path."""
+
 
 @dataclass(frozen=True, slots=True)
 class Rect:
@@ -51,7 +54,7 @@ class Path:
     piece begins with a dash.
     """
 
-    commands: tuple[Command, ...]
+    commands: Commands
     fill: str | None = None
     stroke: str | None = None
     width: float = 1.0
@@ -158,24 +161,29 @@ QUARTER = 0.5523
 thousandth of the radius."""
 
 
-def polyline(points: Iterable[Point]) -> tuple[Command, ...]:
+def polyline(points: Iterable[Point]) -> Commands:
     """Return straight lines from point to point."""
     return tuple(("L" if index else "M", point) for index, point in enumerate(points))
 
 
-def polygon(points: Iterable[Point]) -> tuple[Command, ...]:
+def polygon(points: Iterable[Point]) -> Commands:
     """Return straight lines from point to point and back to the first."""
     return (*polyline(points), ("Z", ()))
 
 
-def curve(start: Point, control: Point, end: Point) -> tuple[Command, ...]:
+def rectangle(left: float, top: float, right: float, bottom: float) -> Commands:
+    """Return the outline of a rectangle, from its upper left corner clockwise."""
+    return polygon([(left, top), (right, top), (right, bottom), (left, bottom)])
+
+
+def curve(start: Point, control: Point, end: Point) -> Commands:
     """Return a quadratic Bézier curve, as the cubic one that it is."""
     first = tuple(a + 2 / 3 * (b - a) for a, b in zip(start, control, strict=True))
     second = tuple(a + 2 / 3 * (b - a) for a, b in zip(end, control, strict=True))
     return ("M", start), ("C", (*first, *second, *end))
 
 
-def smooth(points: Sequence[Point]) -> tuple[Command, ...]:
+def smooth(points: Sequence[Point]) -> Commands:
     """Return the closed smooth curve through the points (a Catmull-Rom spline)."""
     commands: list[Command] = [("M", points[0])]
     count = len(points)
@@ -199,7 +207,7 @@ def smooth(points: Sequence[Point]) -> tuple[Command, ...]:
     return (*commands, ("Z", ()))
 
 
-def circle(x: float, y: float, rx: float, ry: float | None = None) -> tuple[Command, ...]:
+def circle(x: float, y: float, rx: float, ry: float | None = None) -> Commands:
     """Return a circle around (`x`, `y`), or an ellipse, from its rightmost point on."""
     ry = rx if ry is None else ry
     a, b = QUARTER * rx, QUARTER * ry
@@ -213,7 +221,7 @@ def circle(x: float, y: float, rx: float, ry: float | None = None) -> tuple[Comm
     )
 
 
-def rounded(x: float, y: float, width: float, height: float, radius: float) -> tuple[Command, ...]:
+def rounded(x: float, y: float, width: float, height: float, radius: float) -> Commands:
     """Return a rectangle with round corners; (`x`, `y`) is its top-left corner."""
     r = min(radius, width / 2, height / 2)
     k = r - QUARTER * r

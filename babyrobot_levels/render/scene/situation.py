@@ -7,14 +7,13 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
 from babyrobot_levels.render.effects import effects_of
 
 if TYPE_CHECKING:
     from babyrobot_levels.language.things import Mover
     from babyrobot_levels.mdp.gridworld import GridWorld
-
-Cell = tuple[int, int]
 
 
 class Place(NamedTuple):

@@ -13,9 +13,10 @@ from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, each_cell, fit
 from babyrobot_levels.render.scene.overlay import Overlay
-from babyrobot_levels.render.scene.shapes import Command
+from babyrobot_levels.render.scene.shapes import Commands
 
 if TYPE_CHECKING:
     import numpy as np
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
     from babyrobot_levels.mdp.gridworld import GridWorld
 
-Cell = tuple[int, int]
 
 NUMBER = 13.0
 """The height of the strip for a number."""
@@ -47,7 +47,6 @@ _LABEL_ROOM = 16.0
 LABEL_MARGIN = 4.0
 """How far arrows keep away from labels, if they can, in pixels."""
 
-Commands = tuple[Command, ...]
 Arrow = tuple[Commands, Commands]
 """Shaft and head."""
 

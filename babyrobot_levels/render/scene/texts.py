@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.mdp.actions import DELTAS
 from babyrobot_levels.render.colors import ink_on, plate_for
@@ -16,14 +17,14 @@ from babyrobot_levels.render.scene.layout import CHARACTER_WIDTH, Layout, fit
 from babyrobot_levels.render.scene.overlay import Note
 from babyrobot_levels.render.scene.shapes import (
     MAX_SIDE,
-    Command,
+    Commands,
     Path,
     Rect,
     Shape,
     Text,
     polyline,
 )
-from babyrobot_levels.render.scene.slots import Box, Cell, Slots
+from babyrobot_levels.render.scene.slots import Box, Slots
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -265,7 +266,7 @@ def number_shapes(
         yield Path(polyline([(x - 11, y), (x - 8, y)]), stroke=ink, width=1.3)
 
 
-def _infinity(x: float, y: float) -> tuple[Command, ...]:
+def _infinity(x: float, y: float) -> Commands:
     return (
         ("M", (x, y)),
         ("C", (x + 2.5, y - 4, x + 6, y - 3.5, x + 6, y)),

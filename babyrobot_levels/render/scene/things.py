@@ -2,26 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.language.things import Door
 from babyrobot_levels.language.walls import sides_of
-from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed, plate_for
+from babyrobot_levels.render.colors import GRAPHICS, ink_on, mixed, plate_for, rim_on
 from babyrobot_levels.render.scene.ground import CellGrounds, flag_shapes
 from babyrobot_levels.render.scene.icons import (
     INK,
-    Commands,
     Spot,
     default_color,
+    figure_shapes,
     item_shapes,
     padlock_shapes,
 )
 from babyrobot_levels.render.scene.layout import CELL, CHARACTER_WIDTH, Layout, fit
-from babyrobot_levels.render.scene.movers import mover_shapes, mover_spots, track_shapes
 from babyrobot_levels.render.scene.shapes import (
+    Commands,
     Ellipse,
     Path,
     Point,
@@ -32,7 +33,7 @@ from babyrobot_levels.render.scene.shapes import (
     polyline,
     rounded,
 )
-from babyrobot_levels.render.scene.situation import Cell, Situation
+from babyrobot_levels.render.scene.situation import Situation
 from babyrobot_levels.render.scene.slots import ICON, Slots
 from babyrobot_levels.render.scene.texts import end_text, label_shapes
 
@@ -323,6 +324,56 @@ def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Itera
 
 # -- movers --------------------------------------------------------------------------------------
 
+CORNERS = ((0.2, -0.2), (0.2, 0.2), (-0.2, -0.2), (-0.2, 0.2))
+"""Where movers are that share their cell, as shares of a cell from its centre."""
+SMALL = 0.62
+"""The scale of a mover that shares its cell."""
+
+
+def mover_spots(
+    level: GridWorld,
+    layout: Layout,
+    situation: Situation,
+    robot: Cell | None,
+    *,
+    crowded: bool = False,
+) -> tuple[Spot, ...]:
+    """Return where each mover is drawn: smaller, in a corner, where it shares its cell.
+
+    Args:
+        level: the level.
+        layout: where its cells are.
+        situation: what is where.
+        robot: the robot's cell, None without it.
+        crowded: whether cells show something else, beside which all movers are.
+    """
+    places = situation.movers
+    lying = situation.lying | {switch.at for switch in level.switches}
+    spots = []
+    for number, cell in enumerate(places):
+        centre = layout.corner(cell[0] + 0.5, cell[1] + 0.5)
+        if not crowded and cell != robot and cell not in lying and places.count(cell) == 1:
+            spots.append(Spot(*centre))
+            continue
+        dx, dy = CORNERS[places[:number].count(cell) % len(CORNERS)]
+        spots.append(Spot(centre[0] + dx * CELL, centre[1] + dy * CELL, SMALL))
+    return tuple(spots)
+
+
+def mover_shapes(level: GridWorld, number: int, spot: Spot, look: Cell = (0, 0)) -> Iterator[Shape]:
+    """Yield the figure of a mover, by its number among the level's.
+
+    Args:
+        level: the level.
+        number: the number of the mover.
+        spot: where it is drawn.
+        look: where it looks, `(dx, dy)`.
+    """
+    mover = level.movers[number]
+    kind = "guard" if mover.within is None else "wanderer"
+    color = mover.color or default_color(kind, level.resolved_theme.colors)
+    yield from figure_shapes(kind, color, spot, look)
+
 
 def moving_pieces(
     level: GridWorld,
@@ -366,3 +417,36 @@ def _mover(
     else:
         yield from mover_shapes(level, number, spot, look)
     yield from thing_label(level, layout, cell, level.movers[number].label)
+
+
+_REGION = 0.15
+"""The opacity of rectangles."""
+
+
+def track_shapes(level: GridWorld, layout: Layout) -> Iterator[Shape]:
+    """Yield the paths and the rectangles of movers, faintly."""
+    colors = level.resolved_theme.colors
+    for mover in level.movers:
+        if mover.within is not None:
+            color = mover.color or default_color("wanderer", colors)
+            (left, top), (width, height) = mover.within.at, mover.within.size
+            x, y = layout.corner(left, top)
+            box = x + 7, y + 7, width * CELL - 14, height * CELL - 14
+            yield Rect(*box, color, radius=12, opacity=_REGION)
+            yield from _dotted(rounded(*box, 12), colors.arrows, 2.0)
+        elif track := _track(mover.path or (), is_loop=not mover.back):
+            points = [layout.corner(x + 0.5, y + 0.5) for x, y in track]
+            yield from _dotted(polyline(points), colors.arrows, 3.0)
+
+
+def _dotted(commands: Commands, color: str, width: float) -> Iterator[Path]:
+    """Yield a dotted line whose dots have a rim."""
+    for ink, more in ((rim_on([color]), 2.4), (color, 0.0)):
+        yield Path(commands, stroke=ink, width=width + more, dash=(2.0, 7.0), cap="round")
+
+
+def _track(path: Sequence[Cell], *, is_loop: bool) -> Sequence[Cell]:
+    """Return the line of a path; nothing for one that stays where it is."""
+    if len({*path}) < 2:
+        return ()
+    return (*path, path[0]) if is_loop and path[0] != path[-1] else path
