@@ -38,7 +38,7 @@ def writing(jobs: int) -> float:
     """Return how many levels become a gallery in a second."""
     with tempfile.TemporaryDirectory() as folder:
         begin = time.perf_counter()
-        brl.write_gallery(brl.load_suite(SUITE), Path(folder, "gallery"), jobs=jobs)
+        brl.gallery(brl.load_suite(SUITE), Path(folder, "gallery"), jobs=jobs)
         return COUNT / (time.perf_counter() - begin)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import report
@@ -25,13 +26,11 @@ from commands import (
 )
 from timing import Aims, Comparison, compare_in_turns, installed
 
-from babyrobot_levels.linter.registry import select
-from babyrobot_levels.linter.runner import lint_file
+from babyrobot_levels.linter.linting import Options, lint_path
 
 
 def compare(count: int) -> Iterator[Comparison]:
     """Measure linting a folder as whole processes, and then inside of this one."""
-    rules = select(None)
     versions = installed("babyrobot-levels", "yamllint")
     aims: Aims = {("babyrobot lint", "yamllint"): 3}
     with tempfile.TemporaryDirectory() as name:
@@ -52,7 +51,7 @@ def compare(count: int) -> Iterator[Comparison]:
         )
         yield compare_in_turns(
             f"{FILES}, no start",
-            {"babyrobot lint": reading_each(folder, lambda path: lint_file(path, rules))},
+            {"babyrobot lint": reading_each(folder, partial(lint_path, Options()))},
             {"yamllint": yamllint_each(folder)},
             count,
             aims=aims,

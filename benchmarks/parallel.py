@@ -45,7 +45,7 @@ def run(name, count):
     suite = {"version": 1, "kind": "suite", "count": count, **sized[work]}
     options = {"executor": executor, "jobs": jobs}
     if work == "generated":
-        rows = brl.generate_levels(suite, f"{folder}/{name}", **options)
+        rows = brl.generate(suite, f"{folder}/{name}", **options)
     else:
         rows = brl.solve_many(suite, **options)
     assert sum(1 for row in rows) == count

@@ -89,7 +89,8 @@ def gallery(
 
       babyrobot gallery levels --key -o teacher
     """
-    from babyrobot_levels.publish.gallery import check_place, write_gallery
+    from babyrobot_levels.publish.gallery import check_place
+    from babyrobot_levels.publish.gallery import gallery as written
     from babyrobot_levels.scoring.many import reason
     from babyrobot_levels.suites.batch import FolderError
 
@@ -104,7 +105,7 @@ def gallery(
         if isinstance(found, list):
             found, broken = valid_levels(found, "gallery was", jobs=jobs, keep_going=keep_going)
         with working("writing") as report:
-            made = write_gallery(
+            made = written(
                 found,
                 output,
                 title=title if title is not None else _title(levels),

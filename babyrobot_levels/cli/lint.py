@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -23,55 +22,10 @@ from babyrobot_levels.cli.reporting import (
     shown_name,
     write_report,
 )
-from babyrobot_levels.text.errors import LevelError
 
 if TYPE_CHECKING:
-    from babyrobot_levels.linter.rule import Rule
-    from babyrobot_levels.linter.settings import Settings
-    from babyrobot_levels.text.diagnostics import Diagnostic, Fix
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """The options that apply to each file."""
-
-    select: tuple[str, ...] | None
-    ignore: tuple[str, ...]
-    fix: bool
-    unsafe: bool
-
-    def rules_for(self, path: Path) -> tuple[Rule, ...]:
-        """Return the rules for a file."""
-        return self.settings_for(path).rules_for(path)
-
-    def settings_for(self, path: Path) -> Settings:
-        """Return the settings for a file: those of the command line, else those of the project."""
-        from babyrobot_levels.linter.settings import Settings, settings_for
-
-        if self.select is not None:
-            return Settings(self.select, self.ignore)
-        return settings_for(path).ignoring(self.ignore)
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """The result of linting a file, without the level, so that processes can exchange it.
-
-    Attributes:
-        diagnostics: the findings that are left.
-        before: the original text, None if it could not be read.
-        text: the text after fixes, None if they changed nothing.
-        count: the number of fixes that were applied.
-        mark: the byte order mark of the file, empty if it has none.
-        fingerprint: a number that equivalent levels share, if equivalent levels are reported.
-    """
-
-    diagnostics: list[Diagnostic]
-    before: str | None = None
-    text: str | None = None
-    count: int = 0
-    mark: str = ""
-    fingerprint: int | None = None
+    from babyrobot_levels.linter.linting import Options, Outcome
+    from babyrobot_levels.text.diagnostics import Fix
 
 
 def lint(
@@ -123,6 +77,7 @@ def lint(
 
       babyrobot lint --select BR5 --format json levels/
     """
+    from babyrobot_levels.linter.linting import Options
     from babyrobot_levels.linter.registry import UnknownRuleError
 
     options = Options(
@@ -159,7 +114,8 @@ def _run(
     workers: Workers,
 ) -> bool:
     """Lint files once. Return whether there are findings, or with `diff` whether files change."""
-    from babyrobot_levels.linter.runner import equivalent_levels, is_note
+    from babyrobot_levels.linter.linting import equivalent_levels
+    from babyrobot_levels.linter.runner import is_note
     from babyrobot_levels.text.source import SourceFile
 
     outcomes = dict(
@@ -189,27 +145,12 @@ def _run(
 
 
 def lint_path(options: Options, path: Path) -> Outcome:
-    """Lint a file and fix its text if requested, without writing it."""
-    from babyrobot_levels.linter.fixer import fix
-    from babyrobot_levels.linter.rules.files import EQUIVALENT_MDP
-    from babyrobot_levels.linter.runner import lint_source
+    """Lint a file, or standard input for `-`, and fix its text if that is asked for."""
+    from babyrobot_levels.linter import linting
 
-    rules = options.rules_for(path)
-    try:
-        source = read_path(path)
-    except LevelError as error:
-        return Outcome([*error.diagnostics])
-    origin = None if path == STANDARD_INPUT else path
-    text, count = None, 0
-    if options.fix:
-        fixed = fix(source, rules, origin, unsafe=options.unsafe)
-        report, count = fixed.report, fixed.count
-        text = fixed.text if count else None
-    else:
-        report = lint_source(source, rules, origin)
-    compares = any(rule.code == EQUIVALENT_MDP for rule in rules)
-    fingerprint = report.fingerprint if compares else None
-    return Outcome(report.diagnostics, source.text, text, count, source.mark, fingerprint)
+    if path != STANDARD_INPUT:
+        return linting.lint_path(options, path)
+    return linting.outcome_of(options, read_path(path), options.rules_for(path))
 
 
 def _write_fixed(path: Path, outcome: Outcome) -> None:

@@ -71,7 +71,7 @@ def pack(
     from babyrobot_levels.library.packs import build as packing
     from babyrobot_levels.library.packs.archive import SUFFIX
     from babyrobot_levels.library.packs.format import PackError
-    from babyrobot_levels.linter.runner import lint_files
+    from babyrobot_levels.linter.linting import lint
     from babyrobot_levels.text.files import PACK_FILE
 
     if not folder.is_dir():
@@ -87,7 +87,7 @@ def pack(
             else "it describes the pack; see `babyrobot pack --help` for an example",
         )
     try:
-        packed = packing.pack(folder, lint_files)
+        packed = packing.pack(folder, lint)
     except PackError as error:
         note(f"error: {one_line(f'{folder} cannot be packed: {error}')}")
         raise typer.Exit(FINDINGS) from None

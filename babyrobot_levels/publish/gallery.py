@@ -72,7 +72,7 @@ class Gallery:
     left_out: Mapping[int, Exception]
 
 
-def write_gallery(
+def gallery(
     levels: Levels,
     folder: str | os.PathLike[str],
     *,

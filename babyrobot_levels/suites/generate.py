@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Generator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,33 +14,65 @@ from babyrobot_levels.language.looks import BUILTIN_THEMES, Theme
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.language.suite import SuiteFields
 from babyrobot_levels.language.validation import validate
+from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.parallel.choice import ExecutorName, executor_for
 from babyrobot_levels.parallel.executor import Executor
-from babyrobot_levels.suites.batch import Batch, Generated, Target
+from babyrobot_levels.suites.batch import Batch, Generated, Target, is_pattern, is_title
+from babyrobot_levels.suites.named import LevelLike, Levels, named_levels
 from babyrobot_levels.suites.sources import name_pattern
 from babyrobot_levels.suites.suite import Suite, load_suite
 
+Progress = Callable[[int, int], None]
+"""Is told how many of how many levels are done."""
 
-def generate_levels(
-    suite: str | os.PathLike[str] | Mapping[str, Any] | Suite,
-    folder: str | os.PathLike[str],
+MAX_LISTED = 20
+"""How many files the text of a result names."""
+
+
+class GeneratedLevels(list[Generated]):
+    """What became of the levels of a call of `generate`, in the order of their numbers."""
+
+    __module__ = "babyrobot_levels"
+
+    def __repr__(self) -> str:
+        lines = [f"  {each.path}" for each in self[:MAX_LISTED]]
+        more = [f"  … and {len(self) - MAX_LISTED:,} more"] if len(self) > MAX_LISTED else []
+        return "\n".join([f"{len(self):,} level{'s' * (len(self) != 1)}", *lines, *more])
+
+
+def generate(
+    suite: str | os.PathLike[str] | Mapping[str, Any] | Suite | None = None,
+    folder: str | os.PathLike[str] = "levels",
     *,
     count: int | None = None,
+    names: str | None = None,
+    title: str | None = None,
+    first: int = 0,
+    exclude: Levels = (),
     executor: Executor | ExecutorName | None = None,
     jobs: int | None = None,
     resume: bool = False,
     force: bool = False,
     keep_going: bool = False,
-) -> Generator[Generated]:
-    """Generate the levels of a suite as files, as `babyrobot generate SUITE` does.
+    progress: Progress | None = None,
+    **conditions: Any,
+) -> GeneratedLevels:
+    """Generate levels that meet conditions, as files: `babyrobot generate` in Python.
 
-    A level is generated when it is asked for, or a bounded number ahead: iterate over the result.
-    Closing it leaves whole files, and `resume` goes on. The files do not depend on the executor.
+    Conditions are the fields of a suite, given by their names (`size=(9, 9)`, `keys=2`,
+    `path_length={"min": 20}`), or those of a suite. After an interruption, whole files are there,
+    and `resume` goes on. The files do not depend on the executor.
 
     Args:
-        suite: what `load_suite` takes, with all its levels: a suite that grows mazes.
+        suite: what `load_suite` takes, with all its levels: a suite that grows mazes; None for
+            one of the conditions.
         folder: the folder to write to, with a folder inside for each split.
         count: the number of levels, instead of that of the suite.
+        names: the names of the levels, a text with `{index}` or `{index:02}` in it; by default
+            the suite's name, or `level`, and a number of five digits.
+        title: their titles, a text that may have `{index}` in it; by default they have none.
+        first: the index of the first level in its name and title.
+        exclude: levels; what is the same MDP as one of them is not generated.
         executor: None for this process, or for several if `jobs` is more than 1; `"processes"` of
             this machine; `"ray"`, the cluster that Ray is connected to, or else finds by
             `RAY_ADDRESS` or on this machine, or else a new local instance.
@@ -48,6 +81,8 @@ def generate_levels(
         resume: whether to keep levels of the same suite that exist.
         force: whether to overwrite files.
         keep_going: whether to go on after a level that cannot be made.
+        progress: told how many of how many levels are done.
+        conditions: fields of a suite, where none is given.
 
     Returns:
         For each level, in the order of their numbers, what became of it: its `index`, its `path`,
@@ -55,23 +90,57 @@ def generate_levels(
 
     Raises:
         SuiteNotFoundError: nothing has that name.
-        LevelError: the suite is not valid.
+        LevelError: the suite, or a condition, is not valid.
         FolderError: there are files that must not be overwritten.
         UnsatisfiableError: no level meets the conditions. The ones before it are written.
         ExecutorError: Ray is not installed, or cannot be reached.
         ValueError: the suite lists its levels, or is a part of one; `count` is out of range, or
-            leaves a split without levels; or `jobs` is less than 1.
+            leaves a split without levels; or another argument has an invalid value.
         OSError: a file cannot be written.
     """
-    loaded = load_suite(suite)
-    if not isinstance(loaded.fields, SuiteFields):
-        raise ValueError("the suite lists its levels, so there is nothing to generate")
-    if loaded.numbers != range(loaded.fields.count):
-        raise ValueError("the suite is a part of one; give all of it, and `count` for fewer levels")
-    fields = fields_to_generate(loaded.fields, loaded.folder, count)
-    batch = Batch(fields, name_pattern(fields), described(fields))
+    if suite is None:
+        given = {"version": 1, "kind": "suite", **conditions}
+        suite = given if count is None else {**given, "count": count}
+    elif conditions:
+        raise ValueError(f"{next(iter(conditions))} cannot be combined with a suite")
+    fields = _fields_of(load_suite(suite), count)
+    excluded = frozenset(_digests(named_levels(exclude)))
+    batch = Batch(
+        fields,
+        names or name_pattern(fields),
+        described(fields) + (f", without {len(excluded):,} games" if excluded else ""),
+        excluded,
+        first,
+        title,
+    )
+    if not is_pattern(batch.names):
+        raise ValueError(f"names: expected a text such as 'maze-{{index:02}}', not {names!r}")
+    if title is not None and not is_title(title):
+        raise ValueError(f"title: expected a text such as 'Maze {{index}}', not {title!r}")
     target = Target(batch, Path(folder), resume, force)
-    return target.write(executor_for(executor, jobs), keep_going=keep_going)
+    made = GeneratedLevels()
+    with closing(target.write(executor_for(executor, jobs), keep_going=keep_going)) as levels:
+        for each in levels:
+            made.append(each)
+            if progress is not None:
+                progress(len(made), fields.count)
+    return made
+
+
+def _fields_of(suite: Suite, count: int | None) -> SuiteFields:
+    """Return what a suite that grows mazes says, for files that stand alone."""
+    if not isinstance(suite.fields, SuiteFields):
+        raise ValueError("the suite lists its levels, so there is nothing to generate")
+    if suite.numbers != range(suite.fields.count):
+        raise ValueError("the suite is a part of one; give all of it, and `count` for fewer levels")
+    return fields_to_generate(suite.fields, suite.folder, count)
+
+
+def _digests(levels: Iterable[LevelLike]) -> Iterator[str]:
+    """Yield the digests of levels, those with a random maze left out."""
+    for level in map(load, levels):
+        if not level.has_random_maze:
+            yield level.digest
 
 
 def described(fields: SuiteFields) -> str:

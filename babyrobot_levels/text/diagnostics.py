@@ -181,6 +181,15 @@ class Diagnostic:
         return "\n".join(lines)
 
 
+class Findings(list[Diagnostic]):
+    """What was found in levels, in the order of the levels; empty if all is well."""
+
+    __module__ = "babyrobot_levels"
+
+    def __repr__(self) -> str:
+        return "\n\n".join(map(str, self)) or "no findings"
+
+
 def one_line(text: str) -> str:
     """Return a text that may hold anything as one printable line."""
     return printable(text).replace("\n", "\\n")

@@ -340,7 +340,7 @@ def test_a_count_that_the_suite_cannot_have_is_told_as_an_option(
     done = babyrobot("generate", "small-mazes", "--count", str(count), "-o", "out")
     assert (done.status, done.err) == (2, f"error: {message}\n")
     with pytest.raises(ValueError, match=message.removeprefix("--")):
-        brl.generate_levels("small-mazes", "out", count=count)
+        brl.generate("small-mazes", "out", count=count)
 
 
 def test_other_peoples_files_stay(babyrobot: Babyrobot) -> None:

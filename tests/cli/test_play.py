@@ -20,6 +20,7 @@ import pytest
 from support.sessions import environment
 
 import babyrobot_levels as brl
+from babyrobot_levels.scoring.plays.verify import verify_play
 
 pty = pytest.importorskip("pty", reason="this system has no pseudo-terminals")
 fcntl = pytest.importorskip("fcntl")
@@ -237,7 +238,7 @@ def test_each_episode_is_recorded(tmp_path: Path, leave: bytes, status: int) -> 
     first, last = brl.read_plays(tmp_path / "ada.brlplay")
     assert (first.end, first.steps, first.seed, first.return_) == ("terminated", 6, "1", -5)
     assert (last.end, last.steps, last.seed) == ("unfinished", 1, None)
-    assert all(brl.verify_play(play).is_valid for play in (first, last))
+    assert all(verify_play(play).is_valid for play in (first, last))
 
 
 def test_a_file_that_cannot_be_recorded_into_is_told_at_once(tmp_path: Path) -> None:

@@ -20,7 +20,6 @@ from babyrobot_levels.cli.convert import ExportFormat, WorldFormat
 from babyrobot_levels.convert.conversion import Conversion, ConversionError, Lost, fields_lost
 from babyrobot_levels.convert.formats import FORMATS, export, file_text, guess
 from babyrobot_levels.language.fields import Role, fields_with
-from babyrobot_levels.language.formatting.formatter import format_text
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 
@@ -154,10 +153,10 @@ def test_the_other_levels_of_the_gallery_come_back_as_files(level: str) -> None:
 def assert_comes_back_as_a_file(name: str, level: Level) -> None:
     world = world_of(export(level, name).text, name)
     written = file_text(world, schema="level.schema.json", name=None, title="Imported")
-    assert format_text(written) == written, name
+    assert brl.format(written) == written, name
     assert brl.loads(written).digest == level_of_world(world).digest, name
-    if not brl.check(level.to_yaml(), lint=True):
-        codes = {found.code for found in brl.check(written, lint=True)}
+    if not brl.lint(level.to_yaml()):
+        codes = {found.code for found in brl.lint(written)}
         # Whether the level itself is a good one is not for the conversion to say.
         assert not {code for code in codes if code.startswith("BR6")} - {"BR607"}, name
 

@@ -6,7 +6,7 @@ import re
 
 from support.places import DOCS
 
-from babyrobot_levels import format_text
+import babyrobot_levels as brl
 
 TEXT = (DOCS / "formatting.md").read_text(encoding="utf-8")
 
@@ -18,8 +18,8 @@ def block(name: str) -> str:
 
 
 def test_the_example() -> None:
-    assert format_text(block("before")) == block("after")
-    assert format_text(block("after")) == block("after")
+    assert brl.format(block("before")) == block("after")
+    assert brl.format(block("after")) == block("after")
 
 
 def test_numbers_and_words_are_written_as_told() -> None:
@@ -27,4 +27,4 @@ def test_numbers_and_words_are_written_as_told() -> None:
     assert pairs == [("+3", "3"), (".50", "0.5"), ("1E+3", "1e3"), ("True", "true")]
     for before, after in pairs:
         field = "display: {compass: %s}" if before == "True" else "rewards: {step: %s}"
-        assert format_text(f"version: 1\n{field % before}\n") == f"version: 1\n{field % after}\n"
+        assert brl.format(f"version: 1\n{field % before}\n") == f"version: 1\n{field % after}\n"

@@ -35,7 +35,7 @@ def test_a_file_begins_as_it_is_shown(tmp_path: Path, monkeypatch: pytest.Monkey
 
 
 def test_the_suite_is_valid() -> None:
-    assert brl.check(blocks("yaml")[1]) == []
+    assert brl.validate(blocks("yaml")[1]) == []
 
 
 def test_no_field_of_a_suite_is_missing() -> None:

@@ -23,7 +23,7 @@ def examples() -> list[tuple[str, list[str], str]]:
     for page in PAGES:
         text = page.read_text(encoding="utf-8")
         for block in BLOCK.finditer(text):
-            if not brl.check(block[2]):
+            if not brl.validate(block[2]):
                 line = text.count("\n", 0, block.start()) + 1
                 found.append((f"{page.name}:{line}", (block[1] or "").split(), block[2]))
     return found
@@ -40,6 +40,6 @@ def test_complete_levels_have_exactly_the_findings_that_are_named() -> None:
     found = examples()
     assert len(found) > 30
     for place, expected, text in found:
-        findings = brl.check(text, lint=True)
+        findings = brl.lint(text)
         codes = {finding.code for finding in findings if finding.severity != "info"}
         assert codes == set(expected), f"{place}: {findings}"

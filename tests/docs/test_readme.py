@@ -22,7 +22,7 @@ def blocks(text: str, language: str) -> list[str]:
 
 @pytest.mark.parametrize("text", blocks(README, "yaml"))
 def test_the_levels_of_the_readme_are_valid(text: str) -> None:
-    assert brl.check(text) == []
+    assert brl.validate(text) == []
 
 
 def test_the_error_of_the_readme_is_what_is_reported(
@@ -34,7 +34,7 @@ def test_the_error_of_the_readme_is_what_is_reported(
     path = Path("levels", "first.yaml")
     path.write_text("version: 1\nsize: [8, 5]\nmaze: {seed: 7}\nexit: [9, 4]\n", encoding="utf-8")
     (shown,) = blocks(README, "text")
-    assert "\n\n".join(map(str, brl.check(path))) == shown.strip()
+    assert "\n\n".join(map(str, brl.validate(path))) == shown.strip()
 
 
 def test_the_picture_of_the_readme_is_painted_by_this_version() -> None:

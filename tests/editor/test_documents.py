@@ -64,7 +64,7 @@ def test_a_file_need_not_be_valid_nor_exist(tmp_path: Path) -> None:
 def test_a_new_level_has_no_findings() -> None:
     session = session_of(None)
     assert [*session.report.diagnostics] == []
-    assert brl.format_text(session.text) == session.text
+    assert brl.format(session.text) == session.text
 
 
 def test_levels_of_the_project_have_files_and_those_of_the_gallery_are_copies(here: Path) -> None:

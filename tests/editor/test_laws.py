@@ -16,12 +16,12 @@ from support.handwriting import Scribe
 from support.things import thing_worlds
 from support.worlds import LEGEND, drawings, worlds
 
+import babyrobot_levels as brl
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.gestures import gesture_of
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.language.drawing import compose
-from babyrobot_levels.language.formatting.formatter import format_text
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.library.search_path import gallery_folder, yaml_files
@@ -127,13 +127,13 @@ def test_undone_gestures_leave_the_first_text_and_redone_ones_the_last(
 @given(worlds(6) | drawn_worlds, st.integers(0, 10**6))
 @few
 def test_formatted_text_stays_formatted(world: dict[str, Any], seed: int) -> None:
-    session, rng = Session(format_text(emit(world))), Random(seed)
+    session, rng = Session(brl.format(emit(world))), Random(seed)
     for _ in range(30):
         assert session.level is not None
         before, message = session.text, gesture(rng, session.level)
         draw_on(session, message)
         note(f"{before}\n{message}\n{session.text}")
-        assert format_text(session.text) == session.text
+        assert brl.format(session.text) == session.text
 
 
 @given(worlds(6) | thing_worlds(), st.integers(0, 10**6))

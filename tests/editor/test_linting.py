@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from babyrobot_levels import lint
 from babyrobot_levels.editor.protocol import answer
 from babyrobot_levels.editor.session import Session
 from babyrobot_levels.editor.shown import linting
-from babyrobot_levels.linter.runner import check
 
 LEVEL = """\
 version: 1
@@ -78,7 +78,7 @@ def test_findings_in_what_was_changed_are_dropped(session: Session) -> None:
 def test_what_follows_is_all_that_the_linter_finds(session: Session) -> None:
     session.type("# babyrobot: ignore[BR501] no reason\n" + session.text)
     state = ask(session, do="answers")
-    everything = check(session.text, lint=True)
+    everything = lint(session.text)
     assert told(state) == {(each.code, each.message, each.line, each.column) for each in everything}
     assert "BR699" in {each.code for each in everything}
 

@@ -469,7 +469,7 @@ def test_a_theme_beside_the_level_is_used() -> None:
     assert level.theme == "sea"
     assert level.resolved_theme.colors.base == "#123456"
     assert level.resolved_theme.widths.walls == 7
-    assert brl.check("worlds/mine.yaml") == []
+    assert brl.validate("worlds/mine.yaml") == []
     # It goes with the level, wherever that goes.
     assert level.replace(size=(5, 5)).resolved_theme == level.resolved_theme
     whole = brl.load(level.to_dict(whole=True))
@@ -485,14 +485,14 @@ def test_a_builtin_theme_wins_over_a_file() -> None:
 def test_an_unknown_theme_is_told_with_those_that_are_known() -> None:
     write("themes/ocean.yaml", "colors: {base: '#123456'}\n")
     path = write("mine.yaml", f"{LEVEL}theme: ocaen\n")
-    (found,) = brl.check(path)
+    (found,) = brl.validate(path)
     assert (found.code, found.line, found.file) == ("BR401", 3, str(path))
     assert "did you mean `ocean`" in found.message
     assert found.help is not None
     assert "blue_green" in found.help
     with pytest.raises(brl.LevelError, match="BR401"):
         brl.load(path)
-    (found,) = brl.check(f"{LEVEL}theme: gren\n")
+    (found,) = brl.validate(f"{LEVEL}theme: gren\n")
     assert (found.code, found.line) == ("BR401", 3)
     assert "did you mean `green`" in found.message
 
@@ -505,7 +505,7 @@ def test_a_mappings_unknown_theme_is_told_too() -> None:
 def test_a_broken_theme_is_told_where_it_is_broken() -> None:
     theme = write("themes/sea.yaml", "colors:\n  base: blau\n  lines: '#12'\n")
     path = write("mine.yaml", f"{LEVEL}theme: sea\n")
-    found = brl.check(path)
+    found = brl.validate(path)
     assert [(d.code, Path(d.file), d.line) for d in found] == [
         ("BR403", theme, 2),
         ("BR403", theme, 3),
@@ -513,7 +513,7 @@ def test_a_broken_theme_is_told_where_it_is_broken() -> None:
     with pytest.raises(brl.LevelError, match=r"sea\.yaml:2:9: error BR403"):
         brl.load(path)
     theme.write_bytes(b"colors: \xff")
-    assert [d.code for d in brl.check(path)] == ["BR102"]
+    assert [d.code for d in brl.validate(path)] == ["BR102"]
 
 
 # -- checking --------------------------------------------------------------------------------
@@ -522,7 +522,7 @@ def test_a_broken_theme_is_told_where_it_is_broken() -> None:
 def test_check_takes_paths_and_texts(here: Path) -> None:
     good, bad = write("good.yaml"), write("bad.yaml", "version: 1\nsiz: [3, 3]\n")
     for way in (good, str(good), "good.yaml", here / "good.yaml", LEVEL, "version: 1"):
-        assert brl.check(way) == [], way
+        assert brl.validate(way) == [], way
     faulty: list[tuple[str | Path, str]] = [
         (bad, "bad.yaml"),
         ("bad.yaml", "bad.yaml"),
@@ -530,7 +530,7 @@ def test_check_takes_paths_and_texts(here: Path) -> None:
         (bad.read_text("utf-8"), "<text>"),
     ]
     for told, file in faulty:
-        (found,) = brl.check(told)
+        (found,) = brl.validate(told)
         assert isinstance(found, brl.Diagnostic)
         assert found.severity is brl.Severity.ERROR
         assert (found.code, found.file, found.line, found.column) == ("BR201", file, 2, 1)
@@ -539,7 +539,7 @@ def test_check_takes_paths_and_texts(here: Path) -> None:
 
 def test_check_finds_a_file_in_the_home_folder(tmp_path: Path) -> None:
     write(tmp_path / "home" / "mine.yaml")
-    assert brl.check("~/mine.yaml") == []
+    assert brl.validate("~/mine.yaml") == []
 
 
 @pytest.mark.parametrize(
@@ -547,15 +547,36 @@ def test_check_finds_a_file_in_the_home_folder(tmp_path: Path) -> None:
     [
         ("nowhere.yaml", "no such file"),
         (Path("nowhere/mine.yaml"), "no such file"),
-        (".", "this is a directory"),
         ("a\0b.yaml", "cannot be read"),
-        ("x" * 300, "cannot be read"),
+        ("x" * 300 + ".yaml", "cannot be read"),
     ],
 )
 def test_check_tells_what_cannot_be_read(told: Any, message: str) -> None:
-    (found,) = brl.check(told)
+    (found,) = brl.validate(told)
     assert found.code == "BR101"
     assert message in found.message
+
+
+def test_validate_takes_whatever_names_levels(here: Path) -> None:
+    with pytest.raises(ValueError, match="no level files"):
+        brl.validate(here)
+    with pytest.raises(brl.LevelNotFoundError, match="did you mean 'frozen-lake'"):
+        brl.validate("frozen-lak")
+    good = write("some/good.yaml")
+    bad = write("some/bad.yaml", "version: 1\nsiz: [3, 3]\n")
+    code = brl.load(good).share_code()
+    all_well: list[Any] = ["final-maze", "small-mazes", code, brl.load(good), []]
+    for each in all_well:
+        assert brl.validate(each) == [], each
+        assert repr(brl.validate(each)) == "no findings"
+    faulty: list[Any] = ["some", here / "some", [good, bad], (bad,), {"version": 1, "siz": [3, 3]}]
+    for named in faulty:
+        assert [found.code for found in brl.validate(named)] == ["BR201"]
+    found = brl.validate(["some", "version: 1\nsize: 3"])
+    assert [one.file for one in found] == ["some/bad.yaml", "<text>"]
+    assert repr(found) == "\n\n".join(map(str, found))
+    with pytest.raises(TypeError, match="not int"):
+        brl.validate(3)  # type: ignore[arg-type]
 
 
 # -- the public names ------------------------------------------------------------------------
@@ -570,10 +591,11 @@ PUBLIC = {
     "LevelInfo",
     "LevelNotFoundError",
     "Mdp",
-    "check",
     "levels",
+    "lint",
     "load",
     "loads",
+    "validate",
 }
 
 

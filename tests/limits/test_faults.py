@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import pytest
 
+from babyrobot_levels import validate
 from babyrobot_levels.language.checks import MAX_PROBLEMS
 from babyrobot_levels.library.reading import loads
-from babyrobot_levels.linter.runner import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.source import Position
 
 
 def only(text: str) -> Diagnostic:
-    (found,) = check(text)
+    (found,) = validate(text)
     return found
 
 
@@ -25,7 +25,7 @@ def test_a_second_byte_order_mark_is_no_text() -> None:
 
 def test_some_tag_directives_do_no_harm_and_many_are_refused() -> None:
     directives = [f"%TAG !a{number}! tag:x\n" for number in range(101)]
-    assert check("".join(directives[:100]) + "---\nversion: 1\n") == []
+    assert validate("".join(directives[:100]) + "---\nversion: 1\n") == []
     found = only("".join(directives) + "---\nversion: 1\n")
     assert (found.code, found.line) == ("BR107", 101)
 
@@ -42,7 +42,7 @@ def test_too_many_values_are_not_laid_on_aliases_that_are_not_there() -> None:
 def test_a_list_of_faulty_cells_is_not_called_empty(field: str) -> None:
     found = only(f"version: 1\n{field}: [[x, 1]]\n")
     assert found.message == f"`{field}[0][0]` must be an integer, not `x`"
-    assert [each.code for each in check(f"version: 1\n{field}: []\n")] == ["BR203"]
+    assert [each.code for each in validate(f"version: 1\n{field}: []\n")] == ["BR203"]
 
 
 @pytest.mark.parametrize(
@@ -62,7 +62,7 @@ def test_a_list_of_faulty_cells_is_not_called_empty(field: str) -> None:
     ],
 )
 def test_long_names_are_shortened(text: str) -> None:
-    found = check("version: 1\n" + text.format(long="n" * 5000))
+    found = validate("version: 1\n" + text.format(long="n" * 5000))
     assert found
     for diagnostic in found:
         assert len(str(diagnostic)) < 900
@@ -70,8 +70,8 @@ def test_long_names_are_shortened(text: str) -> None:
 
 def test_so_many_faults_are_told_and_no_more() -> None:
     text = "version: 1\n" + "".join(f"f{number}: 1\n" for number in range(MAX_PROBLEMS + 1))
-    assert len(check(text)) == MAX_PROBLEMS
-    assert len(check(text.replace("f0: 1\n", ""))) == MAX_PROBLEMS
+    assert len(validate(text)) == MAX_PROBLEMS
+    assert len(validate(text.replace("f0: 1\n", ""))) == MAX_PROBLEMS
 
 
 @pytest.mark.parametrize(
@@ -87,9 +87,9 @@ def test_so_many_faults_are_told_and_no_more() -> None:
 )
 def test_carets_stay_on_their_line(text: str, place: Position) -> None:
     lines = text.split("\n")
-    for found in check(text + "\n"):
+    for found in validate(text + "\n"):
         assert found.end.column <= len(lines[found.end.line - 1]) + 1
-    assert place in [found.span.start for found in check(text + "\n")]
+    assert place in [found.span.start for found in validate(text + "\n")]
 
 
 def test_overlapping_areas_are_painted_in_turn() -> None:
@@ -99,7 +99,7 @@ def test_overlapping_areas_are_painted_in_turn() -> None:
     left, right = "{at: [0, 0], size: [3, 5], ends: true}", "{at: [4, 0], size: [3, 5], ends: true}"
 
     def codes(*areas: str) -> list[str]:
-        return [each.code for each in check(size + "areas:\n- " + "\n- ".join(areas) + "\n")]
+        return [each.code for each in validate(size + "areas:\n- " + "\n- ".join(areas) + "\n")]
 
     assert codes(wide % "true") == codes(high % "true") == ["BR316"]
     assert codes(wide % "true", high % "false") == codes(high % "true", wide % "false") == []
@@ -120,6 +120,6 @@ def test_blocked_rectangles_block_what_they_cover(
     for column in range(7):
         for row in range(5):
             start = f"start: [{column}, {row}]\nexit: none\n"
-            codes = [each.code for each in check(f"version: 1\nsize: [7, 5]\n{start}{blocked}")]
+            codes = [each.code for each in validate(f"version: 1\nsize: [7, 5]\n{start}{blocked}")]
             covered = x <= column < x + width and y <= row < y + height
             assert ("BR302" in codes) == covered

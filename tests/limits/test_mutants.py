@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from support.mutants import BROKEN, WHOLE, mutants
 from support.reading import read_level
 
+from babyrobot_levels import validate
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import loads
 from babyrobot_levels.linter.reporters import render
-from babyrobot_levels.linter.runner import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import source_of
@@ -102,5 +102,5 @@ def test_any_bytes(data: bytes) -> None:
 @example("\ufeff\ufeff: \n")
 def test_any_text(text: str) -> None:
     """A text from Python may hold what no file can: half a character."""
-    for diagnostic in check(text + "\n"):
+    for diagnostic in validate(text + "\n"):
         assert_can_be_told(diagnostic, SourceFile("", text + "\n").text)

@@ -13,8 +13,8 @@ from typing import Any
 import pytest
 
 import babyrobot_levels as brl
+from babyrobot_levels import lint, validate
 from babyrobot_levels.language.documents import read_theme, theme_names
-from babyrobot_levels.linter.runner import check
 from babyrobot_levels.text.diagnostics import Diagnostic
 from babyrobot_levels.text.errors import LevelError, LevelNotFoundError
 from babyrobot_levels.text.source import Position
@@ -30,7 +30,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def fault(path: str | Path) -> Diagnostic:
     """Return the one thing that is wrong with a path, which must be told at its beginning."""
-    (found,) = check(path)
+    (found,) = validate(path)
     assert (found.file, found.line, found.column) == (str(path), 1, 1)
     assert found.end == Position(1, 1)
     return found
@@ -88,7 +88,7 @@ def test_names_that_cannot_be(name: str) -> None:
 
 def test_a_byte_that_is_not_utf8_is_told_by_its_place(folder: Path) -> None:
     (folder / "latin.yaml").write_bytes(b"version: 1\r\ntitle: caf\xe9\n")
-    (found,) = check("latin.yaml")
+    (found,) = validate("latin.yaml")
     assert (found.code, found.line, found.column) == ("BR102", 2, 11)
     assert found.message == "invalid UTF-8: byte 23 (0xe9)"
 
@@ -97,7 +97,7 @@ def test_a_byte_that_is_not_utf8_is_told_by_its_place(folder: Path) -> None:
 @pytest.mark.parametrize("end", [b"\n", b"\r\n", b"\r"], ids=["lf", "crlf", "cr"])
 def test_neither_a_mark_nor_line_ends_move_the_place(mark: bytes, end: bytes, folder: Path) -> None:
     (folder / "latin.yaml").write_bytes(mark + b"version: 1" + end + "é".encode() + b"\xe9" + end)
-    (found,) = check("latin.yaml")
+    (found,) = validate("latin.yaml")
     assert (found.line, found.column) == (2, 2)
 
 
@@ -134,7 +134,7 @@ def locked(folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 def test_a_file_in_a_locked_folder_is_told_as_such(locked: Path) -> None:
     told = r"mine\.yaml:1:1: error BR101: permission denied"
-    (found,) = check("locked/mine.yaml", lint=True)
+    (found,) = lint("locked/mine.yaml")
     assert re.fullmatch(f"locked/{told}", str(found))
     with pytest.raises(LevelError, match=told):
         brl.load("locked/mine.yaml")

@@ -61,7 +61,7 @@ def test_reports_write_slashes(
 ) -> None:
     for report in (github, junit, sarif):
         monkeypatch.setattr(report, "PurePath", PureWindowsPath)
-    found = [at(path, each) for each in brl.check("version: 1\nnonsense: 1\n")]
+    found = [at(path, each) for each in brl.validate("version: 1\nnonsense: 1\n")]
     assert github.render(found, {}).startswith(f"::error file={posix.replace(':', '%3A')},")
     assert f'<testcase name="{posix}"' in junit.render(found, [path])
     (result,) = json.loads(sarif.render(found, {}, ""))["runs"][0]["results"]

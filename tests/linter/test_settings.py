@@ -140,11 +140,11 @@ def test_too_short_prefixes_match_no_rule() -> None:
 def test_check_applies_the_rules_of_the_project_if_requested(tmp_path: Path) -> None:
     path = tmp_path / "x.yaml"
     path.write_text("version: 1\nopenings: []\n")
-    assert brl.check(path) == []
-    assert [each.code for each in brl.check(path, lint=True)] == ["BR609"]
+    assert brl.validate(path) == []
+    assert [each.code for each in brl.lint(path)] == ["BR609"]
     (tmp_path / "deep").mkdir()
     (tmp_path / "deep" / "babyrobot.toml").write_text('[lint]\nignore = ["BR609"]\n')
     other = path.rename(tmp_path / "deep" / "x.yaml")
-    assert brl.check(other, lint=True) == []
-    assert [each.code for each in brl.check(other.read_text(), lint=True)] == ["BR609"]
-    assert [each.code for each in brl.check("version: 1\nnonsense: 1\n", lint=True)] == ["BR201"]
+    assert brl.lint(other) == []
+    assert [each.code for each in brl.lint(other.read_text())] == ["BR609"]
+    assert [each.code for each in brl.lint("version: 1\nnonsense: 1\n")] == ["BR201"]

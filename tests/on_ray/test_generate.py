@@ -9,7 +9,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator, Iterable
-from contextlib import closing
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -42,7 +41,7 @@ def contents(folder: str) -> dict[str, bytes]:
 
 
 def generate(folder: str, **options: Any) -> list[brl.Generated]:
-    return list(brl.generate_levels(SUITE, folder, **options))
+    return brl.generate(SUITE, folder, **options)
 
 
 def said_by(process: subprocess.Popen[bytes]) -> tuple[int, str, str]:
@@ -107,13 +106,13 @@ def test_a_node_that_is_removed_costs_nothing(cluster: Any, here: Path) -> None:
     removing = Thread(target=remove, daemon=True)
     removing.start()
     executor = Wrapped(OnRay(), partial(noted, str(notes)))
-    with closing(brl.generate_levels(SUITE, "ray", executor=executor)) as levels:
-        seen = []
-        for level in levels:
-            seen.append(level.index)
-            if level.index == 300:
-                # From now on, the node is at work on a level until it is removed.
-                slow.write_text(node_id, "utf-8")
+
+    def watch(done: int, total: int) -> None:
+        if done == 301:
+            # From now on, the node is at work on a level until it is removed.
+            slow.write_text(node_id, "utf-8")
+
+    seen = [each.index for each in brl.generate(SUITE, "ray", executor=executor, progress=watch)]
     removing.join(60)
     assert seen == [*range(2000)]
     generate("alone")
@@ -130,13 +129,16 @@ def fail_at(index: int, function: Callable[[Any], Any], numbered: tuple[int, Any
 
 
 def test_a_poisoned_level_is_told_by_its_index() -> None:
-    levels = brl.generate_levels(
-        SUITE, "out", count=60, executor=Wrapped(OnRay(), partial(fail_at, 37))
-    )
-    made: list[brl.Generated] = []
+    poisoned, told = Wrapped(OnRay(), partial(fail_at, 37)), list[int]()
     with pytest.raises(MemoryError, match="too large"):
-        made.extend(levels)
-    assert [level.index for level in made] == [*range(37)]
+        brl.generate(
+            SUITE,
+            "out",
+            count=60,
+            executor=poisoned,
+            progress=lambda done, total: told.append(done),
+        )
+    assert told == [*range(1, 38)]
 
 
 def test_a_poisoned_level_can_be_left_out() -> None:

@@ -17,8 +17,9 @@ from support.places import TESTS
 from support.things import thing_worlds
 from support.worlds import decorated_worlds, level_of_text, worlds
 
+import babyrobot_levels as brl
 from babyrobot_levels.generation.starter import TEMPLATES, StarterOptions, starter
-from babyrobot_levels.language.formatting.formatter import format_source, format_text
+from babyrobot_levels.language.formatting.formatter import format_source
 from babyrobot_levels.language.formatting.tree import tidy
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.library.reading import load_file
@@ -160,4 +161,4 @@ def test_the_comparison_sees_differences(change: Callable[[str], str]) -> None:
 
 
 def test_format_text_is_the_same() -> None:
-    assert format_text("size: [3,3]\nversion: 1") == "version: 1\nsize: [3, 3]\n"
+    assert brl.format("size: [3,3]\nversion: 1") == "version: 1\nsize: [3, 3]\n"

@@ -308,7 +308,7 @@ def test_bibtex_escapes_what_latex_would_read() -> None:
 
 
 def test_the_file_keeps_comments_but_not_the_way_to_a_schema(tmp_path: Path) -> None:
-    brl.write_gallery(["lookout"], tmp_path / "site")
+    brl.gallery(["lookout"], tmp_path / "site")
     text = (tmp_path / "site" / "lookout" / "level.yaml").read_text("utf-8")
     assert "# A bottom panel" in text
     assert "$schema" not in text

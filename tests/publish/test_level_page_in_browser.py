@@ -23,7 +23,7 @@ HUGE = {"version": 1, "name": "huge", "size": [129, 128]}
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("gallery") / "site"
-    brl.write_gallery([ROW, HUGE, "gridworld-3-5"], folder)
+    brl.gallery([ROW, HUGE, "gridworld-3-5"], folder)
     return folder
 
 

@@ -52,7 +52,7 @@ def level(**fields: Any) -> brl.Level:
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("gallery") / "site"
-    brl.write_gallery(LEVELS, folder)
+    brl.gallery(LEVELS, folder)
     return folder
 
 
@@ -95,7 +95,7 @@ def test_no_page_loads_anything_from_elsewhere(site: Path) -> None:
 
 
 def test_it_does_not_depend_on_the_number_of_processes(site: Path, tmp_path: Path) -> None:
-    brl.write_gallery(LEVELS, tmp_path / "site", jobs=2)
+    brl.gallery(LEVELS, tmp_path / "site", jobs=2)
     assert contents(tmp_path / "site") == contents(site)
 
 
@@ -108,14 +108,14 @@ def test_ids_are_unique_slugs_that_no_name_can_lead_out_of_the_folder(tmp_path: 
     assert ids[:6] == ["a", "a-2", "a-2-2", "assets-2", "con-2", "level"]
     assert len({*ids}) == len(ids)
     assert all(re.fullmatch(r"[a-z0-9]+(-[a-z0-9]+)*", each) and len(each) < 80 for each in ids)
-    made = brl.write_gallery([level(), level(name="level"), level()], tmp_path / "site")
+    made = brl.gallery([level(), level(name="level"), level()], tmp_path / "site")
     assert [each["id"] for each in made.levels] == ["level", "level-2", "level-3"]
 
 
 def test_texts_of_levels_are_no_markup(tmp_path: Path) -> None:
     bad = "</title></script><script>alert(1)</script><img src=x onerror=alert(1)>\u202e"
     texts = dict.fromkeys(("title", "description", "author", "source", "license"), bad)
-    brl.write_gallery([level(**texts)], tmp_path / "site", title=bad)
+    brl.gallery([level(**texts)], tmp_path / "site", title=bad)
     for name, data in contents(tmp_path / "site").items():
         if name.endswith((".html", ".svg")):
             assert b"<script>alert" not in data, name
@@ -125,7 +125,7 @@ def test_texts_of_levels_are_no_markup(tmp_path: Path) -> None:
 @pytest.mark.parametrize("home", ["javascript:alert(1)", " JavaScript:x", "data:text/html,x"])
 def test_the_link_back_is_no_program(tmp_path: Path, home: str) -> None:
     with pytest.raises(ValueError, match="home must be the address of a page"):
-        brl.write_gallery(["maze"], tmp_path / "site", home=home)
+        brl.gallery(["maze"], tmp_path / "site", home=home)
     assert not (tmp_path / "site").exists()
 
 
@@ -134,19 +134,19 @@ def test_the_link_back_is_no_program(tmp_path: Path, home: str) -> None:
 
 def test_a_suite_gives_title_names_and_splits(tmp_path: Path) -> None:
     suite = brl.load_suite(SUITE)
-    made = brl.write_gallery(suite, tmp_path / "site")
+    made = brl.gallery(suite, tmp_path / "site")
     assert made.title == "A few"
     assert [each["id"] for each in made.levels] == [f"few-{n}" for n in range(6)]
     assert [each["digest"] for each in made.levels] == [each.digest for each in suite]
     for split in suite.splits:
         digests = [each["digest"] for each in made.levels if each["split"] == split]
         assert digests == [each.digest for each in suite.split(split)]
-    part = brl.write_gallery(suite.split("test"), tmp_path / "part")
+    part = brl.gallery(suite.split("test"), tmp_path / "part")
     assert {each["split"] for each in part.levels} == {"test"}
 
 
 def test_a_random_maze_is_that_of_seed_0(tmp_path: Path) -> None:
-    made = brl.write_gallery(["random-maze"], tmp_path / "site")
+    made = brl.gallery(["random-maze"], tmp_path / "site")
     found, loaded = made.levels[0], brl.load("random-maze")
     assert (found["maze_seed"], found["digest"]) == (0, loaded.with_maze_seed(0).digest)
     assert brl.load(tmp_path / "site" / found["files"]["level"]).has_random_maze
@@ -171,7 +171,7 @@ UNDEFINED = {
     "fields", [ENDLESS, NO_EXIT, LARGE, TOO_LARGE, UNDEFINED], ids=lambda fields: str(fields)[:40]
 )
 def test_any_level_has_a_page_and_pictures(tmp_path: Path, fields: dict[str, Any]) -> None:
-    made = brl.write_gallery([level(name="odd", **fields), "maze"], tmp_path / "site")
+    made = brl.gallery([level(name="odd", **fields), "maze"], tmp_path / "site")
     odd = made.levels[0]["files"]
     assert odd["film"] is None
     assert {"odd/index.html", "odd/picture.png", "odd/tile.png"} <= set(contents(made.folder))
@@ -194,7 +194,7 @@ def test_a_gallery_without_answers_is_written_without_solving(
         "solver.many.worth_within",
     ):
         monkeypatch.setattr(f"babyrobot_levels.analysis.{place}", refuse)
-    assert len(brl.write_gallery(LEVELS, tmp_path / "site", answers=False).levels) == len(LEVELS)
+    assert len(brl.gallery(LEVELS, tmp_path / "site", answers=False).levels) == len(LEVELS)
 
 
 def test_no_file_of_a_gallery_without_answers_contains_the_optimum(
@@ -202,7 +202,7 @@ def test_no_file_of_a_gallery_without_answers_contains_the_optimum(
 ) -> None:
     path = tmp_path / "level.yaml"
     path.write_text(f"# The optimum is -5.2517.\n{brl.load('final-maze').to_yaml()}", "utf-8")
-    made = brl.write_gallery([path, *LEVELS], tmp_path / "students", answers=False)
+    made = brl.gallery([path, *LEVELS], tmp_path / "students", answers=False)
     for each in made.levels:
         answers = ("best_return", "best_steps", "random_return", "difficulty")
         assert [each[name] for name in answers] == [None] * 4
@@ -230,7 +230,7 @@ def test_comments_which_may_tell_the_way_are_for_galleries_with_answers(
 ) -> None:
     path = tmp_path / "own.yaml"
     path.write_text("version: 1\n# through the lower row\nsize: [4, 2]\n", "utf-8")
-    brl.write_gallery([path], tmp_path / "site", answers=answers)
+    brl.gallery([path], tmp_path / "site", answers=answers)
     told = [
         name for name, data in contents(tmp_path / "site").items() if b"through the lower" in data
     ]
@@ -238,11 +238,11 @@ def test_comments_which_may_tell_the_way_are_for_galleries_with_answers(
 
 
 def test_the_key_shows_values_and_policy_in_its_pictures(tmp_path: Path) -> None:
-    made = brl.write_gallery(["final-maze"], tmp_path / "site", key=True)
+    made = brl.gallery(["final-maze"], tmp_path / "site", key=True)
     shown = (made.folder / "final-maze" / "picture.svg").read_text("utf-8")
     assert shown == brl.load("final-maze").to_svg(values=True, policy="best")
     with pytest.raises(ValueError, match="leave out answers=False"):
-        brl.write_gallery(["final-maze"], tmp_path / "other", key=True, answers=False)
+        brl.gallery(["final-maze"], tmp_path / "other", key=True, answers=False)
 
 
 # -- the folder ----------------------------------------------------------------------------
@@ -253,8 +253,8 @@ def beside(folder: Path) -> list[str]:
 
 
 def test_a_gallery_is_replaced_by_the_next_one(tmp_path: Path) -> None:
-    brl.write_gallery(LEVELS, tmp_path / "site")
-    brl.write_gallery(["maze"], tmp_path / "site")
+    brl.gallery(LEVELS, tmp_path / "site")
+    brl.gallery(["maze"], tmp_path / "site")
     assert [each["id"] for each in listed(tmp_path / "site")["levels"]] == ["maze"]
     assert not (tmp_path / "site" / "final-maze").exists()
     assert beside(tmp_path) == ["site"]
@@ -270,15 +270,15 @@ def test_what_is_no_gallery_is_refused(tmp_path: Path) -> None:
         before = contents(folder)
         for force in (False, True):
             with pytest.raises(brl.FolderError, match="is a folder that is not a gallery"):
-                brl.write_gallery(["maze"], folder, force=force)
+                brl.gallery(["maze"], folder, force=force)
         assert contents(folder) == before
     file = tmp_path / "file"
     file.write_text("mine")
     with pytest.raises(brl.FolderError, match="is not a folder"):
-        brl.write_gallery(["maze"], file, force=True)
+        brl.gallery(["maze"], file, force=True)
     assert file.read_text() == "mine"
     (tmp_path / "empty").mkdir()
-    assert brl.write_gallery(["maze"], tmp_path / "empty").levels
+    assert brl.gallery(["maze"], tmp_path / "empty").levels
 
 
 @pytest.mark.parametrize("added", ["notes.txt", "maze/notes.txt", "assets/notes.txt", "other/a"])
@@ -286,28 +286,28 @@ def test_files_that_were_added_are_deleted_only_if_that_is_asked_for(
     tmp_path: Path, added: str
 ) -> None:
     site = tmp_path / "site"
-    brl.write_gallery(["maze"], site)
+    brl.gallery(["maze"], site)
     (site / added).parent.mkdir(exist_ok=True)
     (site / added).write_text("mine")
     before = contents(site)
     with pytest.raises(brl.FolderError, match="there are other files") as error:
-        brl.write_gallery(["final-maze"], site)
+        brl.gallery(["final-maze"], site)
     assert "--force" in error.value.help
     assert contents(site) == before
-    brl.write_gallery(["final-maze"], site, force=True)
+    brl.gallery(["final-maze"], site, force=True)
     assert not (site / added).exists()
 
 
 def test_an_error_leaves_what_was_there(tmp_path: Path) -> None:
     site, bad = tmp_path / "site", tmp_path / "bad.yaml"
     bad.write_text("version: 1\nsize: [3, 3]\nexit: [9, 9]\n")
-    brl.write_gallery(["maze"], site)
+    brl.gallery(["maze"], site)
     before = contents(site)
     with pytest.raises(brl.LevelError, match="is off the grid") as error:
-        brl.write_gallery(["final-maze", bad], site)
+        brl.gallery(["final-maze", bad], site)
     assert error.value.__notes__ == ["in level 1"]
     with pytest.raises(ValueError, match="there are no levels"):
-        brl.write_gallery([], site)
+        brl.gallery([], site)
     assert contents(site) == before
     assert beside(tmp_path) == ["bad.yaml", "site"]
 
@@ -316,7 +316,7 @@ def test_levels_with_errors_can_be_left_out(tmp_path: Path) -> None:
     bad = tmp_path / "bad.yaml"
     bad.write_text("version: 1\nsize: [3, 3]\nexit: [9, 9]\n")
     told: list[tuple[int, int]] = []
-    made = brl.write_gallery(
+    made = brl.gallery(
         ["final-maze", bad, "no-such-level", "maze"],
         tmp_path / "site",
         keep_going=True,
@@ -329,5 +329,5 @@ def test_levels_with_errors_can_be_left_out(tmp_path: Path) -> None:
     }
     assert told == [(1, 4), (2, 4), (3, 4), (4, 4)]
     with pytest.raises(ValueError, match="there are no levels"):
-        brl.write_gallery([bad], tmp_path / "none", keep_going=True)
+        brl.gallery([bad], tmp_path / "none", keep_going=True)
     assert not (tmp_path / "none").exists()

@@ -22,7 +22,7 @@ if __name__ == "__main__":
     levels = [level.name for level in brl.levels()]
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         title = "The babyrobot gallery"
-        made = brl.write_gallery(levels, Path(folder) / "gallery", title=title, jobs=2)
+        made = brl.gallery(levels, Path(folder) / "gallery", title=title, jobs=2)
         system = shutil.which("chromium") or shutil.which("chromium-browser")
         browser = playwright.chromium.launch(executable_path=system, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1280, "height": 840})

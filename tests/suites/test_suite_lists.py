@@ -177,7 +177,7 @@ def test_parts_with_splits_are_arguments_of_environments() -> None:
 
 def check(path: Path, *levels: Any, **fields: Any) -> list[str]:
     path.write_text(emit(listed(*levels, **fields)), "utf-8")
-    return [f"{each.code} {each.message}" for each in brl.check(path)]
+    return [f"{each.code} {each.message}" for each in brl.validate(path)]
 
 
 def test_the_command_line_knows_it(course: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -251,9 +251,9 @@ def test_faults_are_told_where_they_stand(tmp_path: Path, monkeypatch: pytest.Mo
     # Fields first, then what is between them, then what is beside the file.
     for text in (FAULTS, FAULTS.replace(": 0\n", ": 9\n").replace("path_lenght: 3\n", "")):
         path.write_text(text, "utf-8")
-        told += [(each.line, each.column, each.code) for each in brl.check(path)]
+        told += [(each.line, each.column, each.code) for each in brl.validate(path)]
     path.write_text("version: 1\nkind: suite\ncount: 9\ntheme: pink\n", "utf-8")
-    told += [(each.line, each.column, each.code) for each in brl.check(path)]
+    told += [(each.line, each.column, each.code) for each in brl.validate(path)]
     assert told == [
         (3, 8, "BR205"),
         (6, 1, "BR201"),

@@ -35,21 +35,6 @@ class Formatted:
     kept: str | None = None
 
 
-def format_text(text: str, *, name: str = "<text>") -> str:
-    """Return a level's text in its canonical form, comments kept.
-
-    The data of the level stay the same, and so does its digest. Formatting twice changes nothing.
-
-    Args:
-        text: the text of a level file.
-        name: what messages call the text.
-
-    Raises:
-        LevelError: the text is not a valid level; its `diagnostics` say where and why.
-    """
-    return format_source(SourceFile(name, text)).text
-
-
 def format_source(source: SourceFile, path: Path | None = None) -> Formatted:
     """Return the canonical form of a level, of a suite, or of a theme.
 

@@ -63,7 +63,7 @@ def pack(folder: Path, lint: Callable[[Sequence[Path]], list[Diagnostic]]) -> Pa
 
     Args:
         folder: the folder.
-        lint: returns the findings in level files, such as `lint.runner.lint_files`.
+        lint: returns the findings in level files, such as `brl.lint`.
 
     Raises:
         PackError: the folder has no `pack.yaml`, or contains more than a pack may.

@@ -48,7 +48,7 @@ class Play(PlayFields):
 
     @property
     def level(self) -> Level:
-        """The level of the share code, which need not be the one of the digest: see `verify_play`.
+        """The level of the share code, which need not be the one of the digest: see `brl.replay`.
 
         Raises:
             LevelError: the code is damaged, or its level is not valid.
@@ -70,7 +70,7 @@ def _level_of(code: str) -> Level:
 
 
 def read_plays(path: str | os.PathLike[str]) -> list[Play]:
-    """Return the plays of a `.brlplay` file. They are not verified; see `verify_play`.
+    """Return the plays of a `.brlplay` file. They are not verified; see `brl.replay`.
 
     Args:
         path: the file: one play per line, at most 100,000, and at most 64 MiB.

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -25,7 +25,7 @@ from babyrobot_levels.analysis.solver.space import StateSpace, space_of
 from babyrobot_levels.envs.arguments import start_states
 from babyrobot_levels.envs.single import LevelEnv
 from babyrobot_levels.language.play import PlayError
-from babyrobot_levels.scoring.plays.files import Play
+from babyrobot_levels.scoring.plays.files import Play, read_plays
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.files import write_bytes
 
@@ -129,17 +129,43 @@ class Verification:
         return f"<Verification: {told}, probability={self.probability:.4g}>"
 
 
-def verify_play(play: Play) -> Verification:
-    """Verify a play by the tables of its level.
+class Replays(list[Verification]):
+    """Episodes that were verified, in the order of their file."""
 
-    The level of its share code must have its digest. Its start must be one of the level's, or, if
-    it was chosen, a state in which episodes can be told to start. Each outcome must be possible
-    after its action, and, if it has a seed, the one that this seed draws. The rewards must add up
-    to its return, and its end must be the one told.
+    __module__ = "babyrobot_levels"
+
+    def __repr__(self) -> str:
+        rows = (f"  {each.play!r}: {each.fault or 'valid'}" for each in self)
+        return "\n".join([f"{len(self):,} episode{'s' * (len(self) != 1)}", *rows])
+
+
+def replay(plays: str | os.PathLike[str] | Play | Iterable[Play]) -> Replays:
+    """Verify recorded episodes by the tables of their level, as `babyrobot replay` does.
+
+    The level of a play's share code must have its digest. Its start must be one of the level's,
+    or, if it was chosen, a state in which episodes can be told to start. Each outcome must be
+    possible after its action, and, if it has a seed, the one that this seed draws. The rewards
+    must add up to its return, and its end must be the one told.
 
     Args:
-        play: as `read_plays` returns it.
+        plays: the path of a `.brlplay` file, a `Play`, or several, as `read_plays` returns them.
+
+    Returns:
+        For each play whether it is valid, and how lucky it was; it has the play, and its film.
+
+    Raises:
+        OSError: the file cannot be read.
+        PlayError: it is no file of plays.
     """
+    if isinstance(plays, Play):
+        plays = [plays]
+    elif isinstance(plays, str | os.PathLike):
+        plays = read_plays(plays)
+    return Replays(map(verify_play, plays))
+
+
+def verify_play(play: Play) -> Verification:
+    """Verify a play; see `replay`."""
     try:
         level = play.level
         if level.has_random_maze:

@@ -12,6 +12,7 @@ from support.playground import KEYS, Playground
 
 import babyrobot_levels as brl
 from babyrobot_levels.render.page import link_fragment, to_html
+from babyrobot_levels.scoring.plays.verify import verify_play
 
 TURN_KEYS = ["ArrowLeft", "ArrowRight", "ArrowUp"]
 
@@ -68,7 +69,7 @@ def test_a_play_of_a_page_is_valid(
     play = downloaded(ground.page, tmp_path)
     assert (play.name, play.action_set, play.steps) == (level.name, actions, steps)
     assert (play.seed, play.seed_kind, play.start) == ("0", "page", "drawn")
-    assert brl.verify_play(play).fault is None
+    assert verify_play(play).fault is None
     path = tmp_path / "env.brlplay"
     env = brl.RecordPlay(play.level.make(actions=actions), path)
     env.reset(seed=int(play.seed or 0))
@@ -91,7 +92,7 @@ def test_a_watched_policy_is_told(ground: Playground, tmp_path: Path) -> None:
     ground.page.wait_for_selector("#result:not([hidden])")
     play = downloaded(ground.page, tmp_path)
     assert (play.watched, play.hints) == (play.steps, 0)
-    assert brl.verify_play(play).is_valid
+    assert verify_play(play).is_valid
     assert f"{play.steps} watched steps" in ground.page.locator("#result-facts").inner_text()
 
 
@@ -104,7 +105,7 @@ def test_undone_steps_are_no_part_of_a_play(ground: Playground, tmp_path: Path) 
     play = downloaded(ground.page, tmp_path)
     assert (play.actions, play.undone, play.end) == ([1, 1, 2], 1, "truncated")
     assert play.return_ == pytest.approx(-1 - 0.9 - 0.81)
-    assert brl.verify_play(play).is_valid
+    assert verify_play(play).is_valid
 
 
 def test_a_linked_level_has_plays_of_its_own(ground: Playground, tmp_path: Path) -> None:
@@ -115,7 +116,7 @@ def test_a_linked_level_has_plays_of_its_own(ground: Playground, tmp_path: Path)
         ground.press("ArrowUp", "ArrowUp", "ArrowUp")
         play = downloaded(ground.page, tmp_path)
         assert play.digest == played.digest
-        assert brl.verify_play(play).fault is None
+        assert verify_play(play).fault is None
 
 
 def test_a_page_stays_small() -> None:

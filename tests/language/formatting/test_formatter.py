@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 from support.work import counted_calls
 
+import babyrobot_levels as brl
 from babyrobot_levels.language.formatting import formatter
-from babyrobot_levels.language.formatting.formatter import format_source, format_text
+from babyrobot_levels.language.formatting.formatter import format_source
 from babyrobot_levels.text.errors import LevelError
 from babyrobot_levels.text.source import SourceFile
 
@@ -42,7 +44,7 @@ def reason(text: str) -> str | None:
 )
 def test_faulty_texts_are_refused(text: str, code: str) -> None:
     with pytest.raises(LevelError) as caught:
-        format_text(text, name="mine.yaml")
+        format_source(SourceFile("mine.yaml", text))
     assert caught.value.diagnostics[0].code == code
     assert caught.value.diagnostics[0].file == "mine.yaml"
 
@@ -108,26 +110,26 @@ def test_a_text_that_would_not_say_the_same_is_left(
 
 
 def test_line_ends_stay_those_of_the_first_line() -> None:
-    assert format_text("size: [3,3]\r\nversion: 1\n") == "version: 1\r\nsize: [3, 3]\r\n"
-    assert format_text("size: [3,3]\nversion: 1\r\n") == "version: 1\nsize: [3, 3]\n"
-    assert format_text("size: [3,3]\rversion: 1\r") == "version: 1\nsize: [3, 3]\n"
-    assert format_text("version: 1") == "version: 1\n"
+    assert brl.format("size: [3,3]\r\nversion: 1\n") == "version: 1\r\nsize: [3, 3]\r\n"
+    assert brl.format("size: [3,3]\nversion: 1\r\n") == "version: 1\nsize: [3, 3]\n"
+    assert brl.format("size: [3,3]\rversion: 1\r") == "version: 1\nsize: [3, 3]\n"
+    assert brl.format("version: 1") == "version: 1\n"
     map_ = "map: |\r\n  +---+---+\r\n  | S   E |\r\n  +---+---+\r\n"
-    assert format_text(f"{map_}version: 1\r\n") == f"version: 1\r\n{map_}"
+    assert brl.format(f"{map_}version: 1\r\n") == f"version: 1\r\n{map_}"
 
 
 def test_a_mark_at_the_beginning_is_dropped() -> None:
-    assert format_text("\ufeffversion: 1\n") == "version: 1\n"
+    assert brl.format("\ufeffversion: 1\n") == "version: 1\n"
 
 
 def test_the_last_line_of_a_text_that_keeps_its_line_ends() -> None:
     text = "version: 1\ntitle: |+\n  A title\n\n\n"
-    assert format_text(text) == text
+    assert brl.format(text) == text
 
 
 def test_a_block_that_begins_with_a_tab() -> None:
     text = "version: 1\ntitle: |2\n  \tIndented\n"
-    assert format_text(text) == text
+    assert brl.format(text) == text
 
 
 # -- time --------------------------------------------------------------------------------------
@@ -136,9 +138,9 @@ def test_a_block_that_begins_with_a_tab() -> None:
 def test_small_files_are_formatted_quickly() -> None:
     walls = "".join(f"- at: [{n}, 1]\n  side: E # {n}\n" for n in range(10))
     text = f"size: [20, 5]\nwalls:\n{walls}version: 1\n"
-    format_text(text)
+    brl.format(text)
     with counted_calls() as work:
-        format_text(text)
+        brl.format(text)
     assert work.calls < 40_000, work
 
 
@@ -157,6 +159,25 @@ def test_small_files_are_formatted_quickly() -> None:
 )
 def test_long_files(text: str) -> None:
     with counted_calls() as work, suppress(LevelError):
-        result = format_text(text)
-        assert format_text(result) == result
+        result = brl.format(text)
+        assert brl.format(result) == result
     assert work.calls < 5_000_000, work
+
+
+# -- from Python -------------------------------------------------------------------------------
+
+
+def test_one_level_is_formatted_and_written_if_asked_for(here: Path) -> None:
+    path = here / "mine.yaml"
+    path.write_text("size: [3,3]\nversion: 1\n", encoding="utf-8")
+    canonical = "version: 1\nsize: [3, 3]\n"
+    forms: list[Any] = [path, str(path), {"size": [3, 3], "version": 1}, [path]]
+    for form in forms:
+        assert brl.format(form) == canonical
+    assert path.read_text("utf-8") != canonical
+    assert brl.format(path, write=True) == path.read_text("utf-8") == canonical
+    assert brl.format("final-maze") == brl.load("final-maze").to_yaml(comments=True)
+    with pytest.raises(ValueError, match="takes one level, not 2"):
+        brl.format([path, path])
+    with pytest.raises(ValueError, match="from no file"):
+        brl.format(canonical, write=True)

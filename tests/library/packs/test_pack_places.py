@@ -129,7 +129,7 @@ def test_a_theme_of_the_pack_applies_in_all_its_folders(inside: str, users_pack:
     assert base(brl.load(path)) == "#123456"
     assert base(level.replace(size=[5, 5])) == "#123456"
     assert base(brl.load("default").replace(theme="green").replace(theme="blue_green")) != "#123456"
-    assert brl.check(path) == []
+    assert brl.validate(path) == []
     assert base(brl.load(level.share_code())) == "#123456"
 
 
@@ -185,7 +185,7 @@ def test_an_unknown_theme_is_told_with_those_of_the_pack(users_pack: Path) -> No
     write(users_pack / "themes" / "sea.yaml", SEA)
     write(users_pack / "apes" / "themes" / "sea.yaml", SEA)
     path = write(users_pack / "apes" / "lion.yaml", f"{LEVEL}theme: sae\n")
-    (found,) = brl.check(path)
+    (found,) = brl.validate(path)
     assert found.code == "BR401"
     assert "did you mean `sea`?" in found.message
     assert str(found.help).split(", ").count("sea") == 1

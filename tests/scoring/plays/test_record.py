@@ -11,6 +11,7 @@ import pytest
 from support.plays import record
 
 import babyrobot_levels as brl
+from babyrobot_levels.scoring.plays.verify import verify_play
 
 
 @pytest.fixture
@@ -25,7 +26,7 @@ def test_what_is_recorded_is_valid(path: Path, level: str, actions: str) -> None
     plays = brl.read_plays(path)
     assert len(plays) == 3
     for play in plays:
-        assert brl.verify_play(play).fault is None
+        assert verify_play(play).fault is None
         assert play.action_set == {"valid": "all", "valid_moves": "moves"}.get(actions, actions)
 
 
@@ -49,7 +50,7 @@ def test_a_suite_records_the_level_of_each_episode(path: Path) -> None:
     assert len({play.digest for play in plays}) > 1
     # The seed gave the level, too: in the level alone, it gives another episode.
     assert [play.seed for play in plays] == [None] * 4
-    assert all(brl.verify_play(play).is_valid for play in plays)
+    assert all(verify_play(play).is_valid for play in plays)
 
 
 def test_episodes_that_do_not_end_are_unfinished(path: Path) -> None:
@@ -79,7 +80,7 @@ def test_the_time_limit_is_that_of_the_environment(path: Path) -> None:
     env.close()
     (play,) = brl.read_plays(path)
     assert (play.steps, play.max_steps, play.end) == (2, 2, "truncated")
-    assert brl.verify_play(play).is_valid
+    assert verify_play(play).is_valid
 
 
 @pytest.mark.parametrize("limits", [(2, 5), (5, 2)])
@@ -104,7 +105,7 @@ def test_a_chosen_start(path: Path) -> None:
     env.close()
     (play,) = brl.read_plays(path)
     assert play.start == "chosen"
-    assert brl.verify_play(play).is_valid
+    assert verify_play(play).is_valid
 
 
 def test_any_observation_and_its_wrappers(path: Path) -> None:
@@ -114,7 +115,7 @@ def test_any_observation_and_its_wrappers(path: Path) -> None:
     assert seen in env.observation_space
     env.step(np.int64(1))
     env.close()
-    assert brl.verify_play(brl.read_plays(path)[0]).is_valid
+    assert verify_play(brl.read_plays(path)[0]).is_valid
 
 
 def test_the_wrapper_belongs_to_the_spec(path: Path) -> None:

@@ -12,6 +12,7 @@ import pytest
 from support.plays import forged, recorded
 
 import babyrobot_levels as brl
+from babyrobot_levels.scoring.plays.verify import verify_play
 
 SLIPPERY = {
     "version": 1,
@@ -53,9 +54,9 @@ def test_a_forged_play_is_refused(play: brl.Play) -> None:
         ),
     ]
     assert play.end == "terminated"
-    assert brl.verify_play(play).is_valid
+    assert verify_play(play).is_valid
     for changes, message in cases:
-        verification = brl.verify_play(forged(play, **changes))
+        verification = verify_play(forged(play, **changes))
         assert not verification.is_valid
         assert verification.fault is not None
         assert message in verification.fault
@@ -67,18 +68,18 @@ def test_a_forged_play_is_refused(play: brl.Play) -> None:
 def test_the_seed_must_give_the_episode(tmp_path: Path, kind: str, actions: str) -> None:
     played = recorded(tmp_path, "frozen-lake", actions, seed=3)
     played = forged(played, seed_kind=kind)
-    assert brl.verify_play(played).is_valid
-    fault = brl.verify_play(forged(played, seed="4")).fault
+    assert verify_play(played).is_valid
+    fault = verify_play(forged(played, seed="4")).fault
     assert fault is not None
     assert re.match(r"with its seed 4, step \d+ leads to \[", fault)
     # Without a seed, what is possible is all that can be known.
-    assert brl.verify_play(forged(played, seed=None)).is_valid
+    assert verify_play(forged(played, seed=None)).is_valid
 
 
 def test_the_seed_must_give_the_start(tmp_path: Path) -> None:
     level = brl.load({"version": 1, "size": [4, 4], "start": [[0, 0], [2, 2]], "max_steps": 2})
     played = recorded(tmp_path, level)
-    faults = [brl.verify_play(forged(played, seed=str(seed))).fault for seed in range(9)]
+    faults = [verify_play(forged(played, seed=str(seed))).fault for seed in range(9)]
     assert faults[0] is None
     assert any("an episode starts in [" in str(fault) for fault in faults)
     env = brl.RecordPlay(brl.load("frozen-lake").make(), tmp_path / "chosen.brlplay")
@@ -87,23 +88,23 @@ def test_the_seed_must_give_the_start(tmp_path: Path) -> None:
     env.close()
     (chosen,) = brl.read_plays(tmp_path / "chosen.brlplay")
     assert (chosen.seed, chosen.start) == ("5", "chosen")
-    assert brl.verify_play(chosen).is_valid
+    assert verify_play(chosen).is_valid
 
 
 def test_the_end_must_be_the_one_told(tmp_path: Path) -> None:
     late = recorded(tmp_path, brl.load("final-maze").replace(max_steps=20))
     assert late.end == "truncated"
-    assert "it is not unfinished" in str(brl.verify_play(forged(late, end="unfinished")).fault)
-    early = brl.verify_play(forged(late, max_steps=30))
+    assert "it is not unfinished" in str(verify_play(forged(late, end="unfinished")).fault)
+    early = verify_play(forged(late, max_steps=30))
     assert "it did not reach its time limit" in str(early.fault)
-    assert brl.verify_play(forged(late, max_steps=30, end="unfinished")).is_valid
+    assert verify_play(forged(late, max_steps=30, end="unfinished")).is_valid
 
 
 def test_a_random_maze_needs_its_seed(tmp_path: Path) -> None:
     play = recorded(tmp_path, "random-maze")
     assert not play.level.has_random_maze
     random = brl.load("random-maze").share_code()
-    assert "random maze" in str(brl.verify_play(forged(play, code=random)).fault)
+    assert "random maze" in str(verify_play(forged(play, code=random)).fault)
 
 
 def walks(level: brl.Level, actions: list[int], state: int, discount: float) -> dict[float, float]:
@@ -127,7 +128,7 @@ def test_luck_equals_that_of_all_sequences_of_outcomes(tmp_path: Path, discount:
     level = brl.load({**SLIPPERY, "discount": discount})
     for seed in range(12):
         play = recorded(tmp_path, level, seed=seed)
-        verification = brl.verify_play(play)
+        verification = verify_play(play)
         every = walks(level, play.actions, play.states[0], discount)
         expected = sum(chance for total, chance in every.items() if total >= play.return_ - 1e-6)
         assert verification.luck == pytest.approx(expected, abs=1e-12)
@@ -141,7 +142,7 @@ def test_luck_equals_that_of_all_sequences_of_outcomes(tmp_path: Path, discount:
 
 
 def test_without_chance_luck_plays_no_part(tmp_path: Path) -> None:
-    verification = brl.verify_play(recorded(tmp_path, "first-key"))
+    verification = verify_play(recorded(tmp_path, "first-key"))
     assert (verification.probability, verification.luck) == (1.0, 1.0)
 
 
@@ -151,7 +152,7 @@ def test_luck_that_would_take_too_long_is_not_computed(
     from babyrobot_levels.analysis.solver import distribution
 
     monkeypatch.setattr(distribution, "MAX_OUTCOMES", 10)
-    verification = brl.verify_play(recorded(tmp_path, "final-maze"))
+    verification = verify_play(recorded(tmp_path, "final-maze"))
     assert verification.is_valid
     assert verification.luck is None
     assert math.isfinite(verification.log_probability)
@@ -171,11 +172,11 @@ def test_the_film_shows_the_steps(tmp_path: Path, level: str, actions: str) -> N
         # What can only happen to a robot that skids is told as that.
         assert not step.skidded or len(outcomes) > 1
     assert [step.reward for step in steps] == play.rewards
-    film = brl.verify_play(play).to_gif(tmp_path / "film.gif", scale=0.25)
+    film = verify_play(play).to_gif(tmp_path / "film.gif", scale=0.25)
     assert film.startswith(b"GIF89a")
     assert (tmp_path / "film.gif").read_bytes() == film
 
 
 def test_what_did_not_happen_has_no_film(play: brl.Play) -> None:
     with pytest.raises(brl.PlayError, match="the play is not valid: its rewards add up"):
-        brl.verify_play(forged(play, **{"return": 0.5})).to_gif()
+        verify_play(forged(play, **{"return": 0.5})).to_gif()

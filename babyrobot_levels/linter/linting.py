@@ -1,0 +1,180 @@
+"""`lint`: what is found in files and texts, and the files that fixes change."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from babyrobot_levels.language.documents import check_level
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.linter.context import LintContext
+from babyrobot_levels.linter.fixer import fix as fixed_text
+from babyrobot_levels.linter.registry import select as select_rules
+from babyrobot_levels.linter.rule import REGISTERED, Rule
+from babyrobot_levels.linter.rules.files import EQUIVALENT_MDP, equivalent_mdp
+from babyrobot_levels.linter.runner import diagnostic_of, is_suppressed, lint_source
+from babyrobot_levels.linter.settings import settings_for
+from babyrobot_levels.suites.checking import texts_of
+from babyrobot_levels.text.diagnostics import Diagnostic, Findings
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import read_source, write_text
+from babyrobot_levels.text.reader import read
+from babyrobot_levels.text.source import SourceFile
+
+if TYPE_CHECKING:
+    from babyrobot_levels.suites.named import Levels
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """What is done with each text: which rules, and which fixes."""
+
+    select: tuple[str, ...] | None = None
+    ignore: tuple[str, ...] = ()
+    fix: bool = False
+    unsafe: bool = False
+
+    def rules_for(self, path: Path) -> tuple[Rule, ...]:
+        """Return the rules for a file: those that are selected, else those of its project."""
+        if self.select is not None:
+            return self.rules
+        return settings_for(path).ignoring(self.ignore).rules_for(path)
+
+    @property
+    def rules(self) -> tuple[Rule, ...]:
+        """The rules for a text that belongs to no project."""
+        return select_rules(self.select, self.ignore)
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """The result of linting a text, without the level, so that processes can exchange it.
+
+    Attributes:
+        diagnostics: the findings that are left.
+        before: the original text, None if it could not be read.
+        text: the text after fixes, None if they changed nothing.
+        count: the number of fixes that were applied.
+        mark: the byte order mark of the file, empty if it has none.
+        fingerprint: a number that equivalent levels share, if equivalent levels are reported.
+    """
+
+    diagnostics: list[Diagnostic]
+    before: str | None = None
+    text: str | None = None
+    count: int = 0
+    mark: str = ""
+    fingerprint: int | None = None
+
+
+def lint(
+    levels: Levels,
+    *,
+    select: Sequence[str] | None = None,
+    ignore: Sequence[str] = (),
+    fix: bool = False,
+    unsafe_fixes: bool = False,
+) -> Findings:
+    """Return the errors in levels and suites, and what the rules find in valid ones.
+
+    It is what `babyrobot lint` reports. For a file, the rules are those that its project selects.
+
+    Args:
+        levels: a name, a path, a text, a share code, a mapping, or a `Level`; a folder or a pack;
+            or several of these. A text has a line break, or a colon and a space.
+        select: codes, prefixes of codes (`"BR5"`), names, or `"ALL"`; None for the rules of the
+            project, else the default ones.
+        ignore: the same for rules to leave out.
+        fix: whether to write files with the safe fixes; what is returned is left after that.
+        unsafe_fixes: whether to apply also fixes that may change the MDP.
+
+    Raises:
+        LevelNotFoundError: nothing has that name.
+        LevelError: a share code is damaged.
+        SettingsError: the project's settings are invalid.
+        UnknownRuleError: there is no such rule.
+        ValueError: there are no level files in a folder.
+    """
+    options = Options(None if select is None else tuple(select), tuple(ignore), fix, unsafe_fixes)
+    found, outcomes = Findings(), dict[Path, Outcome]()
+    for each in texts_of(levels):
+        if isinstance(each, SourceFile):
+            found += lint_source(each, options.rules).diagnostics
+            continue
+        outcomes[each] = outcome = lint_path(options, each)
+        if outcome.text is not None:
+            write_text(each, outcome.mark + outcome.text)
+    same = _equivalent(outcomes, options)
+    for path, outcome in outcomes.items():
+        found += [*([same[path]] if path in same else []), *outcome.diagnostics]
+    return found
+
+
+def lint_path(options: Options, path: Path) -> Outcome:
+    """Lint a file, and fix its text if that is asked for, without writing it."""
+    try:
+        source = read_source(path)
+    except LevelError as error:
+        return Outcome([*error.diagnostics])
+    return outcome_of(options, source, options.rules_for(path), path)
+
+
+def outcome_of(
+    options: Options, source: SourceFile, rules: Sequence[Rule], path: Path | None = None
+) -> Outcome:
+    """Lint a text, and fix it if that is asked for; see `lint_source`."""
+    text, count = None, 0
+    if options.fix:
+        fixed = fixed_text(source, rules, path, unsafe=options.unsafe)
+        report, count = fixed.report, fixed.count
+        text = fixed.text if count else None
+    else:
+        report = lint_source(source, rules, path)
+    compares = any(rule.code == EQUIVALENT_MDP for rule in rules)
+    fingerprint = report.fingerprint if compares else None
+    return Outcome(report.diagnostics, source.text, text, count, source.mark, fingerprint)
+
+
+def _equivalent(outcomes: Mapping[Path, Outcome], options: Options) -> dict[Path, Diagnostic]:
+    texts = {
+        path: (SourceFile(str(path), each.text or each.before), each.fingerprint)
+        for path, each in outcomes.items()
+        if each.before is not None and each.fingerprint is not None
+    }
+    return equivalent_levels(texts, options.rules_for)
+
+
+def equivalent_levels(
+    texts: Mapping[Path, tuple[SourceFile, int]], rules_for: Callable[[Path], Sequence[Rule]]
+) -> dict[Path, Diagnostic]:
+    """Return a finding for each file whose MDP equals that of an earlier file of its folder.
+
+    Args:
+        texts: the valid files in order, each with its text and fingerprint.
+        rules_for: returns the rules that are selected for a file.
+    """
+    rule = REGISTERED[EQUIVALENT_MDP]
+    groups: dict[tuple[Path, int], list[Path]] = defaultdict(list)
+    for path, (_, fingerprint) in texts.items():
+        groups[path.absolute().parent, fingerprint].append(path)
+    found: dict[Path, Diagnostic] = {}
+    for paths in groups.values():
+        first: dict[str, Path] = {}
+        for path in paths if len(paths) > 1 else ():
+            # There are few such files, so they are read again.
+            document = read(texts[path][0])
+            level = check_level(document, Level, path).value
+            if level is None:
+                continue
+            other = first.setdefault(level.digest, path)
+            if other == path or rule not in rules_for(path):
+                continue
+            context = LintContext(level, document, path)
+            for finding in equivalent_mdp(other.name):
+                diagnosed = diagnostic_of(rule, finding, context)
+                if not is_suppressed(rule, diagnosed, context):
+                    found[path] = diagnosed
+    return found
