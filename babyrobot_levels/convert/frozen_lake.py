@@ -165,8 +165,9 @@ def write_frozen_lake(level: Level) -> Conversion:
         keywords["reward_schedule"] = [
             truncated(each) if each.is_integer() else each for each in schedule
         ]
-    for name in ("bump", "stay", "closer", "farther"):
-        if getattr(level.rewards, name) is not None:
+    for name, reward in level.rewards:
+        # It has no glass off which to bounce.
+        if name not in ("exit", "step", "bounce") and reward is not None:
             lost.append(Lost(f"rewards.{name}", f"{PLACE} cannot hold it"))
     rows = ",\n    ".join(map(json.dumps, desc))
     more = "".join(f',\n  "{name}": {json.dumps(value)}' for name, value in keywords.items())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
@@ -42,23 +42,41 @@ class Wind(Model):
     """For each row, how far a move is pushed to the west."""
 
 
+class Told(NamedTuple):
+    """How the rules in words tell a reward: the sample drawn beside it, and what it is for."""
+
+    sample: str
+    text: str
+
+
 class Rewards(Model):
-    """The rewards of a step."""
+    """The rewards of a step; see `PRECEDENCE`."""
 
     step: Number = -1.0
     """A step onto a plain cell."""
     exit: Number = 0.0
     """A step onto an exit."""
-    bump: Number | None = None
+    bump: Annotated[Number | None, Told("wall", "bumping into a wall")] = None
     """A move into a wall."""
     bounce: Number = -1.0
     """Added when the robot bounces off a glass wall."""
-    stay: Number | None = None
+    stay: Annotated[Number | None, Told("ground", "staying")] = None
     """The action `stay`, instead of the reward of the cell."""
-    closer: Number | None = None
+    closer: Annotated[Number | None, Told("ground", "a step closer to the exit")] = None
     """A step that brings the robot closer to the nearest exit, by Euclidean distance."""
-    farther: Number | None = None
+    farther: Annotated[Number | None, Told("ground", "a step away from the exit")] = None
     """A step that takes the robot farther from the nearest exit, by Euclidean distance."""
+
+
+PRECEDENCE = ("hit", "warp", "exit", "item", "stay", "bump", "closer", "farther", "step")
+"""What a step may pay: the first of these that applies.
+
+`hit`, `warp` and `item` are the rewards that a mover, a warp or an item has of its own. `step` is
+that of the cell: of its puddle, its area, or the level. The others are entries of `rewards`.
+"""
+
+ADDED = ("bounce",)
+"""The rewards that come in addition."""
 
 
 def shifts(wind: Wind | None, width: int, height: int) -> tuple[list[int], list[int]]:

@@ -12,6 +12,8 @@ from collections.abc import Iterable, Sequence
 from random import Random
 from typing import Any
 
+from babyrobot_levels.language.moves import Rewards
+
 Cell = tuple[int, int]
 Side = frozenset[Cell]
 Fields = dict[str, Any]
@@ -265,7 +267,7 @@ class _Maker:
         if self.chance(0.3):
             fields["skid"] = self.skid()
         if self.chance(0.6):
-            names = ("step", "exit", "bump", "bounce", "stay", "closer", "farther")
+            names = Rewards.model_fields
             fields["rewards"] = {name: self.number() for name in names if self.chance(0.4)}
 
     # Things.

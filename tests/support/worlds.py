@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.strategies import DrawFn, SearchStrategy
 
 from babyrobot_levels.language import drawing as d
+from babyrobot_levels.language.moves import Rewards
 from babyrobot_levels.language.validation import parse as parse_text
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
@@ -198,8 +199,8 @@ def worlds(draw: DrawFn, largest: int = 8) -> World:
     if sometimes(draw):
         world["skid"] = draw(skids)
     if sometimes(draw):
-        kinds = ("step", "exit", "bump", "bounce", "stay", "closer", "farther")
-        world["rewards"] = draw(st.fixed_dictionaries({}, optional=dict.fromkeys(kinds, numbers)))
+        optional = dict.fromkeys(Rewards.model_fields, numbers)
+        world["rewards"] = draw(st.fixed_dictionaries({}, optional=optional))
     return world
 
 

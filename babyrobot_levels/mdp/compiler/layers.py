@@ -27,6 +27,7 @@ from babyrobot_levels.mdp.compiler.outcomes import (
     Flags,
     Floats,
     Ints,
+    Pay,
     ended,
     parts_of,
     plain_branches,
@@ -66,11 +67,10 @@ class Ground:
         warps: the warps.
         first: `[cells * actions + 1]`: where the branches of each cell and action begin.
         probability: how likely each branch is, by cell and action.
-        bounced: whether the robot bounces off a wall of glass.
         next_cell: where the branch ends.
         arrives: whether the robot arrives there: on another cell than before, or by a warp.
-        plain: its reward on a plain cell.
-        warp: its reward of a warp, nan where there is none.
+        pay: its reward, whatever the robot takes or meets.
+        added: what is added to its reward.
         follow: the cells at which a robot may arrive from each cell, one after the other.
         begin: `[cells + 1]`: where those of each cell begin in `follow`.
     """
@@ -81,11 +81,10 @@ class Ground:
     warps: Warps
     first: Ints
     probability: Floats
-    bounced: Flags
     next_cell: Ints
     arrives: Flags
-    plain: Floats
-    warp: Floats
+    pay: Pay
+    added: Floats
     follow: array[int]
     begin: array[int]
 
@@ -535,6 +534,7 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
         ways = arrives & ~terrain.over[cell]
         leads, where = np.divmod(np.unique(cell[ways] * count + next_cell[ways]), count)
         follow.frombytes(where.astype(np.intc).tobytes())
+        pay = arrivals.pay(branches, next_cell)
         columns.append(
             (
                 np.bincount(leads - part.start, minlength=part.stop - part.start),
@@ -543,17 +543,17 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
                     minlength=(part.stop - part.start) * NUM_ACTIONS,
                 ),
                 branches.probability,
-                branches.bounced,
                 next_cell.astype(np.int32),
                 arrives,
-                arrivals.plain_rewards(branches, next_cell),
-                arrivals.warp_rewards(branches),
+                pay.reward,
+                pay.rank,
+                arrivals.added(branches),
             )
         )
     # One column after the other: two copies of all of them would need much.
     turned = [*map(list, zip(*columns, strict=True))][::-1]
     columns.clear()
-    led, length, probability, bounced, next_cells, arrive, plain, warp = (
+    led, length, probability, next_cells, arrive, reward, rank, added = (
         np.concatenate(turned.pop()) for _ in range(len(turned))
     )
     return Ground(
@@ -563,11 +563,10 @@ def _build_ground(level: LevelFields, open_grid: Grid, layer: Layer) -> Ground:
         warps=warps,
         first=_begins(length),
         probability=probability,
-        bounced=bounced,
         next_cell=next_cells,
         arrives=arrive,
-        plain=plain,
-        warp=warp,
+        pay=Pay(reward, rank),
+        added=added,
         follow=follow,
         begin=array("i", _begins(led).tobytes()),
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -126,6 +127,11 @@ class Warps:
     leaves: NDArray[np.bool_]
     leave_to: NDArray[np.int64]
     leave_reward: NDArray[np.float64]
+
+    @cached_property
+    def pay(self) -> bool:
+        """Whether any warp gives a reward."""
+        return not (np.isnan(self.arrive_reward).all() and np.isnan(self.leave_reward).all())
 
 
 def build_warps(level: LevelFields, grid: Grid) -> Warps:

@@ -2,20 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from babyrobot_levels.language.moves import Rewards
+from babyrobot_levels.language.moves import PRECEDENCE, Rewards
 from babyrobot_levels.mdp.actions import NUM_ACTIONS, NUM_MOVES, Action
 from babyrobot_levels.mdp.compiler.moves import Moves, Warps
 from babyrobot_levels.mdp.compiler.terrain import OPEN_RULE, OTHERS_RULE, SIDES_RULE, Terrain
 
+Ints = NDArray[np.signedinteger]
+Floats = NDArray[np.float64]
+Flags = NDArray[np.bool_]
+
 PART = 1 << 15
 """How many states are expanded at a time."""
+
+RANKS = {name: np.int8(rank) for rank, name in enumerate(PRECEDENCE)}
+"""The rewards by their precedence: of those that apply, the one with the least rank is paid."""
+
+NOTHING, BUMPED, BOUNCED = np.int8(0), np.int8(1), np.int8(2)
+"""What may happen to the robot in a branch: a wall refuses the move, or glass bounces it back."""
+
+
+@dataclass(frozen=True, slots=True)
+class Pay:
+    """What each of some steps pays, and the rank of the reward that it is.
+
+    What is added is no part of it.
+    """
+
+    reward: Floats
+    rank: NDArray[np.int8]
+
+    def of(self, which: Ints) -> Pay:
+        """Return what some of the steps pay, which then may be changed."""
+        return Pay(self.reward[which], self.rank[which])
+
+    def add(self, applies: Mapping[str, tuple[Flags, Floats | float]]) -> None:
+        """Consider further rewards: where each of them applies, and what it is."""
+        for name in reversed(PRECEDENCE):
+            if name in applies:
+                where, reward = applies[name]
+                where = where & (self.rank > RANKS[name])
+                np.copyto(self.reward, reward, where=where)
+                np.copyto(self.rank, RANKS[name], where=where)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,31 +70,48 @@ class Arrivals:
 
     def rewards_of(self, branches: Branches, next_state: Ints) -> Floats:
         """Return the rewards of branches that end on `next_state`."""
-        reward = self.plain_rewards(branches, next_state)
-        reward = np.where(self.terrain.exit[next_state], self.rewards.exit, reward)
-        warped = self.warp_rewards(branches)
-        reward = np.where(np.isnan(warped), reward, warped)
-        reward = reward + np.where(branches.bounced, self.rewards.bounce, 0.0)
-        return np.where(self.terrain.over[branches.row // NUM_ACTIONS], 0.0, reward)
+        return self.pay(branches, next_state).reward + self.added(branches)
 
-    def plain_rewards(self, branches: Branches, next_state: Ints) -> Floats:
-        """Return the rewards on a plain cell: those of stay, bump, closer, farther, or the cell."""
+    def pay(self, branches: Branches, next_state: Ints) -> Pay:
+        """Return what branches pay that end on `next_state`, whatever things there are.
+
+        Where the episode is over, that is nothing.
+        """
         state, action = np.divmod(branches.row, NUM_ACTIONS)
-        rewards, terrain = self.rewards, self.terrain
-        reward = terrain.reward[next_state]
-        if terrain.distance is not None:
-            before, after = terrain.distance[state], terrain.distance[next_state]
-            if rewards.closer is not None:
-                reward = np.where(after < before, rewards.closer, reward)
-            if rewards.farther is not None:
-                reward = np.where(after > before, rewards.farther, reward)
-        if rewards.bump is not None:
-            reward = np.where(branches.bumped, rewards.bump, reward)
-        if rewards.stay is not None:
-            reward = np.where(action == Action.STAY, rewards.stay, reward)
-        return reward
+        rank = np.full(state.size, RANKS["step"])
+        pay = Pay(self.terrain.reward[next_state], rank)
+        conditions: dict[str, Callable[[], Flags]] = {
+            "exit": lambda: self.terrain.exit[next_state],
+            "stay": lambda: action == Action.STAY,
+            "bump": lambda: (branches.happened & BUMPED) != 0,
+            "closer": lambda: self._is_nearer(next_state, state),
+            "farther": lambda: self._is_nearer(state, next_state),
+        }
+        applies: dict[str, tuple[Flags, Floats | float]] = {
+            name: (condition(), reward)
+            for name, condition in conditions.items()
+            if (reward := getattr(self.rewards, name)) is not None
+        }
+        if self.warps.pay:
+            warped = self._warp_rewards(branches)
+            applies["warp"] = ~np.isnan(warped), warped
+        pay.add(applies)
+        np.copyto(pay.reward, 0.0, where=self.terrain.over[state])
+        return pay
 
-    def warp_rewards(self, branches: Branches) -> Floats:
+    def added(self, branches: Branches) -> Floats:
+        """Return what is added to the rewards of branches."""
+        return np.where((branches.happened & BOUNCED) != 0, self.rewards.bounce, 0.0)
+
+    def _is_nearer(self, one: Ints, other: Ints) -> Flags:
+        """Return where states are nearer to an exit than others."""
+        distance = self.terrain.distance
+        if distance is None:
+            return np.zeros(one.size, bool)
+        nearer: Flags = distance[one] < distance[other]
+        return nearer
+
+    def _warp_rewards(self, branches: Branches) -> Floats:
         """Return the rewards of warps, nan where no warp gives one."""
         state, action = np.divmod(branches.row, NUM_ACTIONS)
         moves = action != Action.STAY
@@ -75,11 +126,6 @@ class Arrivals:
         return sent
 
 
-Ints = NDArray[np.signedinteger]
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-
-
 @dataclass(slots=True)
 class Branches:
     """Possible ends of steps, before any warp. All arrays have one length.
@@ -88,15 +134,13 @@ class Branches:
         row: state and action, `state * actions + action`.
         probability: how likely the branch is.
         landing: the state on which the robot comes to stand.
-        bumped: whether a wall refused the move.
-        bounced: whether it bounced off a wall of glass.
+        happened: what happens to the robot, as a bit set: `BUMPED`, `BOUNCED`.
     """
 
     row: Ints
     probability: Floats
     landing: Ints
-    bumped: Flags
-    bounced: Flags
+    happened: NDArray[np.int8]
 
     def select(self, which: Flags | Ints) -> Self:
         """Return some of the branches, by flags or by numbers."""
@@ -108,7 +152,7 @@ class Branches:
         return type(self)(*(np.concatenate(column) for column in columns))
 
     def _arrays(self) -> tuple[NDArray, ...]:  # type: ignore[type-arg]
-        return self.row, self.probability, self.landing, self.bumped, self.bounced
+        return self.row, self.probability, self.landing, self.happened
 
 
 def parts_of(states: int) -> Iterator[slice]:
@@ -123,12 +167,10 @@ def plain_branches(moves: Moves, terrain: Terrain, warps: Warps, part: slice) ->
     landing[:, Action.STAY] = states
     landing[:, 1:] = moves.landing[:, part].T
     landing[over] = states[over, None]
-    bumped = np.zeros((states.size, NUM_ACTIONS), bool)
-    bumped[:, 1:] = moves.refused[:, part].T & ~warps.leaves[part, None]
+    happened = np.zeros((states.size, NUM_ACTIONS), np.int8)
+    happened[:, 1:] = BUMPED * (moves.refused[:, part].T & ~warps.leaves[part, None])
     rows = np.arange(part.start * NUM_ACTIONS, part.stop * NUM_ACTIONS)
-    return Branches(
-        rows, np.ones(rows.size), landing.ravel(), bumped.ravel(), np.zeros(rows.size, bool)
-    )
+    return Branches(rows, np.ones(rows.size), landing.ravel(), happened.ravel())
 
 
 def stochastic_rows(moves: Moves, terrain: Terrain, warps: Warps, part: slice) -> Flags:
@@ -159,19 +201,18 @@ def stochastic_branches(
 
 
 def _branches(
-    states: Ints, ways: Ints, chance: Floats, landing: Ints, bumped: Flags | None, bounced: bool
+    states: Ints, ways: Ints, chance: Floats, landing: Ints, happened: NDArray[np.int8] | np.int8
 ) -> Branches:
-    quiet = np.zeros(states.size, bool)
     row = states * NUM_ACTIONS + ways + 1
-    return Branches(row, chance, landing, quiet if bumped is None else bumped, quiet | bounced)
+    return Branches(row, chance, landing, np.zeros(row.size, np.int8) | happened)
 
 
 def _glass_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> list[Branches]:
     """Return the branches of moves against glass: through it, or bounced off."""
     chance = moves.glass[ways, states] * (1.0 - terrain.skid[states])
     return [
-        _branches(states, ways, chance, moves.through[ways, states], None, False),
-        _branches(states, ways, 1.0 - chance, moves.bounce[ways, states], None, True),
+        _branches(states, ways, chance, moves.through[ways, states], NOTHING),
+        _branches(states, ways, 1.0 - chance, moves.bounce[ways, states], BOUNCED),
     ]
 
 
@@ -182,12 +223,12 @@ def _skid_branches(moves: Moves, terrain: Terrain, states: Ints, ways: Ints) -> 
 
     def branches(ways_taken: Ints, chance: Floats) -> Branches:
         landing, refused = moves.landing[ways_taken, states], moves.refused[ways_taken, states]
-        return _branches(states, ways, chance, landing, refused, False)
+        return _branches(states, ways, chance, landing, BUMPED * refused)
 
     stuck = (rule == OPEN_RULE) & (others == 0)
     parts = [
         branches(ways, 1.0 - skid),
-        _branches(states[stuck], ways[stuck], skid[stuck], states[stuck], None, False),
+        _branches(states[stuck], ways[stuck], skid[stuck], states[stuck], NOTHING),
     ]
     for turn in (1, 2, 3):
         other = (ways + turn) % NUM_MOVES

@@ -256,15 +256,16 @@ class _Compiler:
         return _Ends(pair, action, branch, probability, next_cell, after, hit)
 
     def _rewards(self, ground: Ground, ends: _Ends, item: Floats, leaves: Flags) -> Floats:
-        """Return the rewards: of each end the first that applies."""
-        rewards = self.level.rewards
-        warp = ground.warp[ends.branch]
-        reward = ground.plain[ends.branch]
-        reward = np.where(np.isnan(item), reward, item)
-        reward = np.where(leaves, rewards.exit, reward)
-        reward = np.where(np.isnan(warp), reward, warp)
-        reward = np.where(ends.hit, self.level.hit.reward, reward)
-        return reward + np.where(ground.bounced[ends.branch], rewards.bounce, 0.0)
+        """Return the rewards of ends: of those of the ground and those of things the first."""
+        pay = ground.pay.of(ends.branch)
+        pay.add(
+            {
+                "item": (~np.isnan(item), item),
+                "exit": (leaves, self.level.rewards.exit),
+                "hit": (ends.hit, self.level.hit.reward),
+            }
+        )
+        return pay.reward + ground.added[ends.branch]
 
 
 @dataclass(frozen=True, slots=True)

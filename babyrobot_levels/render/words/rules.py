@@ -11,7 +11,7 @@ from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 from babyrobot_levels.language.cells import as_skid
-from babyrobot_levels.language.moves import shifts
+from babyrobot_levels.language.moves import Told, shifts
 from babyrobot_levels.render.words import phrases
 from babyrobot_levels.render.words.grounds import Ground, grounds_of
 from babyrobot_levels.render.words.things import thing_rules
@@ -42,7 +42,7 @@ class Rule(NamedTuple):
     cells: tuple[int, ...] = ()
 
 
-Told = Iterator[Rule]
+Rules = Iterator[Rule]
 
 
 def rules_of(level: GridWorld) -> tuple[Rule, ...]:
@@ -61,7 +61,7 @@ def rules_of(level: GridWorld) -> tuple[Rule, ...]:
     return (*rules[: MOST - 1], Rule("", f"and {len(rest):,} further rules", cells))
 
 
-def _told(level: GridWorld) -> Told:
+def _told(level: GridWorld) -> Rules:
     grounds = [*grounds_of(level)]
     ends = sorted(
         (ground for ground in grounds if ground.end is not None), key=lambda ground: -ground.reward
@@ -97,7 +97,7 @@ def _numbers(level: GridWorld, cells: Iterable[tuple[int, int]]) -> tuple[int, .
     return tuple(sorted(y * level.size[0] + x for x, y in cells))
 
 
-def _exits(level: GridWorld) -> Told:
+def _exits(level: GridWorld) -> Rules:
     if not level.exits:
         return
     where = ""
@@ -108,7 +108,7 @@ def _exits(level: GridWorld) -> Told:
     yield Rule("exit", text, _numbers(level, level.exits))
 
 
-def _puddles(level: GridWorld) -> Told:
+def _puddles(level: GridWorld) -> Rules:
     for size in ("small", "large"):
         if cells := [puddle.at for puddle in level.puddles if puddle.size == size]:
             kind = getattr(level.puddle_types, size)
@@ -117,7 +117,7 @@ def _puddles(level: GridWorld) -> Told:
             yield Rule(f"puddle-{size}", text, _numbers(level, cells))
 
 
-def _grounds(level: GridWorld, grounds: list[Ground]) -> Told:
+def _grounds(level: GridWorld, grounds: list[Ground]) -> Rules:
     """Yield what kinds of ground do; those of the same name that do the same once."""
     arrows = sum(ground.name == "warp" for ground in grounds) > 1
     told: dict[str, list[int]] = defaultdict(list)
@@ -159,7 +159,7 @@ def _usual(level: GridWorld) -> object:
     return as_skid(level.skid or 0.0)
 
 
-def _wind(level: GridWorld) -> Told:
+def _wind(level: GridWorld) -> Rules:
     """Yield one rule for each direction in which wind pushes."""
     souths, easts = shifts(level.wind, *level.size)
     for lines, pushes, (forward, backward) in (
@@ -189,7 +189,7 @@ def _pushes(places: dict[int, list[int]], side: str, lines: str) -> str:
     return ", ".join(parts)
 
 
-def _glass(level: GridWorld) -> Told:
+def _glass(level: GridWorld) -> Rules:
     passes = {*level.grid().glass.values()}
     if not passes:
         return
@@ -202,13 +202,9 @@ def _glass(level: GridWorld) -> Told:
     yield Rule("glass", f"glass wall: lets through {often}{more}")
 
 
-def _step_rewards(level: GridWorld) -> Told:
-    rewards = level.rewards
-    if rewards.bump is not None:
-        yield Rule("wall", f"bumping into a wall: {phrases.reward(rewards.bump)}")
-    if rewards.stay is not None:
-        yield Rule("ground", f"staying: {phrases.reward(rewards.stay)}")
-    if rewards.closer is not None:
-        yield Rule("ground", f"a step closer to the exit: {phrases.reward(rewards.closer)}")
-    if rewards.farther is not None:
-        yield Rule("ground", f"a step away from the exit: {phrases.reward(rewards.farther)}")
+def _step_rewards(level: GridWorld) -> Rules:
+    for name, field in type(level.rewards).model_fields.items():
+        reward = getattr(level.rewards, name)
+        for told in field.metadata if reward is not None else ():
+            if isinstance(told, Told):
+                yield Rule(told.sample, f"{told.text}: {phrases.reward(reward)}")
