@@ -27,9 +27,9 @@ from .analysis.solver.results import Simulation as Simulation
 from .analysis.solver.results import Solution as Solution
 from .analysis.solver.results import UndefinedReturnError as UndefinedReturnError
 from .analysis.strip import strip as strip
-from .convert.babyrobot.reading import from_setup as from_setup
 from .convert.conversion import ConversionWarning as ConversionWarning
 from .convert.registration import register_babyrobot as register_babyrobot
+from .convert.setups import from_setup as from_setup
 from .editor.hosts.notebook import edit as edit
 from .envs.engine.rollout import Rollout as Rollout
 from .envs.engine.rollout import rollout as rollout

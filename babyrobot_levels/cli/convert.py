@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import typer
 
@@ -33,8 +33,10 @@ from babyrobot_levels.cli.parallel import working
 from babyrobot_levels.cli.pictures import PictureOptions, picture
 from babyrobot_levels.cli.reporting import read_path, shown_name
 from babyrobot_levels.cli.schema import schema_for
+from babyrobot_levels.convert.formats import FORMATS, guess
 from babyrobot_levels.text.diagnostics import one_line
 from babyrobot_levels.text.source import SourceFile
+from babyrobot_levels.text.words import listed
 
 if TYPE_CHECKING:
     from babyrobot_levels.convert.conversion import Lost, World
@@ -43,16 +45,22 @@ MAX_REPORTED = 40
 """The largest number of losses that are reported."""
 
 
-class WorldFormat(StrEnum):
-    """Formats of other programs."""
+PICTURES = ("png", "svg")
+"""The formats of pictures that levels are exported to."""
 
-    BABYROBOT = "babyrobot"
-    FROZEN_LAKE = "frozen-lake"
-    MAZE_MAP = "maze-map"
-    MAZE_DATASET = "maze-dataset"
-    MINIGRID = "minigrid"
-    SOKOBAN = "sokoban"
-    TILED = "tiled"
+WRITTEN = (*(name for name, each in FORMATS.items() if each.is_written), *PICTURES)
+"""The formats that levels are exported to."""
+
+_SUFFIXES = {suffix: name for name, each in FORMATS.items() for suffix in each.written_suffixes} | {
+    f".{name}": name for name in PICTURES
+}
+
+if TYPE_CHECKING:
+    WorldFormat: TypeAlias = str
+    ExportFormat: TypeAlias = str
+else:
+    WorldFormat = StrEnum("WorldFormat", [(name, name) for name in FORMATS])
+    ExportFormat = StrEnum("ExportFormat", [(name, name) for name in WRITTEN])
 
 
 StrictOption = Annotated[
@@ -84,7 +92,7 @@ def import_level(
         typer.Option(
             "--from",
             metavar="FORMAT",
-            help=f"Format of the file: {', '.join(WorldFormat)}.  [default: detected]",
+            help=f"Format of the file: {', '.join(FORMATS)}.  [default: detected]",
             show_default=False,
         ),
     ] = None,
@@ -121,10 +129,8 @@ def import_level(
 ) -> None:
     """Convert a file or an environment of another program to a level file.
 
-    Reads setups of PyPI babyrobot, FrozenLake maps, Gymnasium-Robotics' maze maps, maze-dataset's
-    ASCII, MiniGrid's text, Sokoban maps (# and blanks), and Tiled's JSON. With the package
-    `minigrid` it also makes and resets an environment of MiniGrid and reads its grid. What a level
-    cannot express is reported on standard error.
+    Reads FORMATS. With the package `minigrid` it also makes and resets an environment of MiniGrid
+    and reads its grid. What a level cannot express is reported on standard error.
 
     Examples:
 
@@ -138,8 +144,7 @@ def import_level(
 
       babyrobot import --from minigrid MiniGrid-DoorKey-8x8-v0 --seed 3 -o door-key.yaml
     """
-    from babyrobot_levels.convert.conversion import ConversionError
-    from babyrobot_levels.convert.formats import file_text
+    from babyrobot_levels.convert.conversion import ConversionError, file_text
     from babyrobot_levels.language.documents import slug
 
     if name is not None and slug(name) != name:
@@ -174,6 +179,11 @@ def import_level(
         save(output, text, force=force)
 
 
+*_FIRST, _LAST = (each.texts for each in FORMATS.values())
+import_level.__doc__ = (import_level.__doc__ or "").replace(
+    "FORMATS", f"{', '.join(_FIRST)}, and {_LAST}"
+)
+
 _ENVIRONMENT = re.compile(r"([\w.]+:)?[\w./-]+-v\d+")
 
 
@@ -182,16 +192,15 @@ def _is_environment(file: Path, chosen: WorldFormat | None) -> bool:
     if not _ENVIRONMENT.fullmatch(str(file)) or file.exists():
         return False
     known = str(file).rpartition(":")[2].startswith(("MiniGrid-", "BabyAI-"))
-    return chosen is WorldFormat.MINIGRID or (chosen is None and known)
+    return chosen == "minigrid" or (chosen is None and known)
 
 
 def _environment(env_id: str, seed: int, kwargs: str | None, slippery: bool | None) -> World:
     """Return the world of an environment of MiniGrid."""
     from babyrobot_levels.analysis.minigrid import made_minigrid
-    from babyrobot_levels.convert.minigrids.environments import world_of_environment
+    from babyrobot_levels.convert.minigrid import world_of_environment
 
-    if slippery is not None:
-        fail(f"--slippery and --no-slippery are for FrozenLake maps, not for {env_id}")
+    _check_slippery(slippery, (), env_id)
     env = made_minigrid(env_id, seed, None if kwargs is None else json_mapping(kwargs))
     try:
         return world_of_environment(env, env_id, seed)
@@ -213,7 +222,16 @@ def _converted(
             "for example `babyrobot import MiniGrid-DoorKey-8x8-v0 --seed 3`",
         )
     source = _source(file)
-    return _world(source, world_format or _guessed(source), slippery, file.parent)
+    name = world_format or _guessed(source)
+    _check_slippery(slippery, FORMATS[name].keywords, name)
+    return FORMATS[name].read(source, slippery=slippery, folder=file.parent)
+
+
+def _check_slippery(slippery: bool | None, keywords: Sequence[str], name: str) -> None:
+    """Refuse --slippery where it means nothing."""
+    if slippery is not None and "slippery" not in keywords:
+        known = listed([each.texts for each in FORMATS.values() if "slippery" in each.keywords])
+        fail(f"--slippery and --no-slippery are for {known}, not for {name}")
 
 
 def _source(file: Path) -> SourceFile:
@@ -232,8 +250,7 @@ def _source(file: Path) -> SourceFile:
         raise LevelError([diagnostic]) from None
 
 
-def _guessed(source: SourceFile) -> WorldFormat:
-    from babyrobot_levels.convert.formats import FORMATS, guess
+def _guessed(source: SourceFile) -> str:
     from babyrobot_levels.text.files import SUFFIXES
 
     if source.name.lower().endswith(SUFFIXES):
@@ -243,7 +260,7 @@ def _guessed(source: SourceFile) -> WorldFormat:
         )
     found = guess(source)
     if not found:
-        known = ", ".join(WorldFormat)
+        known = ", ".join(FORMATS)
         fail(f"the format of {source.name} is unknown", f"add --from with one of {known}")
     if len(found) > 1:
         titles = " or a ".join(FORMATS[each].title for each in found)
@@ -251,38 +268,7 @@ def _guessed(source: SourceFile) -> WorldFormat:
             f"{source.name} may be a {titles}",
             "add " + " or ".join(f"--from {each}" for each in found),
         )
-    return WorldFormat(found[0])
-
-
-def _world(source: SourceFile, chosen: WorldFormat, slippery: bool | None, folder: Path) -> World:
-    from babyrobot_levels.convert.formats import FORMATS
-    from babyrobot_levels.convert.frozen_lake import read_frozen_lake
-    from babyrobot_levels.convert.tiled.reading import read_tiled
-
-    if chosen is WorldFormat.FROZEN_LAKE:
-        return read_frozen_lake(source, is_slippery=slippery is not False)
-    if slippery is not None:
-        fail(f"--slippery and --no-slippery are for FrozenLake maps, not for {chosen}")
-    if chosen is WorldFormat.TILED:
-        return read_tiled(source, folder)
-    return FORMATS[chosen].read(source)
-
-
-class ExportFormat(StrEnum):
-    """Formats that levels are exported to."""
-
-    BABYROBOT = WorldFormat.BABYROBOT
-    FROZEN_LAKE = WorldFormat.FROZEN_LAKE
-    MAZE_MAP = WorldFormat.MAZE_MAP
-    MAZE_DATASET = WorldFormat.MAZE_DATASET
-    MINIGRID = WorldFormat.MINIGRID
-    SOKOBAN = WorldFormat.SOKOBAN
-    TILED = WorldFormat.TILED
-    PNG = "png"
-    SVG = "svg"
-
-
-_SUFFIXES = {".tmj": ExportFormat.TILED, ".png": ExportFormat.PNG, ".svg": ExportFormat.SVG}
+    return found[0]
 
 
 def export_level(
@@ -292,8 +278,8 @@ def export_level(
         typer.Option(
             "--to",
             metavar="FORMAT",
-            help=f"Output format: {', '.join(ExportFormat)}.  "
-            "[default: by the suffix of the file, .tmj, .png or .svg]",
+            help=f"Output format: {', '.join(WRITTEN)}.  "
+            f"[default: by the suffix of the file, {listed([*_SUFFIXES], 'or')}]",
             show_default=False,
         ),
     ] = None,
@@ -308,8 +294,6 @@ def export_level(
 
     Examples:
 
-      babyrobot export final-maze --to babyrobot
-
       babyrobot export frozen-lake --to frozen-lake -o lake.json
 
       babyrobot export glass-wall -o glass-wall.tmj
@@ -320,20 +304,19 @@ def export_level(
     loaded = with_seed(load_level(level), maze_seed)
     made: str | bytes
     beside: Mapping[str, bytes] = {}
-    if chosen in (ExportFormat.PNG, ExportFormat.SVG):
+    if chosen in PICTURES:
         with working("drawing") as report:
             made = picture(loaded, PictureOptions(), report, kind=chosen)
     else:
-        from babyrobot_levels.convert.formats import export
+        from babyrobot_levels.convert.exporting import export
 
-        conversion = export(loaded, chosen.value)
+        conversion = export(loaded, chosen)
         report_losses(conversion.warnings, strict=strict)
         made, beside = conversion.text, conversion.beside
     if output is not None:
         for name, data in beside.items():
             save(output.parent / name, data, force=force)
-        is_picture = chosen in (ExportFormat.PNG, ExportFormat.SVG)
-        save(output, made, force=None if is_picture else force)
+        save(output, made, force=None if chosen in PICTURES else force)
         return
     for name in beside:
         note(f"note: {name}, the picture of the tiles, is only written with -o FILE")
@@ -345,8 +328,8 @@ def export_level(
         sys.stdout.buffer.write(made)
 
 
-def _by_suffix(output: Path | None) -> ExportFormat:
+def _by_suffix(output: Path | None) -> str:
     suffix = output.suffix.lower() if output is not None else ""
     if suffix not in _SUFFIXES:
-        fail("the output format is missing", f"add --to with one of {', '.join(ExportFormat)}")
+        fail("the output format is missing", f"add --to with one of {', '.join(WRITTEN)}")
     return _SUFFIXES[suffix]

@@ -1,7 +1,8 @@
-"""Formats whose walls fill whole cells: maze_map, Sokoban, and maze-dataset's lattices.
+"""Formats whose walls fill whole cells: maze_map, Sokoban, MiniGrid, and maze-dataset's lattices.
 
 - `maze-map`: the `maze_map` of Gymnasium-Robotics, rows of 0, 1, "r", "g" and "c".
 - `sokoban`: maps of `#` and blanks, as Sokoban and many small programs have them.
+- `minigrid`: MiniGrid's text, two characters a cell, as `pprint_grid` prints it.
 - `maze-dataset`: mazes in ASCII, as `as_ascii` draws them. These blocks are walls between cells.
 """
 
@@ -24,6 +25,7 @@ from babyrobot_levels.convert.blocks import (
     lost_areas,
     marked,
     only_first,
+    place_of,
     replaced,
     text_rows,
     translated,
@@ -31,6 +33,7 @@ from babyrobot_levels.convert.blocks import (
     without_surroundings,
 )
 from babyrobot_levels.convert.conversion import (
+    Codec,
     Conversion,
     ConversionError,
     Lost,
@@ -38,15 +41,16 @@ from babyrobot_levels.convert.conversion import (
     fields_lost,
     shown,
 )
-from babyrobot_levels.convert.data import read_data, sequence
+from babyrobot_levels.convert.data import letters_in, read_data, sequence
+from babyrobot_levels.convert.minigrid_grids import LAVA, Cell, Object, Snapshot, moved, world_of
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.moves import Rewards
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
 from babyrobot_levels.text.source import SourceFile
 
-SPARSE_REWARDS = Rewards(step=0, exit=1)
-"""The rewards of Gymnasium-Robotics' sparse tasks."""
+GOAL_REWARDS = Rewards(step=0, exit=1)
+"""The rewards of Gymnasium-Robotics' sparse tasks, and of MiniGrid's goals."""
 
 _OTHER_TASK = "their cells are free, so the level is a different MDP"
 
@@ -104,11 +108,17 @@ def _with_ends(rows: Rows, lost: list[Lost]) -> Rows:
 def write_maze_map(level: Level) -> Conversion:
     """Return a level as a list of rows that is JSON and a Python literal at once."""
     ends = f"{_MAZE_MAP} has no cells that end the episode but goals"
-    rows, lost = block_map(level, _MAZE_MAP, SPARSE_REWARDS, ends=ends, many="SE")
+    rows, lost = block_map(level, _MAZE_MAP, GOAL_REWARDS, ends=ends, many="SE")
     values = {cell: value for value, cell in _VALUES.items()}
     lines = ",\n  ".join(json.dumps([values[cell] for cell in row]) for row in rows)
     return Conversion(f"[\n  {lines}\n]\n", tuple(lost))
 
+
+MAZE_MAP = Codec(
+    read_maze_map,
+    write_maze_map,
+    holds=lambda data: set() < letters_in(data) <= set(map(str, _VALUES)),
+)
 
 # -- sokoban ---------------------------------------------------------------------------------
 
@@ -192,6 +202,14 @@ def write_sokoban(level: Level) -> Conversion:
     return Conversion("\n".join(row.translate(marks) for row in rows) + "\n", tuple(lost))
 
 
+def _is_sokoban(source: SourceFile, letters: set[str]) -> bool:
+    # Letters of a start alone are a lake, and a path from S to E is in mazes only.
+    is_maze = letters >= {"S", "E", _PATH} and _is_maze(source, letters)
+    return letters - {"S", " "} != set() and letters <= _SOKOBAN_CELLS.keys() and not is_maze
+
+
+SOKOBAN = Codec(read_sokoban, write_sokoban, draws=_is_sokoban)
+
 # -- maze-dataset ----------------------------------------------------------------------------
 
 _DATASET = "a maze of maze-dataset"
@@ -269,3 +287,82 @@ def write_maze_dataset(level: Level) -> Conversion:
         lost.append(Lost("exit", "the level has none, and a maze there has one"))
     rows = tuple(row.replace(ENDS, d.PLAIN).replace(d.BLOCKED, d.PLAIN) for row in rows)
     return Conversion("\n".join(as_blocks(grid, rows, lattice=True)) + "\n", tuple(lost))
+
+
+def _is_maze(source: SourceFile, letters: set[str]) -> bool:
+    if not letters <= _DATASET_CELLS.keys():
+        return False
+    lines = (line.replace("S", "E").replace(_PATH, " ") for line in text_rows(source))
+    return is_lattice(tuple(lines))
+
+
+MAZE_DATASET = Codec(read_maze_dataset, write_maze_dataset, draws=_is_maze)
+
+# -- minigrid --------------------------------------------------------------------------------
+
+_AGENTS = {">>": "E", "VV": "S", "<<": "W", "^^": "N"}
+_MINIGRID_CELLS = {"W": d.BLOCKED, "G": d.EXIT, "V": LAVA, "F": d.PLAIN}
+_OBJECTS = {"D": "door", "L": "door", "K": "key", "A": "ball", "B": "box"}
+_DOORS = {"D": "closed", "L": "locked"}
+_OBJECT_COLORS = {"R": "red", "G": "green", "B": "blue", "P": "purple", "Y": "yellow"}
+"""G is grey as well: the text has one letter for both."""
+
+_MINIGRID_HELP = (
+    "two characters a cell: WG wall, GG goal, VR lava, `>>` the agent, two blanks free; "
+    "F, D, L, K, A and B with a colour are floor, doors, locked doors, keys, balls and boxes"
+)
+
+
+def read_minigrid(source: SourceFile) -> World:
+    """Return the world of a MiniGrid text: its walls are blocked cells."""
+    rows: list[str] = []
+    objects: list[Object] = []
+    agents: dict[Cell, str] = {}
+    floor = False
+    for y, line in enumerate(text_rows(source)):
+        pairs = [line[x : x + 2].ljust(2) for x in range(0, len(line), 2)]
+        marks = [d.PLAIN] * len(pairs)
+        for x, pair in enumerate(pairs):
+            kind, color = pair[0], pair[1]
+            if pair in _AGENTS:
+                agents[x, y] = _AGENTS[pair]
+            elif pair == "__":
+                # An open door has no colour.
+                objects.append(Object("door", "grey", (x, y), "open"))
+            elif kind in _OBJECTS and color in _OBJECT_COLORS:
+                state = _DOORS.get(kind, "")
+                objects.append(Object(_OBJECTS[kind], _OBJECT_COLORS[color], (x, y), state))
+            elif kind in _MINIGRID_CELLS and color in _OBJECT_COLORS:
+                marks[x] = _MINIGRID_CELLS[kind]
+                floor |= kind == "F"
+            elif pair != "  ":
+                message = f"unknown cell `{pair}`"
+                raise ConversionError.at(
+                    source, place_of(source, 2 * x, y), message, _MINIGRID_HELP
+                )
+        rows.append("".join(marks))
+    whole = without_surroundings(replaced(tuple(rows), agents, d.START))
+    inner = without_ring(whole)
+    ring = int(len(inner) < len(whole))
+    heading = next(iter(agents.values()), "E")
+    found = Snapshot(whole, tuple(objects), tuple(agents), heading, floor=floor)
+    return world_of(moved(found, inner, ring, ring), "A text of MiniGrid's pprint_grid.")
+
+
+def write_minigrid(level: Level) -> Conversion:
+    """Return a level as a MiniGrid text, with a ring of walls."""
+    carried = frozenset({"heading"})
+    rows, lost = block_map(
+        level, "a MiniGrid text", GOAL_REWARDS, ends=None, many="E", carried=carried
+    )
+    agent = next(pair for pair, heading in _AGENTS.items() if heading == level.heading)
+    pairs = {d.BLOCKED: "WG", d.PLAIN: "  ", d.START: agent, d.EXIT: "GG", ENDS: "VR"}
+    text = "\n".join("".join(map(pairs.__getitem__, row)) for row in rows)
+    return Conversion(f"{text}\n", tuple(lost))
+
+
+MINIGRID = Codec(
+    read_minigrid,
+    write_minigrid,
+    draws=lambda source, letters: "WG" in source.text and letters <= set("WGVFDLKABRPY><^_ "),
+)

@@ -1,11 +1,11 @@
-"""Worlds whose walls fill whole cells, from and to the language's walls between cells.
+"""Worlds whose walls fill whole cells, from and to the language's walls between cells; edges.
 
-A cell is a character, as in a drawing of the language, or `ENDS`.
+A cell is a character, as in a drawing of the language, or `ENDS`. An edge lies between two cells.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from babyrobot_levels.convert.conversion import ConversionError, Lost, fields_lost
@@ -13,6 +13,7 @@ from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import MAX_SIZE, SIDES
 from babyrobot_levels.language.fields import Role, fields_with
 from babyrobot_levels.language.geometry import painted
+from babyrobot_levels.language.runs import consecutive
 from babyrobot_levels.mdp.grid import BIT, Grid, neighbour
 from babyrobot_levels.text.source import Position, SourceFile
 
@@ -282,3 +283,39 @@ def lost_areas(level: Level, ends: str | None, *, hole: float | None = None) -> 
     rewards = ((area, step if area.reward is None else area.reward) for area in level.areas)
     if any(reward != (hole if area.ends else step) for area, reward in rewards):
         yield Lost("areas.reward", "the map has no areas")
+
+
+# -- walls between cells ---------------------------------------------------------------------
+
+Edge = tuple[int, int, str]
+"""The cell to the west or to the north of an edge, and its side there: `E` or `S`.
+
+The outer wall's western and northern edges have x or y -1.
+"""
+
+
+def edge_of(x: int, y: int, side: str) -> Edge:
+    """Return the edge at a side of a cell."""
+    if side == "N":
+        return (x, y - 1, "S")
+    return (x - 1, y, "E") if side == "W" else (x, y, side)
+
+
+def is_inner(x: int, y: int, side: str, width: int, height: int) -> bool:
+    """Return whether an edge lies between two cells of the grid."""
+    return x >= 0 and y >= 0 and (x < width - 1 if side == "E" else y < height - 1)
+
+
+def edge_runs(edges: Mapping[Edge, dict[str, Any]]) -> Iterator[tuple[Edge, int, dict[str, Any]]]:
+    """Yield for each run of equal edges in a line its first edge, its length and its properties."""
+
+    def line(edge: Edge) -> tuple[str, int, int]:
+        x, y, side = edge
+        return (side, x, y) if side == "E" else (side, y, x)
+
+    def position(edge: Edge) -> tuple[Any, int]:
+        side, across, along = line(edge)
+        return (side, across, edges[edge]), along
+
+    for run in consecutive(sorted(edges, key=line), position):
+        yield run[0], len(run), edges[run[0]]

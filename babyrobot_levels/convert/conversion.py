@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.suites.checking import errors_of
 from babyrobot_levels.text.diagnostics import one_line
+from babyrobot_levels.text.emitter import emit_field
 from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.files import source_of
 from babyrobot_levels.text.source import Position, SourceFile, Span
 
 _NOT_LOST = frozenset({"version", "name", "map", "legend"})
@@ -109,6 +112,27 @@ class Conversion:
     beside: Mapping[str, bytes] = field(default_factory=dict)
 
 
+def _never(*_: Any) -> bool:
+    return False
+
+
+@dataclass(frozen=True, slots=True)
+class Codec:
+    """How the texts of a format are read, written and recognised.
+
+    Attributes:
+        read: returns the world of a text; it may take keywords, which the format names.
+        write: returns a level as a text; None if levels are not written.
+        draws: whether a text, with these characters beside line ends, is a map that is drawn.
+        holds: whether data in JSON, or in a Python literal, is a world.
+    """
+
+    read: Callable[..., World]
+    write: Callable[[Level], Conversion] | None = None
+    draws: Callable[[SourceFile, set[str]], bool] = _never
+    holds: Callable[[Any], bool] = _never
+
+
 def level_of(world: World, *, name: str | None = None, stacklevel: int = 1) -> Level:
     """Return the level of a world, with a `ConversionWarning` for each thing that is not kept.
 
@@ -123,6 +147,52 @@ def level_of(world: World, *, name: str | None = None, stacklevel: int = 1) -> L
     for lost in world.lost:
         warnings.warn(str(lost), ConversionWarning, stacklevel=stacklevel + 1)
     return Level.from_fields(world.fields, name=name)
+
+
+def file_text(world: World, *, schema: str | None, name: str | None, title: str) -> str:
+    """Return the text of a level file.
+
+    Args:
+        world: its content.
+        schema: where editors find the JSON schema, for the file's first line; None for no line.
+        name: the level's name, None to use that of the file.
+        title: the level's title, if the world has none.
+
+    Raises:
+        ConversionError: the world is too large for a file.
+        LevelError: it is not a valid level.
+    """
+    fields = {"version": 1, **({"name": name} if name else {}), "title": title, **world.fields}
+    if name:
+        fields["name"] = name
+    lines = [f"# yaml-language-server: $schema={schema}\n"] if schema else []
+    lines.append(f"# {world.origin}\n")
+    for key, value in fields.items():
+        if key in world.comments:
+            lines.append(f"# {world.comments[key]}\n")
+        lines.append(emit_field(key, value))
+    return _tidy("".join(lines))
+
+
+def _tidy(text: str) -> str:
+    """Return a level's text as `babyrobot lint --fix` and `babyrobot format` leave it."""
+    # Here, because exporting does not need the linter.
+    from babyrobot_levels.language.formatting.formatter import format_source
+    from babyrobot_levels.linter.fixer import fix
+    from babyrobot_levels.linter.registry import select
+
+    try:
+        source = source_of(text.encode("utf-8"), "<imported>")
+    except LevelError as error:
+        raise ConversionError(
+            f"the level would be too large for one file: {error.diagnostics[0].message}",
+            "a drawing takes eight characters a cell, so it has room for some 360 by 360 cells",
+        ) from None
+    errors = errors_of(source)
+    if errors:
+        raise ConversionError("this is not a valid level:\n" + "\n".join(map(str, errors[:5])))
+    fixed = fix(source, select(None)).text
+    return format_source(SourceFile(source.name, fixed)).text
 
 
 def fields_lost(level: Level, carried: frozenset[str], place: str) -> Iterator[Lost]:

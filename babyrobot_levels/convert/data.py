@@ -115,6 +115,14 @@ def _raise_farther(
     raise ConversionError.at(source, python, f"invalid Python literal ({error.msg})") from None
 
 
+def letters_in(data: Any) -> set[str]:
+    """Return what the rows of a map in a list hold, as texts; nothing if data is no such map."""
+    if not isinstance(data, list | tuple):
+        return set()
+    cells = [cell for row in data if isinstance(row, list | tuple | str) for cell in row]
+    return {cell.decode("latin-1") if isinstance(cell, bytes) else str(cell) for cell in cells}
+
+
 # -- checked values --------------------------------------------------------------------------
 
 

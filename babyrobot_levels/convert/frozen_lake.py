@@ -18,6 +18,7 @@ from babyrobot_levels.convert.blocks import (
     translated,
 )
 from babyrobot_levels.convert.conversion import (
+    Codec,
     Conversion,
     ConversionError,
     Lost,
@@ -26,6 +27,7 @@ from babyrobot_levels.convert.conversion import (
     shown,
 )
 from babyrobot_levels.convert.data import (
+    letters_in,
     looks_like_data,
     number,
     probability,
@@ -59,13 +61,14 @@ MAPS = {
 _KNOWN = "S start, F frozen, H hole, G goal"
 
 
-def read_frozen_lake(source: SourceFile, *, is_slippery: bool = True) -> World:
+def read_frozen_lake(source: SourceFile, *, slippery: bool | None = None) -> World:
     """Return the world of a map: lines of letters, a list of them, or FrozenLake's keywords.
 
     Args:
         source: the text.
-        is_slippery: whether it is slippery, if the text has no `is_slippery`.
+        slippery: whether it is slippery, if the text has no `is_slippery`; by default, it is.
     """
+    is_slippery = slippery is not False
     if not looks_like_data(source.text):
         rows = [row.strip() for row in text_rows(source)]
         return _world(source, rows, {"is_slippery": is_slippery})
@@ -179,3 +182,19 @@ def _hole_reward(level: Level) -> float:
     step = level.rewards.step
     rewards = {step if a.reward is None else a.reward for a in level.areas if a.ends}
     return rewards.pop() if len(rewards) == 1 else step
+
+
+# -- what is a map ---------------------------------------------------------------------------
+
+
+def _is_drawn(_: SourceFile, letters: set[str]) -> bool:
+    return letters <= {*LETTERS, " ", "\t"}
+
+
+def _is_map(data: Any) -> bool:
+    if isinstance(data, dict):
+        return bool(data.keys() & KEYWORDS)
+    return isinstance(data, list | tuple) and bool(data) and letters_in(data) <= LETTERS.keys()
+
+
+CODEC = Codec(read_frozen_lake, write_frozen_lake, draws=_is_drawn, holds=_is_map)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from babyrobot_levels.convert.babyrobot.reading import from_setup
+from babyrobot_levels.convert.setups import from_setup
 from babyrobot_levels.envs.single import LevelEnv
 
 if TYPE_CHECKING:

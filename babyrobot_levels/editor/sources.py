@@ -7,9 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.convert.formats import FORMATS, file_text, guess
-from babyrobot_levels.convert.tiled.reading import is_tiled
+from babyrobot_levels.convert.conversion import ConversionError, file_text
+from babyrobot_levels.convert.formats import FORMATS, guess
 from babyrobot_levels.editor.changes.draft import RefusedError
 from babyrobot_levels.editor.edited_file import EditedFile
 from babyrobot_levels.editor.session import Session
@@ -147,7 +146,8 @@ def _is_level(source: SourceFile) -> bool:
         data = read(source).data
     except LevelError:
         return source.text.lstrip().startswith(("version:", "#"))
-    return isinstance(data, Mapping) and "version" in data and not is_tiled(data)
+    # Maps of Tiled have a version as well.
+    return isinstance(data, Mapping) and "version" in data and "layers" not in data
 
 
 def sentence(error: LevelError) -> str:

@@ -10,7 +10,7 @@ from support.minigrids import MiniGridEnv, recorded
 
 from babyrobot_levels.analysis.certificate import ComparisonError
 from babyrobot_levels.analysis.compare import compare
-from babyrobot_levels.convert.minigrids.environments import world_of_environment
+from babyrobot_levels.convert.minigrid import world_of_environment
 from babyrobot_levels.library.level import Level
 
 GAP = "MiniGrid-LavaGapS5-v0"

@@ -12,7 +12,8 @@ from support.conversions import level_of_world, lost_fields, world_of
 
 import babyrobot_levels as brl
 from babyrobot_levels.convert.conversion import ConversionError
-from babyrobot_levels.convert.formats import export, guess
+from babyrobot_levels.convert.exporting import export
+from babyrobot_levels.convert.formats import guess
 from babyrobot_levels.convert.frozen_lake import read_frozen_lake
 from babyrobot_levels.text.source import SourceFile
 
@@ -33,7 +34,7 @@ def environment(**keywords: Any) -> Any:
 @pytest.mark.parametrize("name", LAKES)
 def test_a_map_has_the_tables_of_gymnasium(name: str, is_slippery: bool) -> None:
     text = "\n".join(LAKES[name])
-    world = read_frozen_lake(SourceFile("lake", text), is_slippery=is_slippery)
+    world = read_frozen_lake(SourceFile("lake", text), slippery=is_slippery)
     env = environment(desc=LAKES[name], is_slippery=is_slippery)
     certificate = brl.compare(level_of_world(world), env)
     assert certificate.difference is None

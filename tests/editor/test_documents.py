@@ -106,6 +106,7 @@ def test_a_theme_in_a_file_of_its_own_goes_with_a_copy(tmp_path: Path) -> None:
         (TEXT, brl.loads(TEXT)),
         ("{version: 1, size: [4, 3]}", brl.loads("{version: 1, size: [4, 3]}")),
         ("SFFF\nFHFH\nFFFH\nHFFG\n", brl.load("frozen-lake")),
+        ("{'width': 8}", brl.from_setup({"width": 8})),
     ],
 )
 def test_another_level_is_opened_as_one_step(source: str, expected: brl.Level) -> None:
@@ -119,9 +120,9 @@ def test_another_level_is_opened_as_one_step(source: str, expected: brl.Level) -
     assert session.text == before
 
 
-@pytest.mark.parametrize("name", ["maze-map", "maze-dataset", "minigrid", "sokoban", "babyrobot"])
+@pytest.mark.parametrize("name", ["maze-map", "maze-dataset", "minigrid", "sokoban"])
 def test_what_is_exported_can_be_pasted(name: str) -> None:
-    from babyrobot_levels.convert.formats import export
+    from babyrobot_levels.convert.exporting import export
 
     text = export(brl.load("maze"), name).text
     session = session_of(None)

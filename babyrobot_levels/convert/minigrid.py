@@ -8,13 +8,14 @@ from typing import Any
 from babyrobot_levels.analysis.certificate import ComparisonError
 from babyrobot_levels.analysis.minigrid import DIRECTIONS, made_minigrid
 from babyrobot_levels.convert.conversion import ConversionError, World, level_of
-from babyrobot_levels.convert.minigrids.levels import cropped, world_of
-from babyrobot_levels.convert.minigrids.snapshot import (
+from babyrobot_levels.convert.minigrid_grids import (
     LAVA,
     Cell,
     Object,
     Snapshot,
     Task,
+    cropped,
+    world_of,
 )
 from babyrobot_levels.language import drawing as d
 from babyrobot_levels.language.base import SIDES

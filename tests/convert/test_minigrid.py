@@ -10,10 +10,9 @@ from support.conversions import level_of_world, lost_fields, sample
 from support.minigrids import recorded
 
 import babyrobot_levels as brl
-from babyrobot_levels.convert.conversion import ConversionError, World
-from babyrobot_levels.convert.formats import file_text
-from babyrobot_levels.convert.minigrids import environments
-from babyrobot_levels.convert.minigrids.environments import from_minigrid, world_of_environment
+from babyrobot_levels.convert import minigrid
+from babyrobot_levels.convert.conversion import ConversionError, World, file_text
+from babyrobot_levels.convert.minigrid import from_minigrid, world_of_environment
 from babyrobot_levels.library.level import Level
 
 REFUSED = {
@@ -82,7 +81,7 @@ version: 1
 title: MiniGrid-DoorKey-8x8, seed 3
 description: Use the key to open the door and then get to the goal.
 """
-        f'source: "{environments.SOURCE}"\n'
+        f'source: "{minigrid.SOURCE}"\n'
         """\
 map: |
   +---+---+---+---+---+---+
@@ -185,7 +184,7 @@ def test_a_level_in_one_call(monkeypatch: pytest.MonkeyPatch) -> None:
         calls.append(arguments)
         return recorded("MiniGrid-DoorKey-8x8-v0")
 
-    monkeypatch.setattr(environments, "made_minigrid", made)
+    monkeypatch.setattr(minigrid, "made_minigrid", made)
     with pytest.warns(brl.ConversionWarning) as caught:
         level = from_minigrid("MiniGrid-DoorKey-8x8-v0", seed=3, kwargs={"size": 8})
     assert calls == [("MiniGrid-DoorKey-8x8-v0", 3, {"size": 8})]

@@ -1,12 +1,12 @@
-"""Setups to levels: `from_setup` and what it reads, keyword by keyword."""
+"""Keyword setups of PyPI babyrobot 1.0.40 as levels, with the MDP that the package plays."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from babyrobot_levels.convert.babyrobot.toggles import maze_edges, toggle
 from babyrobot_levels.convert.conversion import (
+    Codec,
     ConversionError,
     Lost,
     World,
@@ -20,12 +20,15 @@ from babyrobot_levels.convert.data import (
     mapping,
     number,
     probability,
+    read_data,
     sequence,
     truncated,
 )
+from babyrobot_levels.convert.setup_walls import maze_edges, toggle
 from babyrobot_levels.language.base import MAX_SIZE
 from babyrobot_levels.language.plain_data import plain
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.source import SourceFile
 from babyrobot_levels.text.words import did_you_mean
 
 Cell = tuple[int, int]
@@ -35,7 +38,7 @@ MAX_BLOCKED = 2_000_000
 """More than the largest grid has cells."""
 
 NO_EXIT = (-1, -1)
-"""An unreachable `end`: how a level without an exit is exported."""
+"""An `end` that cannot be reached: how a setup says that there is no exit."""
 
 THEMES = frozenset({"black_orange", "blue_green", "green"})
 """The themes that the package and the language both have."""
@@ -416,3 +419,17 @@ def _with_blocked_color(colors: Iterable[Any], theme: Any, lost: list[Lost]) -> 
         return theme
     theme = dict(theme or {})
     return {"colors": {**theme.pop("colors", {}), "blocked": first}, **theme}
+
+
+# -- texts -----------------------------------------------------------------------------------
+
+
+def _read(source: SourceFile) -> World:
+    return read_setup(mapping(read_data(source), "the setup"))
+
+
+def _is_setup(data: Any) -> bool:
+    return isinstance(data, dict) and (not data or bool(data.keys() & KEYWORDS))
+
+
+CODEC = Codec(_read, holds=_is_setup)

@@ -1,17 +1,25 @@
-"""Levels to maps of Tiled."""
+"""Levels to maps of Tiled, in JSON (`.tmj`), as its editor and its command line write them.
+
+Starts, exits, puddles and blocked cells are tiles, identified by their class; walls between cells
+are polylines of an object layer. All other fields are custom properties of the map, written as in a
+level file.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import Any
 
-from babyrobot_levels.convert.conversion import Conversion, Lost
-from babyrobot_levels.convert.edges import Edge, edge_runs, free_edges, wall_at, wall_looks
-from babyrobot_levels.convert.tiled.reading import SPATIAL, TEXTS
-from babyrobot_levels.convert.tiled.tiles import CLASSES
+from babyrobot_levels.convert.blocks import Edge, edge_of, edge_runs, is_inner
+from babyrobot_levels.convert.conversion import Codec, Conversion, Lost
+from babyrobot_levels.convert.tiled_reading import SPATIAL, TEXTS, is_tiled, read_tiled
+from babyrobot_levels.convert.tiled_tiles import CLASSES
+from babyrobot_levels.language.fields import LevelFields
 from babyrobot_levels.language.plain_data import plain
+from babyrobot_levels.language.walls import sides_of
 from babyrobot_levels.library.level import Level
+from babyrobot_levels.mdp.grid import BIT, Grid
 from babyrobot_levels.render.colors import rgba
 from babyrobot_levels.render.raster import to_png
 from babyrobot_levels.render.scene.build import build_scene
@@ -38,11 +46,11 @@ def write_tiled(level: Level) -> Conversion:
     ends = dict.fromkeys(exits, "exit") | dict.fromkeys(level.starts, "start")
     walls = {
         edge: {"pass": glass} if glass else {}
-        for edge in free_edges(grid)
-        if (glass := wall_at(grid, edge)) is not None
+        for edge in _free_edges(grid)
+        if (glass := _wall_at(grid, edge)) is not None
     }
-    for edge, look in wall_looks(level).items():
-        is_outer = edge not in walls and _is_outer(edge, level.size)
+    for edge, look in _wall_looks(level).items():
+        is_outer = edge not in walls and not is_inner(*edge, *level.size)
         if edge in walls or is_outer:
             walls[edge] = walls.get(edge, {}) | look
     layers = [
@@ -74,9 +82,33 @@ def write_tiled(level: Level) -> Conversion:
     return Conversion(dumped(data) + "\n", lost, {image: _picture(level)})
 
 
-def _is_outer(edge: Edge, size: tuple[int, int]) -> bool:
+def _free_edges(grid: Grid) -> Iterator[Edge]:
+    """Yield the edges between two cells of which none is blocked."""
+    for cell, blocked in enumerate(grid.blocked_cells):
+        y, x = divmod(cell, grid.width)
+        for side in ("E", "S"):
+            other = grid.neighbour(cell, side)
+            if other is not None and not blocked and not grid.blocked_cells[other]:
+                yield x, y, side
+
+
+def _wall_at(grid: Grid, edge: Edge) -> float | None:
+    """Return the `pass` probability of the wall at an edge, None if there is no wall."""
     x, y, side = edge
-    return x < 0 or y < 0 or (x == size[0] - 1 if side == "E" else y == size[1] - 1)
+    cell = y * grid.width + x
+    return grid.glass.get((cell, side), 0.0) if grid.wall_bits[cell] & BIT[side] else None
+
+
+def _wall_looks(level: LevelFields) -> dict[Edge, dict[str, Any]]:
+    """Return the color, width and fit of the walls that have their own."""
+    looks: dict[Edge, dict[str, Any]] = {}
+    for wall in level.walls:
+        given: dict[str, Any] = {} if wall.color is None else {"color": wall.color}
+        given |= {} if wall.width is None else {"width": wall.width}
+        given |= {"fit": True} if wall.fit else {}
+        for x, y in sides_of(wall) if given else ():
+            looks.setdefault(edge_of(x, y, wall.side), {}).update(given)
+    return looks
 
 
 def _tile_layer(
@@ -191,3 +223,6 @@ def dumped(value: Any, indent: str = "") -> str:
         rows = [inner + dumped(each, inner) for each in value]
         return "[\n" + ",\n".join(rows) + f"\n{indent}]"
     return json.dumps(value)
+
+
+CODEC = Codec(read_tiled, write_tiled, holds=is_tiled)

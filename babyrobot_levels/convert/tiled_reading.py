@@ -7,10 +7,10 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+from babyrobot_levels.convert.blocks import Edge, edge_of, edge_runs
 from babyrobot_levels.convert.conversion import ConversionError, Lost, World, shown
 from babyrobot_levels.convert.data import integer, mapping, read_data, sequence
-from babyrobot_levels.convert.edges import Edge, edge_of, edge_runs
-from babyrobot_levels.convert.tiled.tiles import (
+from babyrobot_levels.convert.tiled_tiles import (
     CLASSES,
     FAR,
     MAX_TILES,

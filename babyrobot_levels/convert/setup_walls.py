@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import Any
 
+from babyrobot_levels.convert.blocks import Edge, edge_of, edge_runs, is_inner
 from babyrobot_levels.convert.conversion import ConversionError, Lost, shown
 from babyrobot_levels.convert.data import color, integers, mapping, number, probability, sequence
-from babyrobot_levels.convert.edges import Edge, edge_of, edge_runs, is_inner
 from babyrobot_levels.mdp.grid import BIT
 from babyrobot_levels.mdp.mazes import carve
 

@@ -1,0 +1,129 @@
+"""Levels in the formats of other programs, with everything that is lost."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from babyrobot_levels.analysis.compare import compare
+from babyrobot_levels.convert.conversion import Conversion, Lost
+from babyrobot_levels.convert.formats import FORMATS
+from babyrobot_levels.language.fields import Role, fields_with
+from babyrobot_levels.library.level import Level
+from babyrobot_levels.text.errors import LevelError
+from babyrobot_levels.text.source import SourceFile
+
+_LOOKS = (*fields_with(Role.TEXT, Role.LIMIT, Role.LOOK), "maze", "walls.color")
+"""Prefixes of the fields whose loss does not change the MDP."""
+
+_WALLS = ("maze", "walls", "openings")
+_TOGETHER = {
+    "walls": _WALLS,
+    "blocked": ("blocked", *_WALLS),
+    "exit_one_of": ("exit_one_of", "exit"),
+}
+"""Fields that are lost together."""
+
+_OF_AREAS = ("reward", "skid", "ends")
+"""What areas have beside looks."""
+
+
+def export(level: Level, name: str) -> Conversion:
+    """Return a level in another format.
+
+    The warnings list everything that the format cannot hold. The result is read again and its
+    tables are compared with those of the level, in which what warnings name is as in the result: a
+    difference is a warning too.
+
+    Args:
+        level: the level.
+        name: a name of `FORMATS`.
+
+    Raises:
+        LevelError: the level's maze has no seed yet (`seed: random`).
+    """
+    conversion = FORMATS[name].write(level)
+    unsaid = _unsaid(level, conversion, name)
+    if unsaid is None:
+        return conversion
+    lost = (*conversion.warnings, Lost("MDP", unsaid))
+    return Conversion(conversion.text, lost, conversion.beside)
+
+
+def _unsaid(level: Level, conversion: Conversion, name: str) -> str | None:
+    """Return a difference of a result that its warnings do not explain, None if there is none."""
+    try:
+        source = SourceFile("<exported>", conversion.text)
+        again = Level.from_fields(FORMATS[name].read(source).fields)
+        is_open = not any(getattr(level, key) for key in _WALLS)
+        told_of_walls = any(lost.field == "walls" for lost in conversion.warnings)
+        if again.size != level.size and told_of_walls and not is_open:
+            # Walls became cells. What else is lost shows without them.
+            fields = {key: each for key, each in _of_mdp(level).items() if key not in _WALLS}
+            rest = Level.from_fields(fields)
+            return _unsaid(rest, FORMATS[name].write(rest), name)
+        told = level
+        if conversion.warnings:
+            told = Level.from_fields(_as_told(level, again, conversion))
+    except LevelError:
+        # It is too large to be read, or what it comes to is not valid.
+        return None
+    if told.digest == again.digest:
+        return None
+    found = compare(told, again)
+    if found.equal and found.everywhere:
+        # Probabilities differ in their last digits only.
+        return None
+    return found.difference or "cells that no episode reaches differ"
+
+
+def _of_mdp(level: Level) -> dict[str, Any]:
+    """Return the fields of a level that its tables come from, as plain data, without a drawing."""
+    names = {*fields_with(Role.GEOMETRY, Role.DYNAMICS, Role.REWARD)} - {"map", "legend"}
+    fields = level.model_dump(by_alias=True, exclude_none=True, include=names)
+    for name, value in fields.items():
+        if isinstance(value, tuple) and value and isinstance(value[0], dict):
+            # Only what is given: a wall with `pass: 0` replaces glass, one without does not.
+            given = {"by_alias": True, "exclude_unset": True, "exclude_none": True}
+            fields[name] = tuple(each.model_dump(**given) for each in getattr(level, name))
+    if "exit_one_of" in fields:
+        del fields["exit"]
+    return {"version": 1, **fields}
+
+
+def _as_told(level: Level, again: Level, conversion: Conversion) -> dict[str, Any]:
+    """Return the fields of a level in which what warnings name is as in the result."""
+    fields, result = _of_mdp(level), _of_mdp(again)
+    for lost in conversion.warnings:
+        name, *parts = lost.field.split(".")
+        if lost.field.startswith(_LOOKS):
+            continue
+        if name == "areas":
+            _take_areas(fields, result, parts[0])
+        elif name in _TOGETHER:
+            for each in _TOGETHER[name]:
+                _take(fields, result, [each])
+        else:
+            _take(fields, result, [name, *parts])
+    return fields
+
+
+def _take(fields: dict[str, Any], result: dict[str, Any], keys: list[str]) -> None:
+    """Have the value under some keys, one inside the other, as in the result."""
+    key, *others = keys
+    inner, new = fields.get(key), result.get(key)
+    if others and isinstance(inner, dict) and isinstance(new, dict):
+        _take(inner, new, others)
+    elif new is None:
+        fields.pop(key, None)
+    else:
+        fields[key] = new
+
+
+def _take_areas(fields: dict[str, Any], result: dict[str, Any], part: str) -> None:
+    """Take a property from all areas; those that end the episode share the reward of the result."""
+    ends = [area for area in result["areas"] if area.get("ends")]
+    for area in fields["areas"]:
+        area.pop(part, None)
+        if part == "reward" and area.get("ends") and ends:
+            area.update({key: ends[0][key] for key in (part,) if key in ends[0]})
+    fields["areas"] = [area for area in fields["areas"] if not area.keys().isdisjoint(_OF_AREAS)]

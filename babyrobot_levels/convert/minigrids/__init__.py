@@ -1,1 +1,0 @@
-"""Grids of MiniGrid: its environments and its text."""
