@@ -384,7 +384,7 @@ def _both(result: Difference) -> Iterator[str]:
     from babyrobot_levels.render.page_data import bare
     from babyrobot_levels.render.scene.build import build_scene
     from babyrobot_levels.render.scene.layout import layout_of
-    from babyrobot_levels.render.scene.marks import Side, marked
+    from babyrobot_levels.render.scene.marks import MarkedSide, marked
 
     cells = {change.cell for change in cell_changes(*result.levels, None).first if change.cell}
     walls = wall_changes(*result.levels, None).first
@@ -392,7 +392,7 @@ def _both(result: Difference) -> Iterator[str]:
     for index, level in enumerate(map(bare, result.levels)):
         own = {cell for change in result.game for cell in _ends(change, index)}
         sides = [
-            Side(change.cell, change.name, (change.before, change.after)[index] != "open")
+            MarkedSide(change.cell, change.name, (change.before, change.after)[index] != "open")
             for change in walls
             if change.cell and change.name
         ]

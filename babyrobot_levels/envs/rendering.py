@@ -235,7 +235,7 @@ class Pictures:
         """Return the representations for the last line of a notebook cell."""
         if self._view is not None:
             return self._view.mimebundle()
-        from babyrobot_levels.render.notebook.bundle import (
+        from babyrobot_levels.render.notebook.html import (
             MAX_CELLS,
             level_mimebundle,
             picture_mimebundle,

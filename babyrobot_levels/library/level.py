@@ -269,7 +269,7 @@ class Level(GridWorld):
         return _saved(page, path)
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        from babyrobot_levels.render.notebook.bundle import level_mimebundle
+        from babyrobot_levels.render.notebook.html import level_mimebundle
 
         return level_mimebundle(self)
 

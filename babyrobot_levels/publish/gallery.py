@@ -20,7 +20,7 @@ from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.parallel.choice import executor_for
 from babyrobot_levels.publish.assets import ASSETS
 from babyrobot_levels.publish.facts import Facts
-from babyrobot_levels.publish.level_files import Shown, write_level
+from babyrobot_levels.publish.level_files import GalleryPages, write_level
 from babyrobot_levels.publish.level_page import with_neighbours
 from babyrobot_levels.publish.wall import wall_html
 from babyrobot_levels.scoring.sent import Item, received, sent
@@ -128,7 +128,7 @@ def gallery(
     named = named_levels(levels)
     found = named if isinstance(named, Suite) else [*named]
     title = title if title is not None else _title_of(levels, found)
-    shown = Shown(title=title, answers=answers, key=key)
+    shown = GalleryPages(title=title, answers=answers, key=key)
     facts: list[Facts] = []
     left_out: dict[int, Exception] = {}
     with written_folder(path) as new:
@@ -152,7 +152,9 @@ def gallery(
     return Gallery(path, title, tuple(each.to_dict() for each in facts), left_out)
 
 
-def _written(folder: Path, shown: Shown, suite: str | None, work: tuple[str, str, Item]) -> Facts:
+def _written(
+    folder: Path, shown: GalleryPages, suite: str | None, work: tuple[str, str, Item]
+) -> Facts:
     """Write the files of a level that was sent, and return its facts."""
     name, split, item = work
     return write_level(received(suite, item), folder, name=name, split=split, shown=shown)
@@ -163,7 +165,7 @@ def _is_of_level(error: Exception) -> bool:
     return isinstance(error, BabyRobotError | ValueError)
 
 
-def _write_shared(folder: Path, facts: list[Facts], shown: Shown, home: str | None) -> None:
+def _write_shared(folder: Path, facts: list[Facts], shown: GalleryPages, home: str | None) -> None:
     """Write what is there once for all levels."""
     for previous, each, following in zip(
         [None, *facts[:-1]], facts, [*facts[1:], None], strict=True

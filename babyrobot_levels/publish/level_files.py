@@ -39,7 +39,7 @@ MAX_FILM_STEPS = 150
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class GalleryPages:
     """What the pages of a gallery show.
 
     Attributes:
@@ -53,7 +53,7 @@ class Shown:
     key: bool
 
 
-def write_level(level: Level, folder: Path, *, name: str, split: str, shown: Shown) -> Facts:
+def write_level(level: Level, folder: Path, *, name: str, split: str, shown: GalleryPages) -> Facts:
     """Write the files of a level, and return its facts.
 
     Args:
@@ -130,7 +130,7 @@ def _png(scene: Scene) -> bytes:
     return to_png(scene, (round(scale * scene.width), round(scale * scene.height)))
 
 
-def _film(level: Level, solution: Solution, shown: Shown) -> bytes | None:
+def _film(level: Level, solution: Solution, shown: GalleryPages) -> bytes | None:
     """Return an episode of the optimal policy as a film; None if it is too long, or too large."""
     if not solution.expected_steps <= MAX_FILM_STEPS:
         return None

@@ -14,7 +14,7 @@ from typing import Any
 from babyrobot_levels.analysis.shown import Shown as ShownInNotebook
 from babyrobot_levels.library.catalogue import load
 from babyrobot_levels.library.level import Level
-from babyrobot_levels.publish.sheet_entries import Entry, Shown, entry_of
+from babyrobot_levels.publish.sheet_entries import Entry, SheetContents, entry_of
 from babyrobot_levels.publish.sheet_pages import PageStyle, pages_of
 from babyrobot_levels.render.notebook.html import picture_of, strip
 from babyrobot_levels.render.pdf import to_pdf
@@ -110,7 +110,7 @@ def sheet(
         raise ValueError("a sheet needs at least one level")
     if len(found) > MAX_LEVELS:
         raise ValueError(f"a sheet has at most {MAX_LEVELS} levels")
-    shown = Shown(theme, values, policy, rules, grids, key)
+    shown = SheetContents(theme, values, policy, rules, grids, key)
     entries: list[Entry] = []
     for each in found:
         entries.append(_entry(load(each), shown))
@@ -224,7 +224,7 @@ class Sheet(ShownInNotebook):
             write_bytes(file, made())
 
 
-def _entry(level: Level, shown: Shown) -> Entry:
+def _entry(level: Level, shown: SheetContents) -> Entry:
     width, height = level.size
     if width * height > MAX_CELLS:
         raise ValueError(

@@ -49,7 +49,7 @@ _DIGITS = 12
 
 
 @dataclass(frozen=True, slots=True)
-class Shown:
+class SheetContents:
     """What is shown of each level.
 
     Attributes:
@@ -90,7 +90,7 @@ class Entry:
     rules: Sequence[SampledRule] = field(default=())
 
 
-def entry_of(level: Level, shown: Shown) -> Entry:
+def entry_of(level: Level, shown: SheetContents) -> Entry:
     """Return what a sheet shows of a level.
 
     Raises:
@@ -143,7 +143,7 @@ def _in_words(level: Level, solution: Solution) -> str:
     return text
 
 
-def _rules(level: Level, shown: Shown) -> Iterator[SampledRule]:
+def _rules(level: Level, shown: SheetContents) -> Iterator[SampledRule]:
     if shown.grids:
         yield SampledRule(level, "", _SWEEP)
     for rule in rules_of(level):
@@ -153,7 +153,7 @@ def _rules(level: Level, shown: Shown) -> Iterator[SampledRule]:
 # -- grids -----------------------------------------------------------------------------------
 
 
-def _grids(level: Level, shown: Shown) -> Iterator[tuple[Scene, str]]:
+def _grids(level: Level, shown: SheetContents) -> Iterator[tuple[Scene, str]]:
     """Yield the grids for the values of sweeps of value iteration, in a key with these values."""
     sweeps: list[Any] = []
     if shown.key and shown.grids:

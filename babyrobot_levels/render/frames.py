@@ -57,7 +57,7 @@ _Value = TypeVar("_Value")
 
 
 @dataclass(frozen=True, slots=True)
-class Ground:
+class Backdrop:
     """A configuration without the robot and movers.
 
     Attributes:
@@ -87,7 +87,7 @@ class Ground:
         return rows, columns, pixels
 
 
-class Grounds:
+class Backdrops:
     """Paints the configurations of a level, and sprites to lay on them.
 
     The level is painted once, and what lies, stands open or is held laid on copies of it. The most
@@ -128,14 +128,14 @@ class Grounds:
         self._bare: dict[_AtHand | None, NDArray[np.uint8]] = {}
         self._sprites: dict[Hashable, Sprite] = {}
         self._overlays: dict[_AtHand, tuple[Scene, Scene, Translucent]] = {}
-        self._grounds: dict[Hashable, Ground] = {}
+        self._grounds: dict[Hashable, Backdrop] = {}
         self._limit = max(4, _BYTES // (6 * size[0] * size[1]))
 
-    def named(self, name: Hashable) -> Ground | None:
+    def named(self, name: Hashable) -> Backdrop | None:
         """Return a ground by its name, None if it is not cached any more."""
         return self._grounds.get(name)
 
-    def at(self, configuration: int, heading: int | None = None) -> Ground:
+    def at(self, configuration: int, heading: int | None = None) -> Backdrop:
         """Return the ground of a configuration, by its number.
 
         Args:
@@ -153,7 +153,7 @@ class Grounds:
             remember(self._grounds, name, ground, self._limit)
         return ground
 
-    def _painted_ground(self, name: Hashable, situation: Situation, at_hand: _AtHand) -> Ground:
+    def _painted_ground(self, name: Hashable, situation: Situation, at_hand: _AtHand) -> Backdrop:
         heat, under, above = self._painted_overlay(at_hand)
         if self._level.has_things:
             below = self._with_things(situation, heat, at_hand)
@@ -161,7 +161,7 @@ class Grounds:
                 below = composite(self.translucent(under, self.size), below)
         else:
             below = self._painted(_joined(self._base, heat, self._grid, under), self.size)
-        return Ground(name, below, above, below if above is None else composite(above, below))
+        return Backdrop(name, below, above, below if above is None else composite(above, below))
 
     def _with_things(
         self, situation: Situation, heat: Scene, at_hand: _AtHand
@@ -300,7 +300,7 @@ class FramePainter:
         self._level, self._layout = level, layout
         self._crowded = overlay is not None and overlay.fills_cells
         self._small = overlay is not None and overlay.is_crowded
-        self._grounds = Grounds(
+        self._grounds = Backdrops(
             level,
             layout,
             (self.width, self.height),

@@ -15,7 +15,7 @@ from PIL.GifImagePlugin import getdata
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import DELTAS, Action
-from babyrobot_levels.render.frames import Grounds
+from babyrobot_levels.render.frames import Backdrops
 from babyrobot_levels.render.raster import composite, to_rgb, translucent
 from babyrobot_levels.render.scene.build import build_base
 from babyrobot_levels.render.scene.icons import Spot
@@ -23,7 +23,7 @@ from babyrobot_levels.render.scene.layout import CELL, Layout, layout_of, panel_
 from babyrobot_levels.render.scene.overlay import Overlay
 from babyrobot_levels.render.scene.panels import compass_shapes, panel_shapes, panel_texts
 from babyrobot_levels.render.scene.robot import robot_shapes
-from babyrobot_levels.render.scene.shapes import Scene, Shape, scaled, toned
+from babyrobot_levels.render.scene.shapes import Point, Scene, Shape, scaled, toned
 from babyrobot_levels.render.scene.situation import (
     STANDING,
     GoodEnds,
@@ -71,8 +71,6 @@ _COLORS, _EXACT = 255, 160
 
 _TRANSPARENT = 255
 """The number in an image of a pixel that stays as it was; it comes after those of colours."""
-
-Place = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,7 +157,7 @@ class _Shot:
     Things are as in configuration `start`, movers on their way from there to `end`.
     """
 
-    place: Place
+    place: Point
     pose: Pose
     steps: int
     total: float
@@ -193,7 +191,7 @@ def _shots(level: GridWorld, steps: Sequence[Step], between: int) -> Iterator[_S
         yield _Shot((float(end[0]), float(end[1])), pose, count, total, time, then, then)
 
 
-def _between(step: Step, start: Place, end: Place, phase: float) -> Place:
+def _between(step: Step, start: Point, end: Point, phase: float) -> Point:
     if start == end and step.action != Action.STAY and not step.skidded:
         reach = _NUDGE * math.sin(math.pi * phase)
         dx, dy = DELTAS[Action(step.action)]
@@ -220,9 +218,9 @@ class _Painter:
         self._level, self._layout, self._scale = level, layout, scale
         self._size = round(scale * layout.width), round(scale * layout.height)
         self._small = overlay is not None and overlay.is_crowded
-        self._grounds: Grounds | None = None
+        self._grounds: Backdrops | None = None
         if level.has_things:
-            self._grounds = Grounds(level, layout, self._size, overlay=overlay)
+            self._grounds = Backdrops(level, layout, self._size, overlay=overlay)
             self.ground = self._grounds.at(configuration).whole
         else:
             self.ground = to_rgb(build_base(level, overlay=overlay), self._size)
@@ -249,7 +247,7 @@ class _Painter:
             picture[patch.top : patch.top + height, patch.left : patch.left + width] = patch.pixels
             yield patch
 
-    def _moving(self, shot: _Shot) -> Iterator[tuple[Translucent, Place]]:
+    def _moving(self, shot: _Shot) -> Iterator[tuple[Translucent, Point]]:
         """Yield the pictures and places of movers."""
         level, layout = self._level, self._layout
         robot = (round(shot.place[0]), round(shot.place[1])) if shot.start == shot.end else None
@@ -289,7 +287,7 @@ class _Painter:
     def _picture(self, shapes: tuple[Shape, ...]) -> Translucent:
         return _picture(shapes, self._level.resolved_theme, self._scale)
 
-    def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Place) -> Patch:
+    def _laid(self, ground: NDArray[np.uint8], image: Translucent, place: Point) -> Patch:
         """Return the part of a picture around a place, with a figure in its middle."""
         ink, through = image
         beyond = (ink.shape[0] - max(1, round(self._scale * CELL))) // 2

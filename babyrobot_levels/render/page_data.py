@@ -20,10 +20,9 @@ from babyrobot_levels.language.looks import Colors, Theme
 from babyrobot_levels.mdp.actions import HEADINGS
 from babyrobot_levels.render.colors import gray, is_gray
 from babyrobot_levels.render.effects import effects_of
-from babyrobot_levels.render.page_marks import Marks
 from babyrobot_levels.render.page_shapes import Palette, hexadecimal, pack
 from babyrobot_levels.render.page_tables import CHEER, EVENTS, HEADING_POSES, POSES, rows_of
-from babyrobot_levels.render.page_things import things_data
+from babyrobot_levels.render.page_things import Marks, things_data
 from babyrobot_levels.render.scene.build import floor_shapes, ground_layer, sign_shapes
 from babyrobot_levels.render.scene.heat import BAR_STEPS, Heat, frame_shapes
 from babyrobot_levels.render.scene.layout import CELL, layout_of

@@ -17,13 +17,13 @@ from babyrobot_levels.render.scene.situation import place_of, situation_of
 from babyrobot_levels.render.scene.slots import Slots
 from babyrobot_levels.render.scene.texts import Form, form_of
 from babyrobot_levels.render.terminal import ALL_COLORS, cut_out
-from babyrobot_levels.render.text_colors import RESET, Grounds, Palette, escape
+from babyrobot_levels.render.text_colors import RESET, Palette, TextGrounds, escape
 from babyrobot_levels.render.text_plan import (
     USUAL,
     WINDS,
-    Cells,
-    Mark,
     Symbols,
+    TextCells,
+    TextMark,
     ascii_lines,
     drawing_without_things,
     held_line,
@@ -70,7 +70,7 @@ class _Drawn(NamedTuple):
     """
 
     lines: list[str]
-    cells: Cells
+    cells: TextCells
     taken: frozenset[Cell]
     fills: Mapping[Cell, Rgb]
     below: list[str]
@@ -128,7 +128,7 @@ class TextPainter:
         self._robots = PLAIN_ROBOTS if plain else ROBOTS
         self._arrows = _PLAIN_ARROWS if plain else _ARROWS
         self._drawing = drawing_without_things(level)
-        self._grounds: Grounds | None = None
+        self._grounds: TextGrounds | None = None
         self._drawn: tuple[tuple[_AtHand, int, int | None], _Drawn] | None = None
 
     def lines(
@@ -163,7 +163,7 @@ class TextPainter:
         marks = marks_of(self._level, situation, plain=self._plain, taken=taken, cells=drawn.cells)
         shown = marks
         if robot is not None:
-            mark = Mark(self._robots[-1 if heading is None else heading])
+            mark = TextMark(self._robots[-1 if heading is None else heading])
             shown = {**marks, drawn.cells.position(*robot): mark}
         lines, below = with_marks(drawn.lines, shown), drawn.below
         if held and (line := held_line(self._level, situation)):
@@ -185,14 +185,14 @@ class TextPainter:
     def blocks(self, *, configuration: int | None = None, colors: int) -> list[str]:
         """Return the lines of a small picture: a cell has two columns and one line.
 
-        Cells and walls are blocks of colour, two in each character. Arrows and numbers are not
+        TextCells and walls are blocks of colour, two in each character. Arrows and numbers are not
         shown, nor is what has no colour.
 
         Args:
             configuration: what is where; None is the level as a whole.
             colors: how many colours the terminal shows, 16, 256 or all.
         """
-        cells, drawn = Cells(1, 0), self._at(configuration, None, colors, 1)
+        cells, drawn = TextCells(1, 0), self._at(configuration, None, colors, 1)
         situation = situation_of(self._level, configuration)
         marks = marks_of(self._level, situation, plain=False, cells=cells)
         ends = {*self._level.starts, *situation.exits}
@@ -211,11 +211,11 @@ class TextPainter:
         self,
         drawn: _Drawn,
         robot: Cell | None,
-        marks: Mapping[tuple[int, int], Mark],
+        marks: Mapping[tuple[int, int], TextMark],
         colors: int,
     ) -> Palette:
         if self._grounds is None:
-            self._grounds = Grounds(self._level)
+            self._grounds = TextGrounds(self._level)
         return Palette(self._level, self._grounds, drawn.fills, robot, marks, drawn.cells, colors)
 
     def _at(
@@ -258,17 +258,17 @@ class TextPainter:
             cell: arrow for cell, arrow in self._arrows_of(overlay).items() if cell in slots.acting
         }
         form = form_of(values.values(), overlay.precision)
-        numbers = {cell: _number(value, form) for cell, value in values.items()}
+        numbers = {cell: _value_text(value, form) for cell, value in values.items()}
         longest = max(map(len, numbers.values()), default=0)
         # A blank between arrow and number is left out where that lets the numbers fit.
         fitting = (
-            Cells(longest + more, 0)
+            TextCells(longest + more, 0)
             for more in ((3, 2) if arrows else (2,))
             if columns is None or (longest + more + 1) * self._level.size[0] < columns
         )
         cells = next(fitting, None) if numbers else None
         if cells is None:
-            numbers, cells = {}, Cells(3, 0) if arrows or values else USUAL
+            numbers, cells = {}, TextCells(3, 0) if arrows or values else USUAL
         contents = [
             [
                 _content(symbol, arrows.get((x, y), ""), numbers.get((x, y), ""), cells)
@@ -299,7 +299,7 @@ class TextPainter:
         }
 
 
-def _content(symbol: str, arrow: str, number: str, cells: Cells) -> str:
+def _content(symbol: str, arrow: str, number: str, cells: TextCells) -> str:
     """Return the text of a cell: its symbol, its arrow and its number."""
     if arrow and symbol in WINDS:
         # It would read as another arrow of the policy.
@@ -309,7 +309,7 @@ def _content(symbol: str, arrow: str, number: str, cells: Cells) -> str:
     return f"{symbol}{number:>{cells.width - 2}} "
 
 
-def _number(value: float, form: Form) -> str:
+def _value_text(value: float, form: Form) -> str:
     if math.isinf(value):
         return "∞" if value > 0 else "-∞"
     return form.text(value)
@@ -342,7 +342,7 @@ def _whole(lines: list[str]) -> _Window:
 
 
 def _window(
-    size: tuple[int, int], cells: Cells, at: Cell, room: os.terminal_size
+    size: tuple[int, int], cells: TextCells, at: Cell, room: os.terminal_size
 ) -> tuple[_Window, list[str]]:
     """Return the part of a drawing that fits, around a cell, and a line that says which it is."""
     steps = cells.width + 1, 2

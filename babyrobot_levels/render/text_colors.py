@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from babyrobot_levels.render.colors import Rgb, contrast, over
 from babyrobot_levels.render.scene.walls import GLASS
 from babyrobot_levels.render.terminal import ALL_COLORS, PALETTE
-from babyrobot_levels.render.text_plan import Cells, Mark, Position
+from babyrobot_levels.render.text_plan import Position, TextCells, TextMark
 
 if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
@@ -37,7 +37,7 @@ _SIXTEEN = (
 """The colours of a terminal that has not more, as xterm shows them."""
 
 
-class Grounds:
+class TextGrounds:
     """The colours of cells without what stands in them.
 
     Args:
@@ -84,11 +84,11 @@ class Palette:
     def __init__(
         self,
         level: GridWorld,
-        grounds: Grounds,
+        grounds: TextGrounds,
         fills: Mapping[tuple[int, int], Rgb],
         robot: tuple[int, int] | None,
-        marks: Mapping[Position, Mark],
-        cells: Cells,
+        marks: Mapping[Position, TextMark],
+        cells: TextCells,
         count: int,
     ) -> None:
         self._colors = colors = level.resolved_theme.colors

@@ -34,7 +34,7 @@ Position = tuple[int, int]
 """A line and a column of the text."""
 
 
-class Cells(NamedTuple):
+class TextCells(NamedTuple):
     """Where the cells of a text are: how wide they are, and which character is their symbol."""
 
     width: int = 3
@@ -45,11 +45,11 @@ class Cells(NamedTuple):
         return 2 * y + 1, (self.width + 1) * x + 1 + self.symbol
 
 
-USUAL = Cells()
+USUAL = TextCells()
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class TextMark:
     """A character on a picture of text.
 
     Attributes:
@@ -69,8 +69,8 @@ def marks_of(
     *,
     plain: bool,
     taken: frozenset[tuple[int, int]] = frozenset(),
-    cells: Cells = USUAL,
-) -> dict[Position, Mark]:
+    cells: TextCells = USUAL,
+) -> dict[Position, TextMark]:
     """Return what of a picture shows the things of a level.
 
     The symbol of a cell is one of them: a mover before an item or a switch. The next one is
@@ -83,7 +83,7 @@ def marks_of(
         taken: the cells whose symbol is something else: the robot, or an arrow.
         cells: where the cells are.
     """
-    marks: dict[Position, Mark] = {}
+    marks: dict[Position, TextMark] = {}
     used = set(taken)
     for x, y, mark in _in_cells(level, situation, 1 if plain else 0):
         line, column = cells.position(x, y)
@@ -92,39 +92,41 @@ def marks_of(
     return marks | dict(_doors(level, situation, 1 if plain else 0, cells))
 
 
-def _in_cells(level: GridWorld, situation: Situation, kind: int) -> Iterator[tuple[int, int, Mark]]:
+def _in_cells(
+    level: GridWorld, situation: Situation, kind: int
+) -> Iterator[tuple[int, int, TextMark]]:
     colors = level.resolved_theme.colors
     for mover, (x, y) in zip(level.movers, situation.movers, strict=True):
         name = "guard" if mover.within is None else "wanderer"
-        yield x, y, Mark(MOVER[kind], mover.color or default_color(name, colors))
+        yield x, y, TextMark(MOVER[kind], mover.color or default_color(name, colors))
     for item, cells in zip(level.items, situation.items, strict=True):
         for x, y in cells:
             color = item.color or default_color(item.picture, colors)
-            yield x, y, Mark(ITEMS[item.picture][kind], color)
+            yield x, y, TextMark(ITEMS[item.picture][kind], color)
     for switch, is_on in zip(level.switches, situation.on, strict=True):
         color = switch.color or default_color("switch", colors)
-        yield *switch.at, Mark(ON if is_on else OFF, color)
+        yield *switch.at, TextMark(ON if is_on else OFF, color)
     if situation.is_locked or level.exit_one_of is not None:
         for x, y in situation.exits:
-            yield x, y, Mark(LOCKED if situation.is_locked else d.EXIT)
+            yield x, y, TextMark(LOCKED if situation.is_locked else d.EXIT)
 
 
 def _doors(
-    level: GridWorld, situation: Situation, kind: int, cells: Cells
-) -> Iterator[tuple[Position, Mark]]:
+    level: GridWorld, situation: Situation, kind: int, cells: TextCells
+) -> Iterator[tuple[Position, TextMark]]:
     for door, closed in zip(level.doors, situation.doors, strict=True):
         color = door_color(level, door)
         for x, y in sides_of(door):
             line, left = 2 * y + 1, (cells.width + 1) * x
             if door.side in ("E", "W"):
                 column = left + (cells.width + 1 if door.side == "E" else 0)
-                yield (line, column), Mark(_UPRIGHT[closed][kind], color, closed)
+                yield (line, column), TextMark(_UPRIGHT[closed][kind], color, closed)
             else:
                 line += 1 if door.side == "S" else -1
                 form = _LEVEL[closed][kind]
                 text = form[0] + form[1] * (cells.width - 2) + form[2]
                 for column, character in enumerate(text[: cells.width], left + 1):
-                    yield (line, column), Mark(character, color, closed)
+                    yield (line, column), TextMark(character, color, closed)
 
 
 def held_line(level: GridWorld, situation: Situation) -> str:
@@ -135,7 +137,7 @@ def held_line(level: GridWorld, situation: Situation) -> str:
     return f"held: {', '.join(held) or 'nothing'}"
 
 
-def with_marks(lines: list[str], marks: dict[Position, Mark]) -> list[str]:
+def with_marks(lines: list[str], marks: dict[Position, TextMark]) -> list[str]:
     """Return the lines of a picture with marks on them."""
     lines = lines.copy()
     for (row, column), mark in marks.items():

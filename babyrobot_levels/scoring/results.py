@@ -256,7 +256,7 @@ class Scores(Sequence[LevelScore]):
         return bars_scene(bars, title=title, zero="random", one="optimum")
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        from babyrobot_levels.render.notebook.bundle import picture_mimebundle
+        from babyrobot_levels.render.notebook.html import picture_mimebundle
 
         return picture_mimebundle(self._scene(), repr(self))
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from IPython.core.getipython import get_ipython
 from IPython.display import DisplayHandle, display
 
-from babyrobot_levels.render.notebook.bundle import HTML, TEXT, Bundle
+from babyrobot_levels.render.notebook.html import HTML, TEXT, Bundle
 
 _STYLE = """\
 <style class="{name}">

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 from babyrobot_levels.language.geometry import Cell
 from babyrobot_levels.mdp.actions import Action
-from babyrobot_levels.render.notebook.bundle import (
+from babyrobot_levels.render.notebook.frontend import Frontend, frontend
+from babyrobot_levels.render.notebook.html import (
     MARKDOWN,
     SVG,
     TEXT,
@@ -19,7 +20,6 @@ from babyrobot_levels.render.notebook.bundle import (
     is_too_large,
     picture_mimebundle,
 )
-from babyrobot_levels.render.notebook.frontend import Frontend, frontend
 from babyrobot_levels.render.scene.build import build_layers
 from babyrobot_levels.render.scene.layout import CELL, layout_of
 from babyrobot_levels.render.scene.overlay import Overlay
@@ -29,8 +29,8 @@ from babyrobot_levels.render.scene.shapes import Scene, Shape, shifted, toned
 from babyrobot_levels.render.scene.situation import (
     STANDING,
     Mood,
-    Place,
     Pose,
+    RobotPlace,
     place_of,
     pose_of,
     situation_of,
@@ -214,7 +214,7 @@ class LevelView:
         if self._output is not None:
             self._output.refresh()
 
-    def _changed(self, place: Place, pose: Pose) -> dict[str, Scene]:
+    def _changed(self, place: RobotPlace, pose: Pose) -> dict[str, Scene]:
         """Return the layers that a new state and pose change: always the robot's."""
         level, layout = self._level, self._layout
         layers: dict[str, tuple[Shape, ...]] = {}
@@ -231,7 +231,7 @@ class LevelView:
         changed = {name: scene for name, scene in scenes.items() if scene != self._layers[name]}
         return {**changed, "robot": self._robot(place.y, place.x, pose)}
 
-    def _gliding(self, place: Place, pose: Pose) -> Iterator[dict[str, Scene]]:
+    def _gliding(self, place: RobotPlace, pose: Pose) -> Iterator[dict[str, Scene]]:
         """Yield the frames of a step in which the robot or movers go to neighbouring cells."""
         if not self._is_watched:
             return
@@ -265,7 +265,7 @@ class LevelView:
                 )
             yield frame
 
-    def _movers(self, place: Place) -> list[tuple[Cell, tuple[Shape, ...]]]:
+    def _movers(self, place: RobotPlace) -> list[tuple[Cell, tuple[Shape, ...]]]:
         """Return the cell and the figure of each mover."""
         situation = situation_of(self._level, place.configuration)
         crowded = self._overlay is not None and self._overlay.fills_cells

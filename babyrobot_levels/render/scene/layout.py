@@ -67,7 +67,7 @@ class HeldSlots(NamedTuple):
         return self.left + (column + 0.5) * self.side, self.top + (row + 0.5) * self.side
 
 
-class Room(NamedTuple):
+class TextRoom(NamedTuple):
     """A rectangle with room for text: in the panel beside the grid or below it, or a box below."""
 
     left: float
@@ -221,19 +221,19 @@ def with_rules(level: GridWorld, overlay: Overlay, layout: Layout) -> Layout:
     return replace(layout, rules=height_for(texts, max(layout.width, NARROWEST)))
 
 
-def rules_room(level: GridWorld, overlay: Overlay, layout: Layout) -> Room | None:
+def rules_room(level: GridWorld, overlay: Overlay, layout: Layout) -> TextRoom | None:
     """Return where a picture shows the rules: in their box, or in a panel that is not used."""
     if layout.rules:
         top = layout.height - layout.rules
-        return Room(0.0, top, layout.width, layout.rules, "box")
+        return TextRoom(0.0, top, layout.width, layout.rules, "box")
     side, bottom = (
         panel_width(panel) for panel in (level.display.side_panel, level.display.bottom_panel)
     )
     if side >= NARROWEST and not overlay.side_panel:
         top = COMPASS if level.display.compass else 0.0
-        return Room(layout.left_width, top, layout.side, side_foot(layout) - top, "side")
+        return TextRoom(layout.left_width, top, layout.side, side_foot(layout) - top, "side")
     if bottom >= LINE and bottom_room(layout) >= NARROWEST and not overlay.bottom_panel:
-        return Room(0.0, layout.top_height, bottom_room(layout), layout.bottom, "bottom")
+        return TextRoom(0.0, layout.top_height, bottom_room(layout), layout.bottom, "bottom")
     return None
 
 
@@ -357,7 +357,7 @@ _SCALES = (1.0, 0.9, 0.8, 0.7)
 """The scales of rules in a box that is given, from the largest: smaller letters are not read."""
 
 
-class Row(NamedTuple):
+class RuleRow(NamedTuple):
     """A rule in a box.
 
     Attributes:
@@ -388,16 +388,18 @@ def scale_for(texts: Sequence[str], width: float, height: float) -> float | None
     return next(fits, None)
 
 
-def rows_in(texts: Sequence[str], width: float, height: float) -> list[Row]:
+def rows_in(texts: Sequence[str], width: float, height: float) -> list[RuleRow]:
     """Return the rows in a box that has room for all."""
-    rows: list[Row] = []
+    rows: list[RuleRow] = []
     column, down = 0, 0.0
     room, columns = height - 2 * _RULE_EDGE + _BETWEEN, _rule_columns(width)
     for number, lines in enumerate(_rule_lines(texts, width)):
         tall = _rule_height(lines)
         if down + tall > room + _ROUNDING and rows and column + 1 < columns:
             column, down = column + 1, 0.0
-        rows.append(Row(number, _RULE_EDGE + column * width / columns, _RULE_EDGE + down, lines))
+        rows.append(
+            RuleRow(number, _RULE_EDGE + column * width / columns, _RULE_EDGE + down, lines)
+        )
         down += tall
     return rows
 

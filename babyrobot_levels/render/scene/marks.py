@@ -193,7 +193,7 @@ _INSET = 6.0
 _WIDTH, _RIM_WIDTH = 4.0, 8.0
 
 
-class Side(NamedTuple):
+class MarkedSide(NamedTuple):
     """A side of a cell.
 
     Attributes:
@@ -208,7 +208,7 @@ class Side(NamedTuple):
 
 
 def marked(
-    scene: Scene, layout: Layout, cells: Iterable[tuple[int, int]], sides: Sequence[Side]
+    scene: Scene, layout: Layout, cells: Iterable[tuple[int, int]], sides: Sequence[MarkedSide]
 ) -> Scene:
     """Return a picture in which some cells and sides are marked.
 
@@ -233,7 +233,7 @@ def _rings(layout: Layout, cells: Iterable[tuple[int, int]]) -> Iterator[Shape]:
     yield from _lines(commands)
 
 
-def _bars(layout: Layout, sides: Iterable[Side]) -> list[Command]:
+def _bars(layout: Layout, sides: Iterable[MarkedSide]) -> list[Command]:
     commands: list[Command] = []
     for (x, y), side, _ in sides:
         end = layout.corner(x + 1, y + 1)

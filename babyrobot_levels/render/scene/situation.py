@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from babyrobot_levels.mdp.gridworld import GridWorld
 
 
-class Place(NamedTuple):
+class RobotPlace(NamedTuple):
     """What a state means in a picture: the number of the configuration, and the robot's cell."""
 
     configuration: int
@@ -29,7 +29,7 @@ class Place(NamedTuple):
         return self.x, self.y
 
 
-def place_of(level: GridWorld, state: int) -> Place:
+def place_of(level: GridWorld, state: int) -> RobotPlace:
     """Return the configuration and the cell of a state, `configuration * cells + y * width + x`.
 
     This is the numbering of `level.compile()`; of a robot that turns, the heading is given apart.
@@ -43,7 +43,7 @@ def place_of(level: GridWorld, state: int) -> Place:
     if not 0 <= configuration < count:
         raise ValueError(f"state {state} is not on the level")
     y, x = divmod(cell, width)
-    return Place(configuration, x, y)
+    return RobotPlace(configuration, x, y)
 
 
 class GoodEnds:

@@ -95,7 +95,7 @@ class Label(NamedTuple):
     columns: range
 
 
-class Shown(NamedTuple):
+class ShownInCells(NamedTuple):
     """What a picture shows in its cells."""
 
     number: bool
@@ -173,7 +173,7 @@ class Slots:
     def __init__(self, level: GridWorld, layout: Layout, overlay: Overlay) -> None:
         self._layout = layout
         values, visits = overlay.values is not None, overlay.visits is not None
-        self.shown = Shown(
+        self.shown = ShownInCells(
             # The best value of the actions is that of the state.
             number=(values or visits) and overlay.action_values is None,
             second=visits and (values or overlay.action_values is not None),
@@ -247,7 +247,7 @@ def standing_cells(level: GridWorld) -> tuple[frozenset[Cell], frozenset[Cell]]:
 
 
 @lru_cache(maxsize=256)
-def _plan(contents: Contents, shown: Shown) -> Plan:
+def _plan(contents: Contents, shown: ShownInCells) -> Plan:
     top, foot = _TOP, _FOOT
     is_labelled = contents.label_foot > 0
     if is_labelled:
@@ -289,7 +289,7 @@ def _plan(contents: Contents, shown: Shown) -> Plan:
     return Plan(icon, arrow, number, second, coordinates, word, free)
 
 
-def _corner(top: float, is_left_taken: bool, is_labelled: bool, shown: Shown) -> Box:
+def _corner(top: float, is_left_taken: bool, is_labelled: bool, shown: ShownInCells) -> Box:
     """Return the box of an icon in a corner, clear of the arrows, which point to the sides."""
     side = _CORNER_OF_ACTIONS if shown.actions or is_labelled else _CORNER
     upper = top - 1

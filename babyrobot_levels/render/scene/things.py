@@ -34,7 +34,7 @@ from babyrobot_levels.render.scene.shapes import (
     rounded,
 )
 from babyrobot_levels.render.scene.situation import Situation
-from babyrobot_levels.render.scene.slots import ICON, Slots
+from babyrobot_levels.render.scene.slots import ICON, Box, Slots
 from babyrobot_levels.render.scene.texts import end_text, label_shapes
 
 if TYPE_CHECKING:
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
 _WHITE = "#ffffff"
 _TILE = 5.5
 """The distance of a drawn exit from the edges of its cell, in pixels."""
-
-Box = tuple[float, float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,7 +83,7 @@ def pieces(
     if not level.has_things:
         return
     if situation.is_overview:
-        whole = (0.0, 0.0, layout.width, layout.height)
+        whole = Box(0.0, 0.0, layout.width, layout.height)
         yield Piece(("tracks",), whole, partial(_tracks, level, layout, slots))
     yield from _exits(level, layout, situation)
     for number, is_on in enumerate(situation.on):
@@ -103,7 +101,7 @@ def pieces(
             centre, is_upright = _side_centre(layout, door, x, y)
             draw = partial(_door, level, door, centre, is_upright, closed)
             reach = max(36.0, (door.width or 0.0) / 2 + 8)
-            box = centre[0] - reach, centre[1] - reach, centre[0] + reach, centre[1] + reach
+            box = Box(-reach, -reach, reach, reach).moved(*centre)
             yield Piece(("door", number, (x, y), closed), box, draw)
     yield from held_pieces(level, layout, situation)
 
@@ -116,7 +114,7 @@ def _tracks(level: GridWorld, layout: Layout, slots: Slots | None) -> Iterator[S
 
 
 def _cell_box(layout: Layout, cell: Cell) -> Box:
-    return *layout.corner(*cell), *layout.corner(cell[0] + 1, cell[1] + 1)
+    return Box(*layout.corner(*cell), *layout.corner(cell[0] + 1, cell[1] + 1))
 
 
 def _centre(layout: Layout, cell: Cell) -> Point:
@@ -317,7 +315,7 @@ def held_pieces(level: GridWorld, layout: Layout, situation: Situation) -> Itera
         half = slots.side / 2
         color = item.color or default_color(item.picture, colors)
         spot = Spot(x, y, slots.side / _SQUARE, colors.text_bg if cells else None, _NOT_HELD)
-        box = (x - half, y - half, x + half, y + half)
+        box = Box(x - half, y - half, x + half, y + half)
         draw = partial(item_shapes, item.picture, color, spot)
         yield Piece(("held", number, not cells), box, draw)
 
